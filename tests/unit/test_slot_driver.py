@@ -129,6 +129,8 @@ def test_a_search_interrupted_at_any_moment_goes_on_with_the_same_order(name: st
         known = np.flatnonzero(before)
         assert np.array_equal(columns.points[known], whole.points[known])
         assert columns.costs[known].tobytes() == whole.costs[known].tobytes()
+        later = np.delete(columns.seconds, known)
+        assert (later > moment).all(), "what ends now ends after all that had ended"
         if ended == len(whole.status):
             assert columns.points.tobytes() == whole.points.tobytes()
         held = store.evaluations(0)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from campaigns.results.base import EXCLUDED, OK, Stop
 from worker.search.base import Batch, Several
 from worker.stages.parts.context import Cancelled, Context, Driven, ReplayMismatch, Request, Seeded, Tally, Through
-from worker.stages.parts.store import Columns, join
+from worker.stages.parts.store import Ahead, Columns, join
 from worker.systems.base import Floats, Seeds, System
 
 FLUSH_SECONDS = 0.2
@@ -35,7 +35,7 @@ class Driver:
         self.unsaved: list[Columns] = []
         self.stored = context.store.evaluations(position)
         earlier = self.stored.seconds if self.stored is not None else np.empty(0)
-        self.offset = float(earlier[-1]) if len(earlier) else 0.0
+        self.offset = float(earlier.max(initial=0.0))
         self.began = self.saved = time.perf_counter()
 
     def answer(self, request: Request) -> tuple[Batch, bool]:
@@ -76,13 +76,16 @@ class Driver:
         return Driven(self.tally, columns, how)
 
     def flush(self) -> None:
-        columns = join(self.unsaved)
+        self._store(join(self.unsaved))
+        self.saved = time.perf_counter()
+        self.context.progress(self.position, self.tally)
+
+    def _store(self, columns: Columns | None, ahead: Ahead | None = None) -> None:
+        """Write what is not stored yet: the evaluations that continue the record, and those ahead of it."""
         if columns is not None:
             first = self.tally.evaluations - len(columns.status)
             self.unsaved = []  # even on error: the store may have written them before it raised
-            self.context.store.append(self.position, first, columns)
-        self.saved = time.perf_counter()
-        self.context.progress(self.position, self.tally)
+            self.context.store.append(self.position, first, columns, *([] if ahead is None else [ahead]))
 
     def _fresh(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, bool]:
         room = self.budget - self.tally.evaluations

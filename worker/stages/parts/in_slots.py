@@ -64,11 +64,12 @@ class InSlots:
         self._points: list[Floats] = []
         self._todo: deque[tuple[int, Callable[[], Future[Evaluated]]]] = deque()
         self._running = 0
-        self._last = 0.0
         self._ended: queue.SimpleQueue[tuple[int, Future[Evaluated]]] = queue.SimpleQueue()
         self._stored = dict(_stored(stored, ahead))
-        self._kept = set(self._stored)
-        """Indices of the evaluations that the store has."""
+        self.last = max((row.seconds for _, row in self._stored.values()), default=0.0)
+        """When the latest evaluation ended, also of an earlier attempt [s]."""
+        self._unstored: list[int] = []
+        """Indices of the evaluations that ended here since the last call of `ahead`."""
         self._prefix = 0 if stored is None else len(stored.status)
 
     def ask(self, points: Floats, seeds: Seeds | None = None, through: System | None = None) -> range:
@@ -91,7 +92,6 @@ class InSlots:
             if not np.array_equal(before, point):
                 raise OtherPoint(first + k)
             self.rows.append(row)
-            self._last = max(self._last, row.seconds)
         self._hand_out()
         return range(first, len(self.rows))
 
@@ -135,8 +135,7 @@ class InSlots:
 
     def ahead(self) -> Ahead:
         """The ended evaluations behind a gap that the store does not have yet; it is assumed to store them."""
-        new = [i for i in range(self.done, len(self.rows)) if self.rows[i] is not None and i not in self._kept]
-        self._kept.update(new)
+        new, self._unstored = sorted(i for i in self._unstored if i >= self.done), []
         return Ahead(np.array(new, dtype=np.int64), self.columns(new))
 
     def columns(self, indices: Sequence[int]) -> Columns:
@@ -161,8 +160,9 @@ class InSlots:
     def _take(self, index: int, future: Future[Evaluated]) -> None:
         self._running -= 1
         self.ended_here += 1
-        self._last = max(np.nextafter(self._last, np.inf), self.now())  # so that the order can be read from the times
-        self.rows[index] = Row(future.result(), float(self._last))
+        self.last = float(max(np.nextafter(self.last, np.inf), self.now()))  # the order can be read from the times
+        self.rows[index] = Row(future.result(), self.last)
+        self._unstored.append(index)
 
 
 def _stored(stored: Columns | None, ahead: Ahead | None) -> list[tuple[int, tuple[Floats, Row]]]:

@@ -16,7 +16,7 @@ from worker.search.base import Batch, Several
 from worker.stages.parts.context import Cancelled, Context, Driven, ReplayMismatch, Request, Seeded, Through
 from worker.stages.parts.driver import Driver
 from worker.stages.parts.in_slots import InSlots, OtherPoint
-from worker.stages.parts.store import join
+from worker.stages.parts.store import Ahead, Columns
 from worker.systems.base import Floats, Seeds, System
 
 
@@ -27,7 +27,7 @@ class SlotDriver(Driver):
         super().__init__(context, position, budget, repeats)
         ahead = context.store.ahead(position)
         self.slots = InSlots(context.problem, self._piece, self._seconds, self.stored, ahead)
-        self.offset = max([self.offset, *([] if ahead is None else ahead.columns.seconds.tolist())])
+        self.offset = self.slots.last
         self.places: dict[bytes, int] | None = {} if repeats else None
         """The index of each point that was requested, where a search may request it again."""
         self.groups: dict[int, list[int]] = {}
@@ -51,15 +51,11 @@ class SlotDriver(Driver):
             raise ReplayMismatch(self.position, len(self.slots.rows))
         return super().end(how)
 
-    def flush(self) -> None:
-        columns, ahead = join(self.unsaved), self.slots.ahead()
-        if columns is not None or len(ahead.indices):
-            count = 0 if columns is None else len(columns.status)
-            self.unsaved = []
-            rows = self.slots.columns(()) if columns is None else columns
-            self.context.store.append(self.position, self.tally.evaluations - count, rows, ahead)
-        self.saved = time.perf_counter()
-        self.context.progress(self.position, self.tally)
+    def _store(self, columns: Columns | None, ahead: Ahead | None = None) -> None:
+        ahead = self.slots.ahead()
+        if columns is None and len(ahead.indices):
+            columns = self.slots.columns(())
+        super()._store(columns, ahead)
 
     def _first_of(self, request: Several) -> tuple[Batch, bool]:
         """The batch of the group that is complete first; the other groups go on."""

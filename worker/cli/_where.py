@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import sqlalchemy as sa
 import typer
 
-from backend.db.engine import connect, default_url, migrate
+from backend.db.engine import connect, default_url, migrate, read
 from campaigns.runs import run_number
 from worker.cli import WrongInputError
+
+Loaded = TypeVar("Loaded")
 
 Data = Annotated[Path, typer.Option(help="Folder of the database.", envvar="CLEARANCE_DATA", file_okay=False)]
 Database = Annotated[
@@ -50,6 +52,22 @@ def existing_url_of(data: Path, database: str) -> str:
 def stored_run(run: str) -> int | None:
     """The number of a stored run from the original text, R-0001 or 1; None for a folder."""
     return None if Path(run).is_dir() else run_number(run if run.startswith("R-") else f"R-{run}")
+
+
+def loaded_run(
+    run: str, data: Path, database: str,
+    of_folder: Callable[[Path], Loaded], of_database: Callable[[sa.Connection, int], Loaded],
+) -> Loaded:  # fmt: skip
+    """A run of a folder, or of the database, which is only read."""
+    run_id = stored_run(run)
+    if run_id is None:
+        return of_folder(Path(run))
+    engine = connect(existing_url_of(data, database))
+    try:
+        with read(engine) as connection:
+            return of_database(connection, run_id)
+    finally:
+        engine.dispose()
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from worker.cli import VIOLATED, WrongInputError
-from worker.cli._where import DATA, Data, Database, existing_url_of, stored_run
+from worker.cli._where import DATA, Data, Database, loaded_run
 
 if TYPE_CHECKING:
     from worker.audit.judge import Item
@@ -52,17 +52,7 @@ def audit(
 def _record(run: str, data: Path, database: str) -> Record:
     from worker.audit.record import of_database, of_folder
 
-    run_id = stored_run(run)
-    if run_id is None:
-        return of_folder(Path(run))
-    from backend.db.engine import connect, read
-
-    engine = connect(existing_url_of(data, database))
-    try:
-        with read(engine) as connection:
-            return of_database(connection, run_id)
-    finally:
-        engine.dispose()
+    return loaded_run(run, data, database, of_folder, of_database)
 
 
 def _print(items: list[Item]) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from worker.cli import VIOLATED, WrongInputError
-from worker.cli._where import DATA, Data, Database, existing_url_of, stored_run
+from worker.cli._where import DATA, Data, Database, loaded_run
 
 if TYPE_CHECKING:
     import sqlalchemy as sa
@@ -45,17 +45,7 @@ def verify(
 
 
 def _read(run: str, data: Path, database: str) -> Run:
-    run_id = stored_run(run)
-    if run_id is None:
-        return of_folder(Path(run))
-    from backend.db.engine import connect, read
-
-    engine = connect(existing_url_of(data, database))
-    try:
-        with read(engine) as connection:
-            return of_database(connection, run_id)
-    finally:
-        engine.dispose()
+    return loaded_run(run, data, database, of_folder, of_database)
 
 
 def of_folder(folder: Path) -> Run:

@@ -72,14 +72,11 @@ class Called(Simulated):
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         if self.slots:
-            return batch_of([self.submit(vector) for vector in vectors])
+            return batch_of([future.result() for future in [self.submit(vector) for vector in vectors]])
         calls = self.asked.calls
         batch, reasons = self._tried(np.repeat(vectors, calls, axis=0))
         rows = [Evaluated(batch.costs[k], int(s), reasons.get(k, "")) for k, s in enumerate(batch.status)]
-        found = [self._combined(rows[k : k + calls]) for k in range(0, len(rows), calls)]
-        costs = np.array([one.costs for one in found]).reshape(len(found), batch.costs.shape[1])
-        why = {k: one.reason for k, one in enumerate(found) if one.reason}
-        return Batch(costs, np.array([one.status for one in found], dtype=np.uint8)), why
+        return batch_of([self._combined(rows[k : k + calls]) for k in range(0, len(rows), calls)])
 
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
         """Of one further call, not tried again."""

@@ -62,7 +62,7 @@ class Slotted(Simulated):
         return gathered([self._opened().submit({"parameters": self._request(vector)})], self._evaluated)
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
-        return batch_of([self.submit(vector) for vector in vectors])
+        return batch_of([future.result() for future in [self.submit(vector) for vector in vectors]])
 
     def close(self) -> None:
         """Kill its processes; they start again with the next evaluation."""
@@ -109,9 +109,8 @@ def gathered(futures: Sequence[Future[One]], read: Callable[[Sequence[One]], Eva
     return found
 
 
-def batch_of(futures: Sequence[Future[Evaluated]]) -> tuple[Batch, Reasons]:
-    """The evaluations as a batch, in the order of the futures."""
-    found = [future.result() for future in futures]
+def batch_of(found: Sequence[Evaluated]) -> tuple[Batch, Reasons]:
+    """These evaluations as a batch."""
     costs = np.array([one.costs for one in found]).reshape(len(found), -1 if found else 1)
     reasons = {k: one.reason for k, one in enumerate(found) if one.reason}
     return Batch(costs, np.array([one.status for one in found], dtype=np.uint8)), reasons

@@ -1,6 +1,6 @@
 """Simulations with the compiled reference integrator against SciPy's DOP853 in plain Python.
 
-Where the loop switches nowhere, or at instants that are known, the two agree within SMOOTH of d_min: both keep 1e-10 a
+Where the loop switches nowhere, or at instants that are known, the two agree within SMOOTH of d_min: both keep 1e-9 a
 step. Where it slides along a switch neither has an order: from there on both keep 1e-4 a step and agree within SLIDING.
 """
 

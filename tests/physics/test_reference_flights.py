@@ -92,6 +92,7 @@ def test_the_channels_alone_have_the_bits_that_they_have_with_the_slope(name: st
     assert stepper.SEE in asked
 
 
+@pytest.mark.nightly
 def test_noise_kept_over_a_stretch_and_drawn_at_every_slope_give_the_same_bits() -> None:
     problem = Problem(changed(load_file(library()["uav_moving_gusts"]), horizon=3.0))
     assert compiled.draws(problem.system.loop) == 3

@@ -55,7 +55,7 @@ OTHERWISE = [
 
 
 @pytest.mark.parametrize(("change", "said"), OTHERWISE)
-def test_a_run_begun_by_other_code_is_refused_and_says_what_differs(
+def test_a_run_started_by_other_code_is_refused_with_the_differences(
     service: Service, client: httpx.Client, change: dict[str, object], said: str
 ) -> None:
     submit(client)
@@ -88,7 +88,7 @@ def test_before_the_first_stage_other_code_may_begin(service: Service, client: h
     assert flown(service) == here
 
 
-def test_a_run_begun_before_this_was_stored_goes_on_and_stores_nothing(service: Service, client: httpx.Client) -> None:
+def test_a_run_from_before_code_digests_resumes_and_stores_none(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     first = claimed(service)
     first.begin(2)
@@ -99,7 +99,7 @@ def test_a_run_begun_before_this_was_stored_goes_on_and_stores_nothing(service: 
     assert "not stored when the run began" in client.get(f"/api/v1/runs/{run}/report.html").text
 
 
-def test_page_report_and_files_tell_the_code_and_whether_it_is_installed(
+def test_page_report_and_files_state_the_code_and_whether_it_is_installed(
     service: Service, client: httpx.Client
 ) -> None:
     run = f"/api/v1/runs/{submit(client)}"

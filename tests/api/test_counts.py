@@ -205,7 +205,7 @@ def test_the_command_line_counts_the_same(ran: Ran, capsys: pytest.CaptureFixtur
     assert f"Of these, {failed} failed and {excluded} were excluded." in out
 
 
-def test_no_violation_is_not_said_to_hold_where_evaluations_failed(ran: Ran) -> None:
+def test_absence_of_violations_is_not_claimed_where_evaluations_failed(ran: Ran) -> None:
     """Failed evaluations have no value, whatever the result of the check."""
     for told in (ran.api()["summary"]["checks"], summary(ran.campaign, ran.memory, ran.verdict)["checks"]):
         standing = {check["name"]: check["standing"] for check in told}

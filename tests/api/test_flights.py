@@ -216,7 +216,7 @@ def test_of_a_purged_run_nothing_is_simulated(service: Service, client: httpx.Cl
     problem(client.patch(view, json={}), 410)
 
 
-def test_a_run_whose_components_are_not_installed_says_so(patient: Service) -> None:
+def test_a_run_whose_components_are_not_installed_reports_it(patient: Service) -> None:
     document = CATALOGUE.model_dump(mode="json")
     odd = component("vehicle", "hovercraft", [], starts=[])
     document["components"] = [*document["components"], odd]

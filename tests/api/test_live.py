@@ -59,7 +59,7 @@ def test_one_process_answers_many(live: Live) -> None:
 @pytest.mark.parametrize(
     ("does", "said"), [(1, "ended unexpectedly"), (2, "unreadable"), (3, "timed out"), (5, "unreadable")]
 )
-def test_a_process_that_fails_is_said_and_started_again(live: Live, does: int, said: str) -> None:
+def test_a_process_that_fails_is_reported_and_restarted(live: Live, does: int, said: str) -> None:
     before = fly(live)["pid"]
     with pytest.raises(LiveError, match=said):
         fly(live, does)
@@ -82,7 +82,7 @@ def test_a_refusal_is_a_sentence_and_no_failure(live: Live) -> None:
     assert fly(live)["pid"] == before
 
 
-def test_all_who_wait_hear_of_a_failure(live: Live) -> None:
+def test_a_failure_is_reported_to_all_waiting_clients(live: Live) -> None:
     fly(live)
     said: list[str] = []
 
@@ -103,14 +103,14 @@ def test_all_who_wait_hear_of_a_failure(live: Live) -> None:
     assert fly(live)["status"] == "ok"
 
 
-def test_a_process_that_cannot_be_started_is_said() -> None:
+def test_a_process_that_cannot_be_started_is_reported() -> None:
     live = Live(("/nowhere/at/all",))
     with pytest.raises(LiveError, match="could not be started"):
         fly(live)
     live.close()
 
 
-def test_after_closing_nothing_flies(live: Live) -> None:
+def test_after_closing_nothing_is_simulated(live: Live) -> None:
     fly(live)
     child = live._child
     live.close()
@@ -121,7 +121,7 @@ def test_after_closing_nothing_flies(live: Live) -> None:
         fly(live)
 
 
-def test_the_real_process_flies_the_shipped_case() -> None:
+def test_the_real_process_simulates_the_shipped_case() -> None:
     campaign = load_file(library()["unicycle_static"])
     live = Live(first_limit=120.0)  # a cold cache compiles first
     try:

@@ -47,7 +47,7 @@ def test_there_are_pairs_in_the_plane_and_in_space() -> None:
 
 
 @pytest.mark.parametrize(("avoider", "vehicle", "controller"), PAIRS, ids=lambda c: c.name)
-def test_it_flies(avoider: Avoider, vehicle: Vehicle, controller: Controller) -> None:
+def test_they_can_be_simulated_together(avoider: Avoider, vehicle: Vehicle, controller: Controller) -> None:
     campaign = load_document(document(avoider, vehicle, controller))
     assert check(campaign, catalogue()) == []
     problem = Problem(campaign, compiled=False)

@@ -112,7 +112,7 @@ def test_the_list_is_narrowed_and_ordered_by_the_address(signed_in: Visit, runs:
     expect(page.locator("tr[data-run]")).to_contain_text("Intruder")
 
 
-def test_name_tags_pin_and_notes_are_kept(signed_in: Visit, runs: list[str]) -> None:
+def test_name_tags_pin_and_notes_are_stored(signed_in: Visit, runs: list[str]) -> None:
     page = signed_in.page
     signed_in.go(f"/runs/{runs[0]}")
     page.get_by_role("button", name="Change name and tags").click()
@@ -144,7 +144,7 @@ def test_name_tags_pin_and_notes_are_kept(signed_in: Visit, runs: list[str]) -> 
     signed_in.shot("notes-1440-light", full=False)
 
 
-def test_notes_that_somebody_else_wrote_meanwhile_are_not_lost(signed_in: Visit, runs: list[str]) -> None:
+def test_notes_written_meanwhile_by_another_user_are_not_lost(signed_in: Visit, runs: list[str]) -> None:
     page = signed_in.stay(f"/runs/{runs[0]}")
     notes = page.locator("#notes")
     notes.get_by_role("button", name=re.compile("Edit|Write")).click()
@@ -320,7 +320,7 @@ def test_anything_is_found_and_gone_to(signed_in: Visit, runs: list[str]) -> Non
     expect(dialog).to_be_hidden()
 
 
-def test_word_comes_when_a_run_ends(signed_in: Visit) -> None:
+def test_a_notification_is_shown_when_a_run_ends(signed_in: Visit) -> None:
     page = signed_in.page
     page.context.grant_permissions(["notifications"], origin=signed_in.address)
     page.add_init_script(WATCH)

@@ -175,7 +175,7 @@ def test_the_guide_fits(visit: Visit, name: str) -> None:
 
 
 @pytest.mark.parametrize("path", ["/runs", "/login?code=wrong"])
-def test_the_way_in_fits(own: Service, browser: Browser, path: str) -> None:
+def test_the_sign_in_pages_fit(own: Service, browser: Browser, path: str) -> None:
     with visiting(browser, own.link().partition("/login")[0]) as stranger:
         stranger.page.set_viewport_size(WINDOW)
         stranger.go(path)

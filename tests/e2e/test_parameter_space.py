@@ -95,7 +95,7 @@ def test_it_fits_at_both_widths_in_both_themes(visit: Visit, card: Locator) -> N
     page.emulate_media(color_scheme="light")
 
 
-def test_a_range_on_an_axis_keeps_what_lies_within_it_in_every_view(visit: Visit, card: Locator) -> None:
+def test_a_range_on_an_axis_filters_every_view(visit: Visit, card: Locator) -> None:
     lines = card.get_by_role("group", name=re.compile("^Parallel"))
     drag(visit, lines.locator(".hit").nth(1), (0.5, 0.2), (0.5, 0.6))
     expect(kept(card)).not_to_have_text(ALL)

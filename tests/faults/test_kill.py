@@ -57,7 +57,7 @@ def test_a_search_killed_twice_ends_as_if_it_never_had_been(database: sa.Engine,
     _same_as_undisturbed(database, run_id, campaign, run(), stages())
 
 
-def test_a_database_server_that_goes_down_is_waited_for(tmp_path: Path) -> None:
+def test_a_database_server_that_is_down_is_waited_for(tmp_path: Path) -> None:
     campaign = case()
     with postgres.server() as server:
         migrate(server.url)

@@ -60,7 +60,7 @@ class TestGoalMiss:
     def test_a_flight_that_does_not_get_there_misses_by_what_is_left(self) -> None:
         assert flown("goal_miss", goal__x=13.0, goal__y=4.0) == pytest.approx(5.0, abs=1e-9)
 
-    def test_one_that_flies_away_misses_by_what_there_was_at_first(self) -> None:
+    def test_a_vehicle_that_moves_away_misses_by_its_initial_distance(self) -> None:
         assert flown("goal_miss", goal__x=-3.0, goal__y=4.0) == pytest.approx(5.0, abs=1e-12)
 
     def test_through_the_goal_it_is_nothing(self) -> None:
@@ -146,7 +146,7 @@ class TestPeakCommand:
         given = {"controller__pull": 3.0, "objectives__0__s_1": 2.0}
         assert flown("peak_command", **given) == 1.5
 
-    def test_the_largest_share_counts(self) -> None:
+    def test_the_largest_fraction_counts(self) -> None:
         given = {"controller__pull": -3.0, "controller__push": 40.0}
         assert flown("peak_command", **given, objectives__0__s_1=2.0, objectives__0__s_2=100.0) == 1.5
         assert flown("peak_command", **given, objectives__0__s_1=2.0, objectives__0__s_2=10.0) == 4.0
@@ -216,7 +216,7 @@ class TestTogether:
         found = Reference(problem.system).fly(vector)
         assert found.cost == pytest.approx(problem.system.fly_vectors(vector[None])[0].costs[0, 0], abs=1e-6)
 
-    def test_a_failed_flight_has_none_of_them(self) -> None:
+    def test_a_failed_simulation_has_no_values(self) -> None:
         problem = Problem(several(*THREE))
         vector = problem.vectors(POINTS[:3])
         vector[1, problem.paths["controller.K_p1"]] = -1e6
@@ -276,7 +276,7 @@ class TestCheck:
         assert field == "objectives.0.component"
         assert "has 3 dimensions" in message
 
-    def test_a_course_is_no_goal_to_miss(self) -> None:
+    def test_a_heading_is_not_a_goal_that_can_be_missed(self) -> None:
         made = load_file(library()["uav_aca"]).document() | {"objectives": [{"component": "goal_miss"}]}
         [problem] = check(load_document(made), catalogue())
         assert problem.field == "objectives.0.component"

@@ -114,7 +114,7 @@ class TestShown:
         assert shown.meta.cost == single[worst]
         assert shown.data[:, -1].min() == pytest.approx(single[worst], abs=1e-3)
 
-    def test_it_is_flown_alone_bit_by_bit_and_takes_the_memory_of_one(self) -> None:
+    def test_one_realisation_is_simulated_alone_bit_for_bit_in_the_memory_of_one(self) -> None:
         problem = Problem(noisy(list(range(32))))
         flown = simulate(problem.system, {})
         vectors = problem.realisations.flights(problem.vector({})[None, :])
@@ -133,7 +133,7 @@ class TestShown:
             tracemalloc.stop()
         assert peak < 4 * flown.states.nbytes < every.trace.nbytes / 4
 
-    def test_of_a_mean_the_worst_is_shown_and_the_mean_told(self) -> None:
+    def test_of_a_mean_the_trace_is_that_of_the_worst_and_the_cost_is_the_mean(self) -> None:
         shown = trace(Problem(noisy([3, 1, 8, 5], "mean")).system, "nominal", {}).meta
         assert shown.realisation is not None
         assert shown.realisation.cost is not None
@@ -150,7 +150,7 @@ class TestShown:
         )
         assert Reference(problem.system).fly(vector).cost == pytest.approx(found, abs=2e-6)
 
-    def test_a_run_says_what_its_verdict_holds_for(self) -> None:
+    def test_a_run_states_what_its_verdict_holds_for(self) -> None:
         store = MemoryStore()
         execute(noisy([3, 1]), store)
         audited(store, noisy([3, 1]))

@@ -92,7 +92,7 @@ def test_the_channels_alone_have_the_bits_that_they_have_with_the_slope(name: st
     assert stepper.SEE in asked
 
 
-def test_noise_kept_over_a_stretch_and_drawn_at_every_slope_give_the_same_bits() -> None:
+def test_noise_cached_over_an_interval_and_noise_drawn_at_every_slope_give_the_same_bits() -> None:
     problem = Problem(changed(load_file(library()["uav_moving_gusts"]), horizon=3.0))
     assert compiled.draws(problem.system.loop) == 3
     drawn = numba.cfunc(compiled.SYSTEM, **compiled.STRICT)(compiled.bound(problem.system.loop, keep=False))
@@ -129,7 +129,7 @@ def test_it_is_found_on_disk_by_a_digest_of_the_loop(case1: Problem) -> None:
     assert first.address != again.address
 
 
-def test_many_flights_are_those_flown_one_by_one(case1: Problem) -> None:
+def test_a_batch_of_simulations_equals_single_ones(case1: Problem) -> None:
     reference = Reference(case1.system)
     vectors = case1.vectors(np.random.default_rng(2).random((5, case1.dimension)))
     assert reference.fly_all(vectors) == [reference.fly(vector) for vector in vectors]
@@ -162,7 +162,7 @@ class TestWhatCannotBeFlown:
 
     @pytest.mark.parametrize("by", [True, False], ids=["compiled", "plain"])
     @pytest.mark.parametrize("value", [1e-300, 0.0, np.nan, np.inf, -1.0])
-    def test_wrong_parameters_end_with_a_sentence(self, case1: Problem, by: bool, value: float) -> None:
+    def test_wrong_parameters_are_refused_with_a_sentence(self, case1: Problem, by: bool, value: float) -> None:
         found = Reference(case1.system, compiled=by).fly(case1.vector({"vehicle.J": value}))
         assert found.cost is None
         assert found.reason.startswith("DOP853")

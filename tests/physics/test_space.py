@@ -133,7 +133,7 @@ def test_lockstep_equals_plain_python(avoider: str) -> None:
 
 
 @pytest.mark.parametrize("obstacle", OBSTACLES)
-def test_the_closest_approach_is_kept(obstacle: str) -> None:
+def test_the_closest_approach_is_preserved(obstacle: str) -> None:
     made = loop("closest_approach_3d", obstacle)
     p = vector(made, obstacle, **GIVEN["closest_approach_3d"])
     flown = made.fly(p, 0.05, 1000, traced=1)

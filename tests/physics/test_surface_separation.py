@@ -136,7 +136,7 @@ def wall(criterion: dict[str, Any]) -> Problem:
     return uncompiled(load_document(document | {"criterion": criterion}))
 
 
-def test_through_a_wall_is_no_clear_flight() -> None:
+def test_a_path_through_a_wall_is_not_clear() -> None:
     centres = wall({"component": "separation", "threshold": 0.5, "from_centre": True})
     assert cost(centres) > 4.0
     surfaces = wall({"component": "surface_separation", "threshold": 0.0})
@@ -145,7 +145,7 @@ def test_through_a_wall_is_no_clear_flight() -> None:
     assert flight.cost == pytest.approx(-0.1, abs=2e-3)
 
 
-def test_a_flight_says_what_must_stay_free_and_comes_closest_where_its_cost_is() -> None:
+def test_a_trace_states_the_protected_volume_and_its_closest_approach_has_the_cost() -> None:
     surfaces = wall({"component": "surface_separation", "threshold": 0.0})
     flight = trace(surfaces.system, "nominal", {})
     assert flight.meta.obstacles[0].free_radius is None, "no disc"

@@ -114,7 +114,7 @@ class TestFigures:
         )
         assert (nominal, published, min(all_corners)) == pytest.approx(FIGURES[name], abs=HELD)
 
-    def test_the_linear_model_tells_another_corner_for_case_4(self) -> None:
+    def test_the_linear_model_gives_another_corner_for_case_4(self) -> None:
         found = corners("uav_moving_linear")
         worst = found[int(costs("uav_moving_linear", found).argmin())]
         paths = problem("uav_moving_linear").paths
@@ -180,7 +180,7 @@ class TestFigures:
         nominal, *all_corners = costs(name, np.vstack([problem(name).system.nominal, corners(name)]))
         assert (nominal, min(all_corners)) == pytest.approx((91.205, 38.579), abs=HELD)
 
-    def test_three_intruders_are_kept_off(self) -> None:
+    def test_three_intruders_are_avoided(self) -> None:
         name = "uav_three_intruders"
         assert cost(problem(name)) == pytest.approx(71.05, abs=HELD)
         assert cost(problem(name), {"avoider.range": 0.0}) == pytest.approx(3.24, abs=HELD)

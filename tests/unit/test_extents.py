@@ -50,7 +50,7 @@ def test_a_threshold_below_the_reach_is_refused(obstacles: list[Any], threshold:
     assert found == ([] if ok else ["criterion.threshold"])
 
 
-def test_the_sentence_says_what_to_use_and_what_it_names_is_accepted() -> None:
+def test_the_sentence_proposes_a_value_and_that_value_is_accepted() -> None:
     (problem,) = check(campaign(scenario__obstacles=[circle(0.5), WALL]), catalogue())
     assert "obstacles.1 and 1 more" not in problem.message
     assert "the surface of obstacles.1 extends to 8.00063 m" in problem.message

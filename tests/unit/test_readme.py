@@ -65,7 +65,7 @@ def test_the_campaign_can_be_run() -> None:
     assert batch.costs.shape == (3, 3)
 
 
-def test_the_component_flies(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_component_can_be_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     module = types.ModuleType("post")
     monkeypatch.setitem(sys.modules, "post", module)
     exec(compile(block("python", "your-own-component.md"), "post.py", "exec", dont_inherit=True), module.__dict__)

@@ -70,7 +70,9 @@ def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
     assert sum(flown) == sum(len(c.status) for chunks in store.chunks.values() for c in chunks)
 
 
-def test_a_finished_run_that_was_not_concluded_flies_nothing(whole: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finished_run_without_a_verdict_is_concluded_without_new_evaluations(
+    whole: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     store = MemoryStore()
     execute(QUICK, store, threads=1)
     monkeypatch.setattr(Problem, "fly", lambda *_: pytest.fail("everything is stored"))
@@ -90,7 +92,7 @@ def test_a_run_is_cancelled_between_any_two_requests() -> None:
     assert store.stages[2].state == "running"
 
 
-def test_progress_is_told() -> None:
+def test_progress_is_reported() -> None:
     told: dict[int, Tally] = {}
     store = MemoryStore()
     execute(QUICK, store, progress=lambda position, tally: told.update({position: replace(tally)}), threads=1)

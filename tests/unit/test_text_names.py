@@ -77,7 +77,7 @@ def test_a_module_named_like_something_of_the_text(name: str, module: Any) -> No
     assert loop.part("bodies")(0.0, (), (0.0, 0.0), loop.extend(vector(loop)))[0].radius == 0.5
 
 
-def test_modules_are_named_apart() -> None:
+def test_modules_have_distinct_names() -> None:
     names = Names(frozenset({"goal"}))
     given = ("a.b", "c.b", "c_b", "goal", "a.goal", "x.c_b", "c.b")
     assert len({names.module(full) for full in given}) == len(set(given))

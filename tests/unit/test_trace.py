@@ -102,7 +102,7 @@ def test_a_failed_flight_is_shown_up_to_its_failure() -> None:
     assert shown.meta.closest.value == pytest.approx(32**0.5, abs=1e-3)
 
 
-def test_an_excluded_flight_says_so() -> None:
+def test_an_excluded_simulation_is_reported_as_excluded() -> None:
     shown = trace(case1().system, "F1", {"start.x": 4.1, "start.y": 4.0})
     assert (shown.meta.status, shown.meta.cost) == ("excluded", None)
     assert shown.meta.closest is not None

@@ -86,7 +86,7 @@ def test_methods_that_found_nothing_below_nominal_do_not_agree() -> None:
     assert said.startswith("no method found a value below the nominal case")
 
 
-def test_agreement_needs_the_place_as_well_as_the_cost() -> None:
+def test_agreement_requires_the_same_point_as_well_as_the_same_cost() -> None:
     assert concluded(basins={"sqp": "F2"}).verdict == "cleared", "mirrored worst cases agree"
     said = barred("agreement", basins={"direct": None})
     assert said == "the best of DIRECT is not in the basin of any listed finding"
@@ -125,7 +125,7 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
         (met(unseen=unseen(None, "a stall")), "avoidance", "without it the nominal case fails (a stall)"),
     ],
 )  # fmt: skip
-def test_an_encounter_that_did_not_take_place_bars_cleared(given: dict[str, Any], name: str, said: str) -> None:
+def test_an_encounter_that_did_not_occur_bars_cleared(given: dict[str, Any], name: str, said: str) -> None:
     assert said in barred(name, **given)
     intended = campaign(encounter={"intended": {name.replace(" ", "_"): "a baseline"}})
     conclusion = concluded(intended, **given)
@@ -189,7 +189,7 @@ def test_a_violation_is_confirmed_by_every_integration_and_by_nothing_less() -> 
     assert concluded(**violation(finding=apart, violating=1)).verdict == "violated"
 
 
-def test_a_violation_whose_integrations_are_apart_says_how_far() -> None:
+def test_a_violation_whose_integrations_differ_states_by_how_much() -> None:
     half = HalfStep(step=0.0025, cost=0.48, difference=0.17)
     other = ReferenceCost(name="DOP853", cost=0.49, difference=0.18)
     apart = finding(0.31, validation=case(cost=0.31, agrees=False, half_step=half, integrator=other))

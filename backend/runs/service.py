@@ -25,11 +25,11 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
 from campaigns.claims import earlier
 from campaigns.documents import JsonObject
-from campaigns.flown import Flown
 from campaigns.results import Verdict, verdicts
 from campaigns.runs import run_name, run_number
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
+from campaigns.versions import Versions
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def summary(reader: sa.Connection, run_id: int) -> RunSummary:
 def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     """One run with its campaign, stages and estimated remaining time."""
     base = summary(reader, run_id)
-    document, parts, notes, snapshot, flown = reader.execute(
+    document, parts, notes, snapshot, versions = reader.execute(
         sa.select(CampaignRow.document, Run.summary, Run.notes, Run.snapshot, Run.flown)
         .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         .where(Run.id == run_id)
@@ -153,7 +153,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         campaign=document,
         criteria=criteria(document, described(reader, run_id)),
         components_digest=snapshot,
-        flown=None if flown is None else Flown.of(flown),
+        flown=None if versions is None else Versions.of(versions),
         plan=_plan(campaign),
         stages=stages,
         summary=_described(parts, base.failed_evaluations, terms_of(reader, run_id)),

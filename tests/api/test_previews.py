@@ -119,11 +119,11 @@ class Held(Live):
 
     def __init__(self) -> None:
         super().__init__()
-        self.flown: list[str] = []
+        self.simulated: list[str] = []
         self.go = threading.Event()
 
-    def fly(self, campaign: Any, digest: str, parameters: Any, rows: int, noise: Noise = STATED) -> dict[str, Any]:
-        self.flown.append(campaign["name"])
+    def simulate(self, campaign: Any, digest: str, parameters: Any, rows: int, noise: Noise = STATED) -> dict[str, Any]:
+        self.simulated.append(campaign["name"])
         assert self.go.wait(10)
         return {}
 
@@ -143,15 +143,15 @@ def test_only_the_newest_request_is_simulated_and_the_queue_is_bounded(monkeypat
         names = ("first", "overtaken", "newest")
         asked = [Campaign.model_validate(campaign(name=name)) for name in names]
         gone = (here, away, here)
-        tasks = [asyncio.create_task(flights.fly(one, left)) for one, left in zip(asked, gone, strict=True)]
-        await asyncio.to_thread(until, lambda: live.flown)
+        tasks = [asyncio.create_task(flights.simulate(one, left)) for one, left in zip(asked, gone, strict=True)]
+        await asyncio.to_thread(until, lambda: live.simulated)
         with pytest.raises(RefusedError, match="the queue is full"):
-            await flights.fly(asked[0], here)
+            await flights.simulate(asked[0], here)
         live.go.set()
         return await asyncio.gather(*tasks, return_exceptions=True)
 
     first, overtaken, newest = asyncio.run(all_of_them())
-    assert live.flown == ["first", "newest"]
+    assert live.simulated == ["first", "newest"]
     assert isinstance(overtaken, RefusedError)
     assert isinstance(first, tuple)
     assert isinstance(newest, tuple)

@@ -33,7 +33,7 @@ NOMINAL = np.array([[0.5, 0.5]])
 @pytest.fixture(scope="module")
 def cost() -> float:
     """What a search stores of the nominal case of case 1."""
-    batch, _ = Problem(load_file(library()["unicycle_static"])).fly(NOMINAL)
+    batch, _ = Problem(load_file(library()["unicycle_static"])).evaluate(NOMINAL)
     return float(batch.costs[0, 0])
 
 

@@ -49,7 +49,7 @@ def test_every_component_is_in_a_scene() -> None:
 @EACH_SCENE
 def test_they_can_be_simulated_together(among: Components) -> None:
     assert check(load_document(scene(*among).document), catalogue()) == []
-    batch, reasons = problem(*among).fly(np.array([[0.0], [0.5], [1.0]]))
+    batch, reasons = problem(*among).evaluate(np.array([[0.0], [0.5], [1.0]]))
     assert batch.status.tolist() == [OK] * 3, reasons
 
 
@@ -71,7 +71,7 @@ def test_it_agrees_with_plain_python(among: Components, component: Component) ->
 @pytest.mark.nightly
 @ALONE
 def test_alone_it_never_crashes_and_agrees_with_plain_python(component: Component) -> None:
-    batch, reasons = problem(component).fly(np.array([[0.0], [0.5], [1.0]]))
+    batch, reasons = problem(component).evaluate(np.array([[0.0], [0.5], [1.0]]))
     assert batch.status.tolist() == [OK] * 3, reasons
     unbreakable(problem(component), own(component), 384)
     no_number_shows(problem(component), own(component))

@@ -89,9 +89,9 @@ def test_a_further_criterion_does_not_change_the_deciding_one(criterion: Criteri
     document = beside.campaign.document() | {"objectives": []}
     alone = Problem(load_document(document), compiled=False)
     points = np.random.default_rng(5).random((21, 1))
-    batch, _ = beside.fly(points)
+    batch, _ = beside.evaluate(points)
     assert batch.costs.shape == (21, 2)
-    assert batch.costs[:, 0].tobytes() == alone.fly(points)[0].costs[:, 0].tobytes()
+    assert batch.costs[:, 0].tobytes() == alone.evaluate(points)[0].costs[:, 0].tobytes()
     # Its sign is turned, so that every column is minimised.
     assert (batch.costs[:, 1] <= 0.0).all()
 
@@ -110,7 +110,7 @@ def test_a_vehicle_declares_its_states_and_limits(vehicle: Vehicle) -> None:
 def test_it_can_be_simulated_with_the_first_other_components_that_fit(component: Component) -> None:
     made = load_document(around(component))
     assert check(made, catalogue()) == []
-    batch, reasons = problem(component, compiled=False).fly(np.array([[0.0], [0.5], [1.0]]))
+    batch, reasons = problem(component, compiled=False).evaluate(np.array([[0.0], [0.5], [1.0]]))
     assert batch.status.tolist() == [OK] * 3, reasons
 
 
@@ -128,5 +128,5 @@ def test_a_far_obstacle_does_not_fail_a_flight() -> None:
     obstacle = components()["obstacle", "circle"]
     flown = problem(obstacle, compiled=False)
     vector = flown.vector({"obstacles.0.position.x": 1e6, "obstacles.0.position.y": 1e6})
-    batch, reasons = flown.system.fly_vectors(vector[None, :])
+    batch, reasons = flown.system.simulate_vectors(vector[None, :])
     assert batch.status[0] == OK, reasons

@@ -23,9 +23,9 @@ from playwright.sync_api import Browser, Download, Page, expect
 from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
 from tests.api.catalogue import CATALOGUE, campaign
-from tests.api.flown import CODE, OTHER
 from tests.api.reported import finish_fully
 from tests.api.server import Service
+from tests.api.versions import CODE, OTHER
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
@@ -273,7 +273,7 @@ def test_a_purged_run_explains_what_was_removed(finished: Service, visit: Visit)
     page = visit.page
     visit.go("/runs/R-0001")
     page.get_by_role("button", name="Remove").click()
-    page.get_by_role("textbox", name="Reason").fill("Flown again as R-0002.")
+    page.get_by_role("textbox", name="Reason").fill("Versions again as R-0002.")
     page.get_by_role("textbox", name="Reason").press("Tab")
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")

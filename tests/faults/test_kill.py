@@ -9,7 +9,8 @@ import sqlalchemy as sa
 
 from backend.db.engine import connect, migrate, read
 from backend.db.queue import Claim, submit
-from backend.db.store import RunStore, as_result
+from backend.db.rows import as_result
+from backend.db.store import RunStore
 from backend.db.tables import Finding, Run, Stage, Trace
 from campaigns import Campaign
 from tests.audited import audited

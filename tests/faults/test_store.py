@@ -11,7 +11,8 @@ import sqlalchemy as sa
 
 from backend.db.queue import Claim, Queue, submit
 from backend.db.records import Ahead, Columns, StagePlan, StageRecord
-from backend.db.store import RunStore, plain
+from backend.db.rows import plain
+from backend.db.store import RunStore
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT

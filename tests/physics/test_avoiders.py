@@ -234,7 +234,7 @@ class TestFlown:
     @pytest.mark.parametrize(("vehicle", "avoider"), PAIRS, ids=lambda c: c.name)
     def test_each_avoider_with_each_vehicle(self, vehicle: Vehicle, avoider: Avoider) -> None:
         problem = uncompiled(encounter(vehicle, avoider, horizon=5.0))
-        batch, reasons = problem.system.fly_vectors(problem.system.nominal[None])
+        batch, reasons = problem.system.simulate_vectors(problem.system.nominal[None])
         assert batch.status[0] == 0, reasons
         assert np.isfinite(flight(problem)).all()
 

@@ -131,7 +131,7 @@ def test_stored_campaigns_that_are_refused_now_can_be_shown_but_not_asked_for_ag
 ) -> None:
     earlier = campaign(scenario__obstacles=[WALL], scenario__horizon=0.1)
     assert flyable(earlier, catalogue()) == []
-    batch, _ = (problem := Problem(earlier, compiled=False)).fly(problem.nominal_point[None])
+    batch, _ = (problem := Problem(earlier, compiled=False)).evaluate(problem.nominal_point[None])
     assert batch.status.tolist() == [0]
     with pytest.raises(CannotContinue, match="surface_separation"):
         continued(earlier, Budget(10_000, more=True))

@@ -161,7 +161,7 @@ def test_a_flight_has_its_own_noise(live: Live) -> None:
     stated = live.ask(id=1, campaign=noisy)
     by_seed = live.ask(id=2, campaign=noisy, seed=drawn)
     by_draw = live.ask(id=3, campaign=noisy, draw=3)
-    own, _ = problem.under(drawn).fly(problem.nominal_point[None, :])
+    own, _ = problem.under(drawn).evaluate(problem.nominal_point[None, :])
     assert by_seed["cost"] == by_draw["cost"] == own.costs[0, 0] != stated["cost"]
     assert by_draw["meta"]["realisation"]["seed"] == drawn
     assert stated["meta"]["realisation"]["seeds"] == len(campaign.scenario.realisations.seeds)

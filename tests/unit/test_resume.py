@@ -53,13 +53,13 @@ def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
 ) -> None:
     monkeypatch.setattr(driver, "FLUSH_ROWS", 7)
     flown: list[int] = []
-    fly = Problem.fly
+    fly = Problem.evaluate
 
     def counted(problem: Problem, points: Floats, seeds: Any = None) -> Any:
         flown.append(len(points))
         return fly(problem, points, seeds)
 
-    monkeypatch.setattr(Problem, "fly", counted)
+    monkeypatch.setattr(Problem, "evaluate", counted)
     store = Unreliable(k)
     with pytest.raises(Interrupted):
         execute(QUICK, store, threads=1)
@@ -75,7 +75,7 @@ def test_a_finished_run_without_a_verdict_is_concluded_without_new_evaluations(
 ) -> None:
     store = MemoryStore()
     execute(QUICK, store, threads=1)
-    monkeypatch.setattr(Problem, "fly", lambda *_: pytest.fail("everything is stored"))
+    monkeypatch.setattr(Problem, "evaluate", lambda *_: pytest.fail("everything is stored"))
     assert outcome(store, execute(QUICK, store, threads=1)) == whole
 
 
@@ -105,14 +105,14 @@ def test_progress_is_reported() -> None:
 def test_bits_do_not_depend_on_the_batch(count: int) -> None:
     problem = opened.problem(QUICK)
     points = np.random.default_rng(1).random((100, 2))
-    alone = problem.fly(points[:1])[0].costs
+    alone = problem.evaluate(points[:1])[0].costs
     evaluate = InProcess(problem, 3)
     try:
         batch, reasons = evaluate(points[:count])
     finally:
         evaluate.close()
     assert batch.costs[:1].tobytes() == alone.tobytes()
-    assert batch.costs.tobytes() == problem.fly(points)[0].costs[:count].tobytes()
+    assert batch.costs.tobytes() == problem.evaluate(points)[0].costs[:count].tobytes()
     assert reasons == {}
 
 

@@ -46,7 +46,7 @@ def test_a_batch_has_the_order_of_its_request(problem: Problem) -> None:
     parts, seen = np.split(grid(60), [20, 23]), list[Batch]()
     driven = drive(context(problem), 0, in_batches(parts, seen), 1000)
     for part, batch in zip(parts, seen, strict=True):
-        expected, _ = problem.fly(part)
+        expected, _ = problem.evaluate(part)
         assert batch.costs.tobytes() == expected.costs.tobytes()
         assert batch.status.tolist() == expected.status.tolist()
     assert driven.columns is not None

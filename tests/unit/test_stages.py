@@ -96,7 +96,7 @@ def test_a_search_reports_its_best_point_in_the_units_of_the_parameters() -> Non
     problem, found = case1(), result(2, SearchResult)
     best = found.best
     assert best is not None
-    assert best.cost == problem.system.loop.fly(problem.vector(best.parameters)[None, :], 0.005, 3000).costs[0]
+    assert best.cost == problem.system.loop.simulate(problem.vector(best.parameters)[None, :], 0.005, 3000).costs[0]
     assert best.margin == best.cost - 0.5
     store = ran()[0]
     columns = store.evaluations(2)
@@ -274,7 +274,7 @@ def test_validation_catches_a_step_that_is_too_long() -> None:
 
 def test_the_reference_integrator_reports_why_it_failed() -> None:
     problem = case1()
-    flight = Reference(problem.system).fly(problem.vector({"vehicle.J": 1e-300}))
+    flight = Reference(problem.system).simulate(problem.vector({"vehicle.J": 1e-300}))
     assert flight.cost is None
     assert "DOP853" in flight.reason
 

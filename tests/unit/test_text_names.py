@@ -127,7 +127,7 @@ from tests.unit.assembled import parts, vector
 from worker.systems.closed_loop.assemble import Loop
 
 loop = Loop(parts(obstacles=(post.component,)))
-flown = loop.fly(vector(loop)[None], 0.005, 800)
+flown = loop.simulate(vector(loop)[None], 0.005, 800)
 stats = loop._fly.stats
 print(json.dumps({"digest": loop.digest, "cost": flown.costs[0, 0], "hits": sum(stats.cache_hits.values())}))
 """

@@ -51,7 +51,7 @@ def test_the_meta() -> None:
 def test_it_is_the_flight_that_was_counted(values: dict[str, float]) -> None:
     problem = case1()
     shown = trace(problem.system, "flight", values)
-    cost = problem.system.fly_vectors(problem.vector(values)[None, :])[0].costs[0, 0]
+    cost = problem.system.simulate_vectors(problem.vector(values)[None, :])[0].costs[0, 0]
     assert shown.meta.cost == cost
     closest, separation = shown.meta.closest, column(shown, "separation")
     assert closest is not None

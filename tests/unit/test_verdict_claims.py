@@ -13,8 +13,8 @@ from campaigns.results.validate import Spread, Unseen, Violations
 from tests.problems import Problem
 from tests.unit.cases import campaign
 from tests.unit.evidence import (
-    FLOWN,
     NOMINAL,
+    VERSIONS,
     WORST,
     barred,
     case,
@@ -155,22 +155,22 @@ def drawn(**changes: Any) -> CertifyResult:
 
 def test_a_noisy_scenario_needs_a_sample_that_draws_its_noise() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(noise="stated"))]
-    conclusion = conclude(noisy(), evidence(searches=searches), FLOWN)
+    conclusion = conclude(noisy(), evidence(searches=searches), VERSIONS)
     assert conclusion.verdict == "inconclusive"
     assert "only the realisations with seeds 0 were simulated; add a certify stage" in said_by("noise", conclusion)
-    assert conclude(noisy(), evidence(certificate=drawn()), FLOWN).verdict == "cleared"
+    assert conclude(noisy(), evidence(certificate=drawn()), VERSIONS).verdict == "cleared"
 
 
 def test_a_target_is_not_met_by_stated_realisations() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", sample=sample(noise="stated"))]
-    conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), FLOWN)
+    conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), VERSIONS)
     assert "holds only for the stated noise realisations" in said_by("target", conclusion)
     assert conclusion.verdict == "inconclusive"
 
 
 def test_a_mean_over_realisations_never_clears() -> None:
     mean = noisy(scenario__realisations={"seeds": [1, 2], "combine": "mean"})
-    conclusion = conclude(mean, evidence(certificate=drawn()), FLOWN)
+    conclusion = conclude(mean, evidence(certificate=drawn()), VERSIONS)
     assert conclusion.verdict == "inconclusive"
     assert "set combine to worst" in said_by("noise", conclusion)
 

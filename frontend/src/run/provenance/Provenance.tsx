@@ -4,7 +4,7 @@ import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { getRunText } from '../../api/calls'
-import type { Flown, Provenance as Origin, RunDetail } from '../../client'
+import type { Provenance as Origin, RunDetail, Versions } from '../../client'
 import { plain } from '../../format/numbers'
 import { moment } from '../../format/time'
 import { idOfComponent } from '../../help/links'
@@ -54,7 +54,7 @@ export function Provenance({ data, className }: { data: RunData; className: stri
 /** The provenance of the verdict; missing values, and those of a run without a verdict, are from the start of the run. */
 export function originOf({ summary, flown }: Pick<RunDetail, 'summary' | 'flown'>): Origin {
   const stated = summary?.provenance
-  const known = <K extends keyof Flown>(key: K): Flown[K] | null => stated?.[key] ?? flown?.[key] ?? null
+  const known = <K extends keyof Versions>(key: K): Versions[K] | null => stated?.[key] ?? flown?.[key] ?? null
   return {
     digest: stated?.digest ?? null,
     seed: stated?.seed ?? null,

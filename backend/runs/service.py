@@ -145,13 +145,16 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     ).one()
     with readable(f"the campaign of {run_name(run_id)}"):
         campaign = Campaign.model_validate(document)
+    stated = criteria(document, described(reader, run_id))
+    if not base.quantity and stated:  # the installed catalogue no longer has the criterion, the stored one has
+        base = base.model_copy(update={"quantity": stated[0].quantity, "unit": stated[0].unit})
     stages = progress(reader, run_id)
     rate, remaining = pace.estimate(stages) if base.state == "running" else (None, None)
     return RunDetail(
         **dict(base),
         notes=notes,
         campaign=document,
-        criteria=criteria(document, described(reader, run_id)),
+        criteria=stated,
         components_digest=snapshot,
         flown=None if versions is None else Versions.of(versions),
         plan=_plan(campaign),

@@ -16,7 +16,7 @@ from backend.scenes.base.setting import _climbs, _course
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.cameras import distance
-from backend.scenes.drawing.drawn import ruler
+from backend.scenes.drawing.drawn import beyond, ruler
 from backend.scenes.drawing.world import Frame
 from campaigns import Campaign
 from campaigns.results import TraceHead
@@ -242,3 +242,16 @@ def test_a_ruler_is_as_long_as_the_distance_it_shows(x: float, body_radius: floa
     assert np.linalg.norm(far - body.place) == pytest.approx(1.5), "on the surface"
     assert np.linalg.norm(near - position) == pytest.approx(body_radius), "at the edge of the vehicle's body"
     assert ruler(closest, [body], None) == (closest.position, closest.obstacle)
+
+
+@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize("vehicle", [(3.0, 5.0, 2.0), (-3.0, -5.0, -2.0), (0.0, 0.0, 4.0), (0.0, 0.0, 0.0)])
+def test_a_label_beyond_an_obstacle_is_never_below_it_where_the_obstacle_has_its_own(
+    vehicle: tuple[float, float, float], planar: bool
+) -> None:
+    obstacle = np.array([0.0, 0.0, 0.0])
+    place, anchor = beyond(Closest(1.0, 1.0, np.array(vehicle), obstacle), 0.5, planar)
+    assert place[1 if planar else 2] >= 0.0
+    assert place[0] * vehicle[0] <= 0.0, "on the far side"
+    assert anchor == ("center-right" if vehicle[0] > 0 else "center-left")
+    assert np.linalg.norm(place) == pytest.approx(0.7 if any(vehicle) else 0.0)

@@ -108,6 +108,15 @@ def test_a_later_installation_does_not_change_the_description_of_a_run(service: 
     assert "This installation has no component" not in report
 
 
+def test_a_waiting_run_names_its_criterion_although_it_is_no_longer_installed(
+    service: Service, client: httpx.Client
+) -> None:
+    run = submit(client)
+    install(service, altered(lambda document: document["components"].remove(entry(document, "separation"))))
+    waiting = client.get(f"/api/v1/runs/{run}").json()
+    assert (waiting["state"], waiting["quantity"], waiting["unit"]) == ("queued", "d_min", "m")
+
+
 def test_a_run_without_snapshot_uses_the_installed_descriptions(service: Service, client: httpx.Client) -> None:
     run = f"/api/v1/runs/{submit(client)}"
     finish_fully(service)

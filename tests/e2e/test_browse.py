@@ -199,7 +199,7 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(drawing: Visit, runs
     expect(page).to_have_url(re.compile("finding=nominal"))
     expect(panel).not_to_contain_text("Worst")
     shared(drawing, f"/runs/{runs[2]}?finding=nominal&t=12.50&cam=top")
-    expect(page.get_by_role("heading", name="Nominal flight")).to_be_visible()
+    expect(page.get_by_role("heading", name="Nominal case")).to_be_visible()
     expect(page.get_by_role("img", name="Separation over time, nominal flight, with the criterion")).to_be_visible()
     page.keyboard.press("k")
     last = found[-1]["label"]

@@ -43,7 +43,7 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "run-simulator": ("/runs/R-0003", RUN),
     "run-cancelled": ("/runs/R-0004", ["#provenance"]),
     "flight": ("/runs/R-0001/flight?whatif=nominal", ["#what-if input[type=range]"]),
-    "no-flight": ("/runs/R-0003/flight", ["text=There is no flight to show"]),
+    "no-flight": ("/runs/R-0003/flight", ["text=There is no 3D view"]),
     "launch": ("/launch", ["role=radio[name=/Unicycle, static/]", "role=region[name=Scenario]"]),
     "launch-text": ("/launch?tab=yaml", ["role=textbox[name='Campaign as YAML']"]),
     "launch-simulator": ("/launch?from=R-0003", ["role=combobox[name='Simulator']"]),

@@ -74,7 +74,7 @@ def test_the_page_of_the_run_shows_its_traces_and_no_flights(opened: Opened) -> 
     assert FLIES.findall(page.locator("main").inner_text()) == []
     visit.shot("simulator-trace")
     visit.go("/runs/R-0001/flight")
-    expect(page.get_by_role("heading", name="There is no flight to show")).to_be_visible()
+    expect(page.get_by_role("heading", name="There is no 3D view")).to_be_visible()
 
 
 def test_it_is_launched_from_the_form_with_repeats_and_retries(opened: Opened) -> None:

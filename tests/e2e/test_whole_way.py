@@ -78,7 +78,7 @@ def test_the_scenario_is_drawn_and_simulated_while_it_is_edited(signed_in: Visit
     until(lambda: plan.inner_html() != before, "the obstacle has moved", 10)
     page.get_by_label("Obstacle 1, Centre, x").fill("4")
     until(lambda: plan.inner_html() == before, "the obstacle is back", 10)
-    page.get_by_role("button", name="Preview nominal flight").press("Enter")
+    page.get_by_role("button", name="Preview nominal case").press("Enter")
     expect(said).to_contain_text("0.9436 m, clear by 0.4436 m", timeout=2 * PATIENCE)
     expect(page.get_by_test_id("closest")).to_be_visible()
     page.get_by_label("Criterion, threshold").fill("0.95")

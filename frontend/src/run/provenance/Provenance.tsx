@@ -97,7 +97,7 @@ const hash = (text: string | null | undefined) => (
 function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
-    ['Code', <span key="o">sha256 {hash(run.flown?.code)}</span>],
+    ['Code', <span key="o">{run.flown?.code && 'sha256 '}{hash(run.flown?.code)}</span>],
     [campaign.simulator ? 'Simulator digest' : 'Simulation kernel', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
     ...(campaign.simulator ? [simulatorRow(campaign.simulator.name)] : loopRows(campaign, origin)),

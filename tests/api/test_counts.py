@@ -188,7 +188,7 @@ def test_the_report_counts_the_same(ran: Ran) -> None:
     assert f"{failed} evaluations failed: their outcome is unknown" in text
     assert f"{excluded} evaluations were excluded" in text
     sample = ran.api()["summary"]["statistics"]
-    assert f"{grouped(sample['samples'])} independent flights" in text
+    assert f"{grouped(sample['samples'])} independent samples" in text
     assert f"{grouped(sample['failed'])} failed and count as violations" in text
     assert f"{grouped(sample['excluded'])} draws were excluded" in text
 

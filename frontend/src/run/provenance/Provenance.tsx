@@ -134,7 +134,7 @@ function loopRows(campaign: RunData['campaign'], origin: Origin): Rows {
   ]
 }
 
-function machineRows({ run }: RunData, origin: Origin): Rows {
+function machineRows({ run, campaign }: RunData, origin: Origin): Rows {
   const { cpu } = origin
   const packages = Object.entries(origin.packages)
   return [
@@ -165,7 +165,7 @@ function machineRows({ run }: RunData, origin: Origin): Rows {
     ...(origin.evaluator
       ? [['Evaluated by', `${origin.evaluator} on other machines, whose processors are not recorded`] as Rows[number]]
       : []),
-    ['Lanes', String(origin.lanes ?? 'not recorded')],
+    ...(campaign.simulator ? [] : [['Lanes', String(origin.lanes ?? 'not recorded')] as Rows[number]]),
     ['Worker, attempts', `${run.worker ?? 'none'}, ${run.attempts}`],
   ]
 }

@@ -35,7 +35,7 @@ _LEFT_OUT = {
     "Campaign": ("scenario", "simulator", "encounter"),
     "Catalogue": ("simulators",),
     "Provenance": ("simulator", "evaluator"),
-    "Flown": ("simulator", "evaluator"),
+    "Versions": ("simulator", "evaluator"),
     "Validation": ("again", "repeats"),
     "ValidateResult": ("incumbents", "untraced"),
     "NominalResult": ("measured", "untraced"),

@@ -11,7 +11,7 @@ import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from clearance.result import Result
 from worker.catalogue.function import (
@@ -26,6 +26,9 @@ from worker.catalogue.function import (
     finite,
     only_loaded,
 )
+
+if TYPE_CHECKING:
+    from campaigns.documents import JsonObject
 
 METHODS = ("direct", "cma_es")
 """Two global methods that search differently: both must find the same worst case before anything is cleared."""
@@ -214,7 +217,7 @@ def _nominal(given: object, usual: Mapping[str, float], limits: Mapping[str, Ran
     return {name: float(given.get(name, value)) for name, value in usual.items()}
 
 
-def _searches(methods: object, budget: int | None, dimension: int) -> list[dict[str, Any]]:
+def _searches(methods: object, budget: int | None, dimension: int) -> list[JsonObject]:
     usual = PER_PARAMETER * dimension if budget is None else budget
     if isinstance(methods, str):
         methods = [methods]
@@ -230,8 +233,8 @@ def _searches(methods: object, budget: int | None, dimension: int) -> list[dict[
 
 
 def _document(
-    asked: Asked, threshold: float | None, name: str, searches: list[dict[str, Any]], certify: int, seed: int
-) -> dict[str, Any]:
+    asked: Asked, threshold: float | None, name: str, searches: list[JsonObject], certify: int, seed: int
+) -> JsonObject:
     """The campaign as `clearance run` reads one."""
     return {
         "name": _line("name", name, 120) or asked.declaration.title,

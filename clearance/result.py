@@ -9,7 +9,7 @@ import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Texts = NDArray[np.str_]
+Array = TypeVar("Array", Floats, Texts)
 
 
 class Check(NamedTuple):
@@ -125,7 +126,7 @@ class Evaluations:
                 "to_dataframe needs pandas, which is not installed: pip install pandas; "
                 "points, costs, status and method have the same data as arrays"
             ) from None
-        columns: dict[str, Any] = dict(zip(self.names, self.points.T, strict=True))
+        columns: dict[str, object] = dict(zip(self.names, self.points.T, strict=True))
         reasons = np.array([self.reasons.get(k, "") for k in range(len(self.costs))], dtype=object)
         for name in ("cost", "status", "stage", "method", "reason"):
             value = {"cost": self.costs, "reason": reasons}.get(name, getattr(self, name, None))
@@ -233,7 +234,23 @@ def _by_name(held: Held, parameters: Mapping[str, float]) -> dict[str, float]:
     return {name: parameters[f"simulator.{name}"] for name in held.names}
 
 
-def _evaluations(held: Held) -> dict[str, Any]:
+class _Stored(TypedDict):
+    """The fields of `Evaluations`."""
+
+    names: tuple[str, ...]
+    points: Floats
+    costs: Floats
+    status: Texts
+    stage: Texts
+    method: Texts
+    reasons: Mapping[int, str]
+    threshold: float
+    quantity: str
+    unit: str
+    held: Held
+
+
+def _evaluations(held: Held) -> _Stored:
     from campaigns.results.base import STATUS
 
     problem, store = held.problem, held.store
@@ -251,15 +268,22 @@ def _evaluations(held: Held) -> dict[str, Any]:
         status += [STATUS[s] for s in columns.status.tolist()]
         stage += [record.plan.kind] * len(columns.status)
         method += [record.plan.method or ""] * len(columns.status)
-    arrays: dict[str, Any] = {
-        "points": np.concatenate(points) if points else np.empty((0, len(order))),
-        "costs": np.concatenate(costs) if costs else np.empty(0),
-    }
-    arrays |= {n: np.array(v, dtype=np.str_) for n, v in (("status", status), ("stage", stage), ("method", method))}
-    for array in arrays.values():
-        array.flags.writeable = False
     return {
-        **arrays,
-        "names": held.names, "reasons": reasons, "threshold": problem.threshold, "quantity": problem.quantity,
-        "unit": problem.unit, "held": held,
-    }  # fmt: skip
+        "names": held.names,
+        "points": _fixed(np.concatenate(points) if points else np.empty((0, len(order)))),
+        "costs": _fixed(np.concatenate(costs) if costs else np.empty(0)),
+        "status": _fixed(np.array(status, dtype=np.str_)),
+        "stage": _fixed(np.array(stage, dtype=np.str_)),
+        "method": _fixed(np.array(method, dtype=np.str_)),
+        "reasons": reasons,
+        "threshold": problem.threshold,
+        "quantity": problem.quantity,
+        "unit": problem.unit,
+        "held": held,
+    }
+
+
+def _fixed(array: Array) -> Array:
+    """The array, read-only from now on."""
+    array.flags.writeable = False
+    return array

@@ -6,13 +6,13 @@ import contextlib
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from typing import Any
 
 from worker.runs import sources as sources  # first: it records the files before they are loaded
 
 # isort: split
 from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.asked.load import load_document
+from campaigns.documents import JsonObject
 from clearance.asked import Asked
 from clearance.result import Held, Interrupted, Result, interrupted, of
 from worker.catalogue.files import PythonFunction
@@ -28,7 +28,7 @@ from worker.systems.base import CampaignUnusable
 Show = Callable[[int, Tally], None]
 
 
-def run(asked: Asked, document: dict[str, Any], progress: bool) -> Result:
+def run(asked: Asked, document: JsonObject, progress: bool) -> Result:
     """The result of the campaign; raises ValueError for one that cannot be run, `Interrupted` after Ctrl-C."""
     function = PythonFunction(asked.declaration, dict(asked.place), asked.call)
     known = catalogue().model_copy(update={"simulators": [function.entry]})
@@ -47,7 +47,7 @@ def run(asked: Asked, document: dict[str, Any], progress: bool) -> Result:
     return of(held, verdict)
 
 
-def _campaign(document: dict[str, Any], known: Catalogue) -> Campaign:
+def _campaign(document: JsonObject, known: Catalogue) -> Campaign:
     try:
         campaign = load_document(document, "the search")
         problems = check(campaign, known)
@@ -60,7 +60,7 @@ def _campaign(document: dict[str, Any], known: Catalogue) -> Campaign:
 
 @contextlib.contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Ctrl-C that is not lost where this is the main thread and nobody else handles it."""
+    """Ctrl-C that is not lost where this is the main thread and has no other handler."""
     usual = threading.current_thread() is threading.main_thread() and (
         signal.getsignal(signal.SIGINT) is signal.default_int_handler
     )

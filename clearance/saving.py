@@ -53,9 +53,9 @@ def _page(engine: sa.Engine, held: Held) -> str:
     assert claim is not None
     stored = RunStore(engine, claim)
     stored.plan([record.plan for record in store.stages])
-    assert store.flown is not None
+    assert store.versions is not None
     assert store.verdict is not None
-    stored.flies(store.flown, sources.code())
+    stored.record_versions(store.versions, sources.code())
     for position, record in enumerate(store.stages):
         stored.begin(position)
         columns = store.evaluations(position)

@@ -9,7 +9,7 @@ import numpy as np
 import sqlalchemy as sa
 
 from backend.db.engine import read
-from backend.db.store import plain
+from backend.db.rows import plain
 from campaigns import Campaign
 from campaigns.checked.snapshot import snapshot
 from campaigns.results import Verdict

@@ -157,11 +157,11 @@ def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> flo
         .join(Stage, Stage.run_id == runs.c.id)
         .where(Stage.state == "done", Stage.evaluations > 0, *same)
     )
-    flown, seconds = reader.execute(totals).one()
-    if not flown or not seconds:
+    evaluated, seconds = reader.execute(totals).one()
+    if not evaluated or not seconds:
         return None
     scenario = campaign.given_scenario
-    return float(evaluations * (scenario.horizon / scenario.step) * seconds / flown)
+    return float(evaluations * (scenario.horizon / scenario.step) * seconds / evaluated)
 
 
 def _component(document: Any, role: str) -> sa.ColumnElement[str]:

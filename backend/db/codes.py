@@ -6,7 +6,7 @@ import sqlalchemy as sa
 
 from backend.db.engine import insert, now
 from backend.db.tables import CatalogueDocument, CodeVersion
-from campaigns.flown import Code, Flown, differences, differing
+from campaigns.versions import Code, Versions, differences, differing
 
 
 def store(writer: sa.Connection, code: Code) -> None:
@@ -31,7 +31,7 @@ def changed(reader: sa.Connection, then: str | None, now: str | None) -> list[st
     return differing(before, after) if before and after else []
 
 
-def others(reader: sa.Connection, then: Flown, here: Flown, code: Code) -> list[str]:
+def others(reader: sa.Connection, then: Versions, here: Versions, code: Code) -> list[str]:
     """The differences between the installation that ran a run and this one, as clauses."""
     before = modules(reader, then.code)
     return differences(then, here, differing(before, code.modules) if before else [])

@@ -14,7 +14,7 @@ import sqlalchemy as sa
 from backend.db.engine import now
 from backend.db.queue import Claim, submit
 from backend.db.records import Columns, StagePlan, StageRecord, Trace, join
-from backend.db.store import as_columns, as_finding, as_result, blobs, lowest
+from backend.db.rows import as_columns, as_finding, as_result, blobs, lowest
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
@@ -22,10 +22,10 @@ from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.documents import JsonObject
-from campaigns.flown import Flown
 from campaigns.results import Finding, TraceHead
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from campaigns.results.trace import TraceColumn
+from campaigns.versions import Versions
 
 
 def state(connection: sa.Connection, run_id: int) -> tuple[str, JsonObject] | None:
@@ -35,10 +35,10 @@ def state(connection: sa.Connection, run_id: int) -> tuple[str, JsonObject] | No
     return None if row is None else (row.state, row.document)
 
 
-def flown(connection: sa.Connection, run_id: int) -> Flown:
+def versions(connection: sa.Connection, run_id: int) -> Versions:
     """The installation that ran a run; for a run older than this column, the one stored with its verdict, if any."""
     row = connection.execute(sa.select(Run.flown, Run.summary).where(Run.id == run_id)).one()
-    return Flown.of(row.flown or (row.summary or {}).get("provenance"))
+    return Versions.of(row.flown or (row.summary or {}).get("provenance"))
 
 
 def is_removed(connection: sa.Connection, run_id: int) -> bool:
@@ -91,11 +91,11 @@ def begin(
     worker: str,
     lease: float,
     catalogue: Catalogue | None = None,
-    flown: Flown | None = None,
+    versions: Versions | None = None,
 ) -> Claim:
     """Create and claim the run that extends run `old` under the campaign, with these evaluations in its stages.
 
-    It has the old run's name, tags and owner, and stores the catalogue entries of its components. `flown` describes
+    It has the old run's name, tags and owner, and stores the catalogue entries of its components. `versions` describes
     the installation that ran these evaluations; None if unknown. Runs in the caller's transaction.
     """
     kept = (Run.name, Run.tags, Run.owner, Run.priority, Run.best_so_far)
@@ -117,7 +117,7 @@ def begin(
         "evaluations": sum(len(c.status) for c in carried.values()),
         "failed_evaluations": sum(_failed(c) for c in carried.values()),
         "best_so_far": cited.best_so_far,
-        "flown": None if flown is None else flown.model_dump(mode="json"),
+        "flown": None if versions is None else versions.model_dump(mode="json"),
     }
     connection.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **held, **carried_over))
     attempts = connection.execute(sa.select(Run.max_attempts).where(Run.id == run_id)).scalar_one()

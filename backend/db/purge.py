@@ -105,6 +105,6 @@ def _due(until: float) -> tuple[sa.ColumnElement[bool], ...]:
 def _size(reader: sa.Connection, run_id: int) -> int:
     chunk = EvaluationChunk
     columns = (chunk.points, chunk.costs, chunk.status, chunk.seconds)
-    flown = sa.select(sa.func.sum(sum(sa.func.length(c) for c in columns))).where(chunk.run_id == run_id)
+    evaluations = sa.select(sa.func.sum(sum(sa.func.length(c) for c in columns))).where(chunk.run_id == run_id)
     flights = sa.select(sa.func.sum(sa.func.length(Trace.data))).where(Trace.run_id == run_id)
-    return int(reader.scalar(flown) or 0) + int(reader.scalar(flights) or 0)
+    return int(reader.scalar(evaluations) or 0) + int(reader.scalar(flights) or 0)

@@ -6,19 +6,18 @@ lease writes nothing. Start reading at `RunStore.append`.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
-from pydantic import BaseModel
 
 from backend.db import codes, evaluations_ahead, snapshots
 from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
 from backend.db.records import Ahead, Columns, StagePlan, StageRecord, Trace, join
+from backend.db.rows import as_columns, as_finding, as_result, blobs, finding_row, lowest, plain, trace_row
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
@@ -26,11 +25,10 @@ from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import values_changed
 from campaigns.documents import JsonObject
-from campaigns.flown import Code, Flown, other_code
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.runs import run_name
-from campaigns.stages.found import stage_result
+from campaigns.versions import Code, Versions, other_code
 
 PATIENCE = 120.0
 """How long a write is retried while the database is unreachable or locked [s]."""
@@ -62,12 +60,12 @@ class RunStore:
         """Store the plan of a new run; returns every stage in its current state."""
         return self._write(lambda connection: self._plan(connection, stages))
 
-    def flies(self, flown: Flown, code: Code) -> None:
+    def record_versions(self, versions: Versions, code: Code) -> None:
         """Store the code version when the first stage starts; raises `OtherCode` if the run was started by other code.
 
         Runs that are older than this column have nothing to compare.
         """
-        self._write(lambda connection: self._check_code(connection, flown, code))
+        self._write(lambda connection: self._check_code(connection, versions, code))
 
     def begin(self, position: int) -> None:
         """Mark a stage as running."""
@@ -117,8 +115,8 @@ class RunStore:
             fenced(connection, self.claim, **values)
             ended = {"state": "done", "finished": now(connection), "seconds": seconds, "result": plain(result)}
             connection.execute(self._stage(position).values(**ended))
-            self._replace(connection, FindingRow, FindingRow.label, [_finding(f) for f in findings])
-            self._replace(connection, TraceRow, TraceRow.name, [_trace(t) for t in traces])
+            self._replace(connection, FindingRow, FindingRow.label, [finding_row(f) for f in findings])
+            self._replace(connection, TraceRow, TraceRow.name, [trace_row(t) for t in traces])
 
         self._write(work)
 
@@ -150,22 +148,22 @@ class RunStore:
         if begun is None:
             fenced(connection, self.claim, snapshot=snapshots.store(connection, campaign, catalogue))
             return
-        flown = snapshots.of_run(connection, self._run)
-        others = [] if flown is None else values_changed(campaign, flown, catalogue)
+        snapshot = snapshots.of_run(connection, self._run)
+        others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue)
         if others:
             detail = "; ".join(others)
             raise OtherComponents(
                 f"it was started with components that differ from this worker's ({detail}): submit it again"
             )
 
-    def _check_code(self, connection: sa.Connection, flown: Flown, code: Code) -> None:
+    def _check_code(self, connection: sa.Connection, versions: Versions, code: Code) -> None:
         begun = (Stage.run_id == self._run, sa.or_(Stage.state != "waiting", Stage.evaluations > 0))
         if connection.scalar(sa.select(Stage.position).where(*begun).limit(1)) is None:
             codes.store(connection, code)
-            fenced(connection, self.claim, flown=flown.model_dump(mode="json"))
+            fenced(connection, self.claim, flown=versions.model_dump(mode="json"))
             return
         stored = connection.scalar(sa.select(Run.flown).where(Run.id == self._run))
-        others = codes.others(connection, Flown.of(stored), flown, code)
+        others = codes.others(connection, Versions.of(stored), versions, code)
         if others:
             raise OtherCode(other_code(run_name(self._run), others))
 
@@ -243,70 +241,3 @@ class RunStore:
 
     def _write(self, work: Callable[[sa.Connection], Result]) -> Result:
         return write(self.engine, work, self.patience)
-
-
-def as_columns(row: Any) -> Columns:
-    """A row of the chunk table as arrays."""
-    points, costs, seconds = (
-        np.frombuffer(data, dtype="<f8").astype(np.float64).reshape(row.count, -1)
-        for data in (row.points, row.costs, row.seconds)
-    )
-    reasons = {int(index): reason for index, reason in row.reasons.items()}
-    return Columns(points, costs, np.frombuffer(row.status, dtype=np.uint8).copy(), seconds[:, 0], reasons)
-
-
-def as_finding(row: sa.RowMapping) -> Finding:
-    """A row of the findings table as a record."""
-    return Finding.model_validate(dict(row))
-
-
-def as_result(stored: Any) -> StageResult | None:
-    """The stored result of a stage; None if there is none yet."""
-    return None if stored is None else stage_result(stored)
-
-
-def plain(value: Any) -> Any:
-    """The value as plain JSON: NumPy numbers become Python numbers, non-finite numbers become None."""
-    if isinstance(value, BaseModel):
-        return plain(value.model_dump())
-    if isinstance(value, Mapping):
-        return {str(key): plain(inner) for key, inner in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [plain(inner) for inner in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def blobs(columns: Columns) -> JsonObject:
-    """The columns as a row of the chunk table."""
-    return {
-        "points": _bytes(columns.points),
-        "costs": _bytes(columns.costs),
-        "status": np.ascontiguousarray(columns.status, dtype=np.uint8).tobytes(),
-        "seconds": _bytes(columns.seconds),
-        "reasons": {str(index): reason for index, reason in columns.reasons.items()},
-    }
-
-
-def _bytes(array: Any) -> bytes:
-    return np.ascontiguousarray(array, dtype="<f8").tobytes()
-
-
-def lowest(columns: Columns) -> tuple[float, int | None]:
-    """The lowest cost among ok evaluations by the first criterion, and its row; the first of equal ones."""
-    ok = np.flatnonzero((columns.status == OK) & np.isfinite(columns.costs[:, 0]))
-    if not len(ok):
-        return math.nan, None
-    index = int(ok[np.argmin(columns.costs[ok, 0])])
-    return float(columns.costs[index, 0]), index
-
-
-def _finding(finding: Finding) -> JsonObject:
-    return {**plain(finding), "cost": finding.cost, "margin": finding.margin}
-
-
-def _trace(trace: Trace) -> JsonObject:
-    rows = len(trace.data)
-    shape = {"name": trace.name, "columns": plain(trace.columns), "rows": rows}
-    return {**shape, "data": _bytes(trace.data), "meta": plain(trace.meta)}

@@ -36,5 +36,5 @@ class CodeVersion(Base):
     __tablename__ = "code_versions"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
     modules: orm.Mapped[JsonObject]
-    """{module: digest}; see `campaigns.flown`."""
+    """{module: digest}; see `campaigns.versions`."""
     created: orm.Mapped[float]

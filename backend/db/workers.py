@@ -14,7 +14,7 @@ from backend.db import codes
 from backend.db.engine import insert, now
 from backend.db.tables import CatalogueDocument, Worker
 from campaigns.catalogue import Catalogue, SimulatorEntry
-from campaigns.flown import Code
+from campaigns.versions import Code
 
 FORGOTTEN = 24 * 3600.0
 """A worker without a heartbeat for longer than this is no longer listed [s]."""

@@ -22,7 +22,7 @@ from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.tables import CatalogueDocument, Finding, Trace
 from backend.exports.schemas import ExportFile
-from backend.exports.sheet import Flown, Sheet, headings, sheet
+from backend.exports.sheet import Evaluated, Sheet, headings, sheet
 from backend.http.naming import named
 from backend.reports import pdf
 from backend.results import service as results
@@ -120,10 +120,10 @@ def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
     flights = list(reader.scalars(sa.select(Trace.name).where(Trace.run_id == run_id)))
     found = reader.scalar(sa.select(sa.func.count()).where(Finding.run_id == run_id))
     if runs.campaign(reader, run_id).scenario is not None:
-        flown = (*REPORTS, *FILES, _recording(flights))
-        return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in flown]
-    simulated = (*REPORTS, *(SIMULATED.get(kind.file, kind) for kind in FILES))
-    return [_file(run, kind, _untraced(kind, bool(flights), bool(found))) for kind in simulated]
+        kinds: tuple[Kind, ...] = (*REPORTS, *FILES, _recording(flights))
+        return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in kinds]
+    kinds = (*REPORTS, *(SIMULATED.get(kind.file, kind) for kind in FILES))
+    return [_file(run, kind, _untraced(kind, bool(flights), bool(found))) for kind in kinds]
 
 
 def _untraced(kind: Kind, traced: bool, found: bool) -> str | None:
@@ -141,11 +141,11 @@ def _recording(flights: list[str]) -> Kind:
     return Kind(f"flight-{label}.html", f"{title} in 3D, HTML", text, "text/html", flights=True)
 
 
-def _missing(kind: Kind, flown: bool, found: bool) -> str | None:
+def _missing(kind: Kind, traced: bool, found: bool) -> str | None:
     """The reason why the file is not available; None if it is."""
-    if kind.flights and not flown:
+    if kind.flights and not traced:
         return "this run has no stored flight"
-    return "this run has no stored flight and no finding" if kind.findings and not (flown or found) else None
+    return "this run has no stored flight and no finding" if kind.findings and not (traced or found) else None
 
 
 def _file(run: RunSummary, kind: Kind, why: str | None) -> ExportFile:
@@ -262,11 +262,11 @@ def _run_json(
     engine: sa.Engine, found: Sheet, told: JsonObject, stages: list[JsonObject], flights: list[str]
 ) -> Iterator[bytes]:
     yield (_text(told)[:-1] + f',"columns":{_text(found.columns)},"stages":[').encode()
-    flown = {stage.position: stage for stage in found.stages}
+    evaluated = {stage.position: stage for stage in found.stages}
     for i, stage in enumerate(stages):
         yield ((",\n" if i else "\n") + _text(stage)[:-1] + ',"rows":[').encode()
-        if stage["position"] in flown:
-            yield from _json_rows(engine, found, flown[stage["position"]])
+        if stage["position"] in evaluated:
+            yield from _json_rows(engine, found, evaluated[stage["position"]])
         yield b"]}"
     yield b'],"traces":['
     for i, name in enumerate(flights):
@@ -276,7 +276,7 @@ def _run_json(
     yield b"]}\n"
 
 
-def _json_rows(engine: sa.Engine, found: Sheet, stage: Flown) -> Iterator[bytes]:
+def _json_rows(engine: sa.Engine, found: Sheet, stage: Evaluated) -> Iterator[bytes]:
     first = True
     for block in found.rows(engine, stage):
         yield (("\n" if first else ",\n") + ",\n".join(map(_text, block))).encode()

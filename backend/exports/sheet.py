@@ -16,7 +16,7 @@ from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
 from backend.db.engine import read
-from backend.db.store import as_columns
+from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results.evaluations import Bounds, in_units
 from campaigns import Campaign
@@ -31,7 +31,7 @@ SHARE = "share of range"
 
 
 @dataclass(frozen=True)
-class Flown:
+class Evaluated:
     """A stage that has evaluations; evaluations stored later are ignored."""
 
     position: int
@@ -45,7 +45,7 @@ class Sheet:
     """The columns of a run's evaluations: criteria and parameters with their units."""
 
     run_id: int
-    stages: list[Flown]
+    stages: list[Evaluated]
     criteria: list[tuple[str, str]]
     """Name and unit of each criterion, the deciding one first."""
     turned: list[bool]
@@ -59,7 +59,7 @@ class Sheet:
         """The headers of `rows`; `index` counts from 0 within the stage."""
         return ["index", "status", "reason", "seconds [s]", *map(_headed, [*self.criteria, *self.parameters])]
 
-    def rows(self, engine: sa.Engine, stage: Flown) -> Iterator[list[list[Any]]]:
+    def rows(self, engine: sa.Engine, stage: Evaluated) -> Iterator[list[list[Any]]]:
         """The evaluations of one stage as blocks of rows; missing values are None."""
         done = 0
         while done < stage.evaluations:
@@ -98,7 +98,7 @@ def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
     told = criteria(asked.document(), catalogue)[: _width(reader, run_id)]
     return Sheet(
         run_id=run_id,
-        stages=[Flown(*row) for row in rows],
+        stages=[Evaluated(*row) for row in rows],
         criteria=headings(told),
         turned=[c.worse == "high" for c in told],
         parameters=[(path, units.get(path, "") if path in limits else SHARE) for path in asked.uncertain],
@@ -118,9 +118,9 @@ def headings(told: list[CriterionOut]) -> list[tuple[str, str]]:
 
 def _width(reader: sa.Connection, run_id: int) -> int:
     """The number of criteria in the stored evaluations."""
-    sizes = sa.select(EvaluationChunk.count.label("flown"), sa.func.length(EvaluationChunk.costs).label("bytes"))
+    sizes = sa.select(EvaluationChunk.count.label("rows"), sa.func.length(EvaluationChunk.costs).label("bytes"))
     row = reader.execute(sizes.where(EvaluationChunk.run_id == run_id).limit(1)).one_or_none()
-    return 1 if row is None else max(1, int(row.bytes) // (8 * int(row.flown)))
+    return 1 if row is None else max(1, int(row.bytes) // (8 * int(row.rows)))
 
 
 def _chunks(reader: sa.Connection, run_id: int, position: int, done: int) -> list[Any]:

@@ -69,7 +69,7 @@ def simulated(live: Live, wanted: Case, rows: int) -> JsonObject:
     """The answer of the simulation process; raises `RefusedError`."""
     # A drawn flight needs its poses, so a time series is always requested.
     try:
-        return live.fly(wanted.document, wanted.digest, wanted.values, max(rows, ROWS), Noise(seed=wanted.seed))
+        return live.simulate(wanted.document, wanted.digest, wanted.values, max(rows, ROWS), Noise(seed=wanted.seed))
     except FlightRefusedError as error:
         raise RefusedError(422, "not-flyable", f"this flight cannot be simulated: {error}") from None
     except LiveError as error:

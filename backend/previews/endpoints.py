@@ -46,5 +46,5 @@ async def preview_campaign(request: Request, engine: Engine) -> Preview:
         criterion = await capacities(request).checks.run(lambda: service.checked(engine, campaign))
     except CampaignError as error:
         raise bodies.invalid(error) from None
-    answer, seconds = await request.app.state.previews.fly(campaign, request.is_disconnected)
+    answer, seconds = await request.app.state.previews.simulate(campaign, request.is_disconnected)
     return service.response(campaign, criterion, answer, seconds)

@@ -1,7 +1,7 @@
 """Simulates the nominal case of an edited campaign, one at a time, in a separate process from the viewers'.
 
 Requests whose client has disconnected while waiting are dropped, so that of many edits only the newest is simulated.
-Start reading at `Previews.fly`.
+Start reading at `Previews.simulate`.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Previews:
         self._thread = CapacityLimiter(1)  # separate from the threads that all requests share
         self._waiting = 0
 
-    async def fly(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[JsonObject, float]:
+    async def simulate(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[JsonObject, float]:
         """The answer of the simulation process, and how long it took [s]. Raises `RefusedError`.
 
         gone: whether the client has disconnected; checked again when its turn comes.
@@ -69,7 +69,7 @@ class Previews:
 
     def _flown(self, campaign: Campaign) -> JsonObject:
         try:
-            return self.live.fly(campaign.document(), campaign.digest, {}, ROWS)
+            return self.live.simulate(campaign.document(), campaign.digest, {}, ROWS)
         except FlightRefusedError as error:
             raise RefusedError(422, "not-flyable", f"this campaign cannot be simulated: {error}") from None
         except LiveError as error:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from markupsafe import Markup
 
 from backend.catalog.colours import METHODS
@@ -17,7 +15,7 @@ from campaigns.results.sensitivity import Curve
 MOST_CURVES = 12
 
 
-def drawn(held: Held) -> dict[str, Any]:
+def drawn(held: Held) -> dict[str, object]:
     """Every figure by name; None or empty if there are no stored data for it."""
     timed = [case for case in held.cases if case.points("t", "separation")]
     return {
@@ -105,23 +103,23 @@ def _sensitivity(held: Held) -> list[tuple[Markup, str, Markup]]:
     for curve in curves[:MOST_CURVES]:
         about = _about(held, curve)
         svg = figures.sensitivity(curve, through.get(curve.path), about, (low, high), held.of)
-        found.append((words.symbol_html(about["symbol"], curve.path), about["text"], svg))
+        found.append((words.symbol_html(about.symbol, curve.path), about.text, svg))
     return found
 
 
-def _about(held: Held, curve: Curve) -> dict[str, Any]:
+def _about(held: Held, curve: Curve) -> figures.About:
     path = curve.path
     entry = held.entry(path)
     nominal, low, high = held.limits.get(path, (curve.values[0], curve.values[0], curve.values[-1]))
-    return {
-        "symbol": held.symbol(path),
-        "text": held.words(path),
-        "unit": numbers.unit_in_print(entry.unit) if entry else "",
-        "nominal": nominal,
-        "low": low,
-        "high": high,
-        "nominal_cost": held.run.nominal_cost if path in held.limits else None,
-    }
+    return figures.About(
+        symbol=held.symbol(path),
+        text=held.words(path),
+        unit=numbers.unit_in_print(entry.unit) if entry else "",
+        nominal=nominal,
+        low=low,
+        high=high,
+        nominal_cost=held.run.nominal_cost if path in held.limits else None,
+    )
 
 
 def _tornado(held: Held) -> Markup | None:
@@ -130,7 +128,7 @@ def _tornado(held: Held) -> Markup | None:
     for curve in _curves(held):
         low, high = curve.costs[0], curve.costs[-1]
         if nominal is not None and low is not None and high is not None:
-            bars.append((_about(held, curve)["symbol"], low - nominal, high - nominal))
+            bars.append((_about(held, curve).symbol, low - nominal, high - nominal))
     bars.sort(key=lambda bar: -max(abs(bar[1]), abs(bar[2])))
     return figures.tornado(bars, held.of) if bars else None
 

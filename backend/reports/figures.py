@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from markupsafe import Markup
 
@@ -124,23 +123,36 @@ def is_far(values: Sequence[float], threshold: float) -> bool:
     return not low - 3 * (high - low) <= threshold <= high + (high - low)
 
 
-def sensitivity(curve: Curve, other: Curve | None, about: dict[str, Any], y_range: Point, of: Quantity) -> Markup:
+@dataclass(frozen=True)
+class About:
+    """A parameter as its figure names it: bounds and nominal value, and the nominal cost if it is known there."""
+
+    symbol: str
+    text: str
+    unit: str
+    nominal: float
+    low: float
+    high: float
+    nominal_cost: float | None
+
+
+def sensitivity(curve: Curve, other: Curve | None, about: About, y_range: Point, of: Quantity) -> Markup:
     """One parameter over its bounds, the others nominal and, if evaluated, the others at the worst case."""
-    low, high = about["low"], about["high"]
+    low, high = about.low, about.high
     axes = Axes(208, 112, (low, high), y_range, left=44, right=16, top=6, bottom=30)
     if of.threshold is not None:
         axes.tint(of.threshold)
-    title = Markup("{}{}").format(words.svg_symbol(about["symbol"]), f", {about['unit']}" if about["unit"] else "")
-    axes.frame(title, 2.2, 4, x_marks=(low, about["nominal"], high) if low < about["nominal"] < high else (low, high))
+    title = Markup("{}{}").format(words.svg_symbol(about.symbol), f", {about.unit}" if about.unit else "")
+    axes.frame(title, 2.2, 4, x_marks=(low, about.nominal, high) if low < about.nominal < high else (low, high))
     if of.threshold is not None:
         axes.criterion(of.threshold, "")
     for shown, colour in ((curve, plot.NOMINAL), (other, plot.WORST)):
         if shown is not None:
             pairs = zip(shown.values, shown.costs, strict=False)
             axes.line([(x, y) for x, y in pairs if y is not None], colour, 1.5)
-    if about["nominal_cost"] is not None:
-        axes.dot(about["nominal"], about["nominal_cost"], plot.NOMINAL, 2.8)
-    return axes.svg(f"{of.symbol} over {about['symbol']}")
+    if about.nominal_cost is not None:
+        axes.dot(about.nominal, about.nominal_cost, plot.NOMINAL, 2.8)
+    return axes.svg(f"{of.symbol} over {about.symbol}")
 
 
 def tornado(bars: Sequence[tuple[str, float, float]], of: Quantity) -> Markup:

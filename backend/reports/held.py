@@ -99,7 +99,7 @@ def load(reader: sa.Connection, run_id: int) -> Held:
     campaign, kept, installed = runs.campaign(reader, run_id), snapshots.of_run(reader, run_id), published(reader)
     catalogue = kept or installed
     found = results.findings(reader, run_id)
-    flown = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
+    traced = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
     return Held(
         run=runs.detail(reader, run_id),
         campaign=campaign,
@@ -111,9 +111,9 @@ def load(reader: sa.Connection, run_id: int) -> Held:
         findings=found,
         evaluations=evaluations.read(reader, run_id, 100, None),
         cases=_cases(
-            reader, run_id, [finding.label for finding in found], set() if campaign.scenario is None else set(flown)
+            reader, run_id, [finding.label for finding in found], set() if campaign.scenario is None else set(traced)
         ),
-        nominal=flown.get("nominal"),
+        nominal=traced.get("nominal"),
         signoffs=signoffs.listed(reader, run_id),
         looks=Looks(kept, installed),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Mapping
 
 from markupsafe import Markup
 
@@ -21,7 +21,8 @@ from campaigns.claims.say import say
 from campaigns.results import SearchResult, ValidateResult, verdicts
 from campaigns.results.validate import Compared
 
-Row = dict[str, Any]
+Row = dict[str, object]
+"""One row of a table, by the names that the template uses."""
 
 
 def uncertain(held: Held) -> list[Row]:
@@ -169,14 +170,14 @@ def _near(other: Compared | None) -> str:
     return numbers.count(other.to_near_best) if other.to_near_best else "not reached"
 
 
-def _options(options: dict[str, Any]) -> str:
+def _options(options: Mapping[str, object]) -> str:
     return ", ".join(f"{name} = {value}" for name, value in options.items()) or "as published"
 
 
 def stages(held: Held) -> list[Row]:
     """All stages with their evaluations, so that every simulation is counted."""
     titles = _titles(held)
-    rows = [
+    rows: list[Row] = [
         {
             "name": stage.title + (f", {titles.get(stage.method, stage.method)}" if stage.method else ""),
             "state": stage.state,
@@ -230,18 +231,18 @@ def criteria(held: Held) -> list[Row]:
     """Every criterion of a campaign with several: its value in the nominal case and in each worst case."""
     if len(held.run.criteria) < 2:
         return []
-    rows = []
+    rows: list[Row] = []
     for i, criterion in enumerate(held.run.criteria):
-        flown = [None if held.nominal is None else held.nominal.values.get(criterion.name)]
-        flown += [finding.values.get(criterion.name) for finding in held.findings]
-        decimals = numbers.decimals_apart(flown, 4, 6)
+        values = [None if held.nominal is None else held.nominal.values.get(criterion.name)]
+        values += [finding.values.get(criterion.name) for finding in held.findings]
+        decimals = numbers.decimals_apart(values, 4, 6)
         rows.append({
             "title": criterion.title,
             "symbol": words.symbol_html(criterion.quantity),
             "unit": numbers.unit_in_print(criterion.unit),
             "worse": "more is worse" if criterion.worse == "high" else "less is worse",
             "decides": i == 0,
-            "values": [numbers.fixed(value, decimals) for value in flown],
+            "values": [numbers.fixed(value, decimals) for value in values],
         })  # fmt: skip
     return rows
 
@@ -251,11 +252,11 @@ def doubts(held: Held) -> list[str]:
     if held.catalogue is None:
         return ["this installation has no catalogue of components: units, bounds and texts are unknown"]
     found = []
-    flown = None if held.verdict is None else held.verdict.provenance.clearance
-    if flown is not None and flown != held.catalogue.version:
+    clearance = None if held.verdict is None else held.verdict.provenance.clearance
+    if clearance is not None and clearance != held.catalogue.version:
         kept = "are described by" if held.changes is None else "were stored with the run as described by"
         found.append(
-            f"the run used clearance {flown}, and the components {kept} {held.catalogue.version}: "
+            f"the run used clearance {clearance}, and the components {kept} {held.catalogue.version}: "
             "their texts and default values may differ from those of the run"
         )
     nominal = {} if held.nominal is None else held.nominal.parameters
@@ -292,4 +293,4 @@ def _standing(signoff: Signoff) -> str:
 def components(held: Held) -> dict[str, str]:
     """Titles of vehicle, controller and avoider, or of the simulator, by role."""
     rows = [row for row in model(held) if row["role"] in ("Vehicle", "Controller", "Avoidance", "Simulator")]
-    return {row["role"].lower(): row["title"] for row in rows}
+    return {str(row["role"]).lower(): str(row["title"]) for row in rows}

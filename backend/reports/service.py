@@ -10,7 +10,6 @@ import functools
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import jinja2
 import sqlalchemy as sa
@@ -21,9 +20,9 @@ from backend.reports import charts, limits, sections, validated, words
 from backend.reports.held import Held, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
-from campaigns.flown import Flown, Processor
 from campaigns.results import SensitivityResult, TraceHead, ValidateResult
 from campaigns.version import VERSION
+from campaigns.versions import Processor, Versions
 
 HERE = Path(__file__).parent
 FONTS = (
@@ -71,7 +70,7 @@ def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> P
     return Page(html, policy, named(held.run.id, held.run.name, "safety-case-report"))
 
 
-def _context(held: Held, at: float) -> dict[str, Any]:
+def _context(held: Held, at: float) -> dict[str, object]:
     run, verdict = held.run, held.verdict
     tone, word, icon = _VERDICTS.get(
         run.verdict or "", ("err", f"{run.state.capitalize()}: no verdict", "M12 8v5M12 16v.01")
@@ -138,8 +137,8 @@ def _shown(head: TraceHead) -> str:
 
 def _origin(held: Held) -> list[tuple[str, str]]:
     """Provenance as rows; missing values are reported as not stored."""
-    flown, verdict = held.run.flown, held.verdict
-    known: Flown = verdict.provenance if verdict is not None else flown or Flown()
+    versions, verdict = held.run.flown, held.verdict
+    known: Versions = verdict.provenance if verdict is not None else versions or Versions()
     seed = verdict.provenance.seed if verdict is not None else None
     unknown = "not recorded"
     cpu = known.cpu or Processor()
@@ -148,7 +147,7 @@ def _origin(held: Held) -> list[tuple[str, str]]:
         ("Campaign", f"sha256 {held.run.campaign_digest}"),
         ("Results", f"sha256 {held.digest}"),
         ("Components", _components(held)),
-        ("Code", f"sha256 {flown.code}" if flown and flown.code else "not stored when the run began"),
+        ("Code", f"sha256 {versions.code}" if versions and versions.code else "not stored when the run began"),
         ("Simulation kernel", known.loop or unknown),
         ("Seed", str(held.campaign.seed if seed is None else seed)),
         ("Clearance", known.clearance or unknown),

@@ -5,8 +5,6 @@ Runs of earlier versions have fewer of them.
 
 from __future__ import annotations
 
-from typing import Any
-
 from markupsafe import Markup
 
 from backend.reports import words
@@ -19,7 +17,7 @@ from campaigns.results import NominalResult, ValidateResult, verdicts
 from campaigns.results.finding import ClosestApproach, Validation
 from campaigns.results.validate import Encounter, Unseen
 
-Row = dict[str, Any]
+Row = dict[str, object]
 _AT = {
     "start": "at the start of the horizon",
     "end": "at the end of the horizon",

@@ -14,7 +14,7 @@ from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
 from backend.db.records import Columns, join
-from backend.db.store import as_columns
+from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results.schemas import EvaluationFailure, Evaluations, EvaluationSeries
 from backend.runs.service import campaign
@@ -53,10 +53,10 @@ def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) ->
     found: list[tuple[int, dict[str, float]]] = []
     for row in reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first)):
         columns = as_columns(row)
-        flown = np.flatnonzero(columns.status != EXCLUDED)[: most - len(found)]
-        values = in_units(columns.points[flown], list(asked.uncertain), bounds(asked, described(reader, run_id)))
+        evaluated = np.flatnonzero(columns.status != EXCLUDED)[: most - len(found)]
+        values = in_units(columns.points[evaluated], list(asked.uncertain), bounds(asked, described(reader, run_id)))
         rows = [dict(zip(values, one, strict=True)) for one in zip(*values.values(), strict=True)]
-        found += zip((row.first + flown).tolist(), rows, strict=True)
+        found += zip((row.first + evaluated).tolist(), rows, strict=True)
         if len(found) >= most:
             break
     return found

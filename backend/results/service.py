@@ -31,10 +31,10 @@ def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
     limits = bounds(campaign(reader, run_id), described(reader, run_id))
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
-    flown = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}
+    traced = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}
     with readable(f"a finding of {run_name(run_id)}"):
         terms = terms_of(reader, run_id)
-        return [_finding(row, limits, flown.get(row.label), terms) for row in ordered]
+        return [_finding(row, limits, traced.get(row.label), terms) for row in ordered]
 
 
 def _finding(row: Any, limits: Limits, head: TraceHead | None, terms: Terms) -> FindingDetail:

@@ -12,15 +12,15 @@ from backend.runs.schemas import RunComponents
 from campaigns import Catalogue
 from campaigns.checked.snapshot import changes, snapshot
 from campaigns.documents import JsonObject
-from campaigns.flown import Flown
+from campaigns.versions import Versions
 
 
 def components(reader: sa.Connection, run_id: int) -> RunComponents:
     """As stored with the run; if nothing was stored, as described now. 404 if there is no such run."""
     asked = service.campaign(reader, run_id)
     kept = snapshots.of_run(reader, run_id)
-    digest, flown = reader.execute(sa.select(Run.snapshot, Run.flown).where(Run.id == run_id)).one()
-    then, now = Flown.of(flown).code, codes.published(reader)
+    digest, versions = reader.execute(sa.select(Run.snapshot, Run.flown).where(Run.id == run_id)).one()
+    then, now = Versions.of(versions).code, codes.published(reader)
     code: JsonObject = {"code": then, "code_installed": now, "code_changes": codes.changed(reader, then, now)}
     if kept is None:
         return RunComponents(digest=None, catalogue=snapshot(asked, required(reader)), changes=[], **code)

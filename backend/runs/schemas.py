@@ -12,12 +12,12 @@ from campaigns import Catalogue
 from campaigns.asked.load import LARGEST_FILE
 from campaigns.asked.values import Notes
 from campaigns.documents import JsonObject
-from campaigns.flown import Flown
 from campaigns.results import Verdict
 from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.runs import RunState, StageState
 from campaigns.stages.found import AnyResult, StageKind, declared
+from campaigns.versions import Versions
 
 Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
 Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
@@ -204,7 +204,7 @@ class RunDetail(RunSummary):
     """The deciding criterion, then the objectives."""
     components_digest: str | None
     """Digest of the component descriptions at submission (`/runs/{run}/components`); None if not stored."""
-    flown: Flown | None
+    flown: Versions | None
     """The versions when the first stage started: code, packages, machine; None before that, or if not stored."""
     plan: list[StageSummary]
     """The kinds of stages in the order of the run."""

@@ -25,11 +25,11 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
 from campaigns.claims import earlier
 from campaigns.documents import JsonObject
-from campaigns.flown import Flown
 from campaigns.results import Verdict, verdicts
 from campaigns.runs import run_name, run_number
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
+from campaigns.versions import Versions
 
 
 @dataclass(frozen=True)
@@ -138,22 +138,25 @@ def summary(reader: sa.Connection, run_id: int) -> RunSummary:
 def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     """One run with its campaign, stages and estimated remaining time."""
     base = summary(reader, run_id)
-    document, parts, notes, snapshot, flown = reader.execute(
+    document, parts, notes, snapshot, versions = reader.execute(
         sa.select(CampaignRow.document, Run.summary, Run.notes, Run.snapshot, Run.flown)
         .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         .where(Run.id == run_id)
     ).one()
     with readable(f"the campaign of {run_name(run_id)}"):
         campaign = Campaign.model_validate(document)
+    stated = criteria(document, described(reader, run_id))
+    if not base.quantity and stated:  # the installed catalogue no longer has the criterion, the stored one has
+        base = base.model_copy(update={"quantity": stated[0].quantity, "unit": stated[0].unit})
     stages = progress(reader, run_id)
     rate, remaining = pace.estimate(stages) if base.state == "running" else (None, None)
     return RunDetail(
         **dict(base),
         notes=notes,
         campaign=document,
-        criteria=criteria(document, described(reader, run_id)),
+        criteria=stated,
         components_digest=snapshot,
-        flown=None if flown is None else Flown.of(flown),
+        flown=None if versions is None else Versions.of(versions),
         plan=_plan(campaign),
         stages=stages,
         summary=_described(parts, base.failed_evaluations, terms_of(reader, run_id)),

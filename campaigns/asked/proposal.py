@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 FEW, SEVERAL, MANY = 25, 100, 500
 """Evaluations per parameter and method: below the first a global method does not count as a search in a verdict, above
@@ -31,7 +30,7 @@ class Budget:
 
     method: str
     evaluations: int
-    options: dict[str, Any] = field(default_factory=dict)
+    options: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -84,7 +83,7 @@ def _proposal(methods: tuple[str, ...], rounds: int, most: int, cost: float, slo
     return Proposal(searches, seconds, text)
 
 
-def _side_by_side(method: str, slots: int) -> dict[str, Any]:
+def _side_by_side(method: str, slots: int) -> dict[str, int]:
     if method not in SIDE_BY_SIDE:
         return {}
     name, most = SIDE_BY_SIDE[method]

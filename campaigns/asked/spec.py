@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from campaigns.asked.distributions import Correlation, Uncertain
+from campaigns.asked.scenario import MAX_SEED, Part, Realisations, Scenario
 from campaigns.asked.stages import Search, Stages
 from campaigns.asked.values import (
     AS_NUMBER,
@@ -48,86 +49,6 @@ __all__ = [
     "Simulator",
     "Stages",
 ]
-
-MAX_STEPS = 2_000_000
-MAX_SEED = 2**20
-
-
-class Part(Strict):
-    """A component and the values of its parameters; omitted ones take the component's default."""
-
-    component: Identifier
-    parameters: Values = {}
-
-
-class FaultPart(Part):
-    """A fault; an actuator fault names the input of the vehicle that it affects."""
-
-    on: Annotated[str, Field(max_length=60)] = ""
-
-
-class Guidance(Strict):
-    """How often the avoider is evaluated: continuously, or at its own period with a zero-order hold."""
-
-    period: Annotated[float, Field(ge=0), AS_NUMBER] = 0.0
-    """[s]; 0 is continuous."""
-
-
-class Realisations(Strict):
-    """Which realisations of noise and gusts every evaluation simulates, and how they are combined.
-
-    The same fixed ones for every evaluation, so that the cost is a function of the parameters. `worst` is the lowest
-    value of the criterion among them, `mean` their average.
-    """
-
-    seeds: Annotated[list[Annotated[int, Field(ge=0, lt=MAX_SEED), AS_WHOLE]], Field(min_length=1, max_length=64)] = [0]
-    combine: Literal["worst", "mean"] = "worst"
-
-    @field_validator("seeds")
-    @classmethod
-    def _distinct(cls, seeds: list[int]) -> list[int]:
-        if len(set(seeds)) < len(seeds):
-            raise ValueError("the same seed is given twice; list each seed once")
-        return seeds
-
-
-class Scenario(Strict):
-    """The closed loop: vehicle, controller, avoider; start and goal; obstacles; horizon and step."""
-
-    vehicle: Part
-    controller: Part
-    avoider: Part
-    start: Values = {}
-    goal: Values
-    obstacles: Annotated[list[Part], Field(max_length=64)] = []
-    environment: Annotated[list[Part], Field(max_length=16)] = []
-    faults: Annotated[list[FaultPart], Field(max_length=32)] = []
-    horizon: Annotated[float, Field(gt=0), AS_NUMBER]
-    """[s]"""
-    step: Annotated[float, Field(gt=0), AS_NUMBER]
-    """[s]"""
-    guidance: Guidance = Guidance()
-    realisations: Realisations = Realisations()
-
-    @model_validator(mode="after")
-    def _sizes(self) -> Scenario:
-        steps, period = self.horizon / self.step, self.guidance.period
-        if steps < 1:
-            raise ValueError(f"the step of {self.step:g} s is longer than the horizon of {self.horizon:g} s")
-        if steps > MAX_STEPS:
-            raise ValueError(
-                f"horizon / step = {steps:.3g} steps, at most {MAX_STEPS:,} are allowed: "
-                "lengthen the step or shorten the horizon"
-            )
-        if not _is_whole(steps):
-            raise ValueError(f"the horizon of {self.horizon:g} s is not a whole number of steps of {self.step:g} s")
-        if period > 0 and not _is_whole(period / self.step):
-            raise ValueError(f"the guidance period of {period:g} s is not a whole number of steps of {self.step:g} s")
-        return self
-
-
-def _is_whole(ratio: float) -> bool:
-    return ratio >= 0.5 and abs(ratio - round(ratio)) <= 1e-6 * ratio
 
 
 def _absent(given: Any) -> bool:

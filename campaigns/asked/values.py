@@ -119,7 +119,7 @@ def around(nominal: float, plus_minus: float | str) -> tuple[float, float]:
 def _flatten(value: Any, prefix: str = "") -> Any:
     if not isinstance(value, Mapping):
         return value
-    flat: dict[str, Any] = {}
+    flat: dict[str, object] = {}
     for key, inner in value.items():
         more = _flatten(inner, f"{prefix}{key}.") if isinstance(inner, Mapping) else {f"{prefix}{key}": inner}
         if twice := flat.keys() & more.keys():

@@ -28,7 +28,7 @@ def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
     return _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
 
 
-def flyable(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
+def simulation_problems(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
     """The problems that prevent simulation with these components; stored runs are displayed if there are none.
 
     Other problems reported by `check` do not prevent simulation, but would make the numbers misleading.
@@ -170,11 +170,11 @@ def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     controller = catalogue.component("controller", scenario.controller.component)
     vehicle = catalogue.component("vehicle", scenario.vehicle.component)
     if controller is not None and vehicle is not None and vehicle.name not in controller.fits:
-        flown = ", ".join(controller.fits)
+        controlled = ", ".join(controller.fits)
         yield Problem(
             "scenario.controller.component",
             controller.name,
-            f"this controller controls {flown}, not {scenario.vehicle.component}",
+            f"this controller controls {controlled}, not {scenario.vehicle.component}",
         )
     yield from _placed(campaign, catalogue)
     yield from _realised(campaign, catalogue)

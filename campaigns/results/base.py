@@ -63,7 +63,7 @@ class StageResult(Result):
     """The kind of the stage."""
 
 
-class Told(Result):
+class Described(Result):
     """A result with a sentence."""
 
     said: Said = ()
@@ -89,7 +89,7 @@ def with_spans(given: Any, words: str, said: str) -> Any:
     return {**given, said: say(given[words])}
 
 
-class Claim(Told):
+class Claim(Described):
     """A sentence that follows from numbers: what it is about, and those numbers by their names."""
 
     @computed_field  # type: ignore[prop-decorator]

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from campaigns.results.base import Result, Told, Values
+from campaigns.results.base import Described, Result, Values
 from campaigns.results.sensitivity import Slices
 from campaigns.results.trace import Closest
 
@@ -41,7 +41,7 @@ class Repeated(Result):
     """Why it has no cost."""
 
 
-class Calls(Told):
+class Calls(Described):
     """Independent calls of a simulator that does not repeat, each in a fresh process; none of them chose the case."""
 
     values: list[float | None]
@@ -112,7 +112,7 @@ class Ray(Result):
     parameters: Values | None = None
 
 
-class Boundary(Told):
+class Boundary(Described):
     """How far from nominal the boundary of a violation is, along each parameter and towards the worst case."""
 
     tolerance: float

@@ -6,10 +6,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from campaigns.results.base import StageResult, Status, Told, Untraced, Values
+from campaigns.results.base import Described, StageResult, Status, Untraced, Values
 
 
-class Measured(Told):
+class Measured(Described):
     """Whether evaluations of a simulator repeat, measured before anything is searched."""
 
     points: int

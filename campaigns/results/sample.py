@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Result, StageResult, Stop, Told, Values
+from campaigns.results.base import Described, Result, StageResult, Stop, Values
 
 Noise = Literal["none", "drawn", "stated"]
 
@@ -16,7 +16,7 @@ class Histogram(Result):
     counts: list[int]
 
 
-class QuantileBound(Told):
+class QuantileBound(Described):
     """Wilks' lower bound on a quantile of the criterion."""
 
     share: float
@@ -39,7 +39,7 @@ class Distribution(Result):
     band: float
 
 
-class Sample(Told):
+class Sample(Described):
     """Counts, moments and the bound on P(violation) of evaluations drawn from the campaign's distributions."""
 
     samples: int
@@ -77,7 +77,7 @@ class GridPoint(Result):
     parameters: Values
 
 
-class GridResult(Told):
+class GridResult(Described):
     """A full grid; nothing is claimed between its points."""
 
     points: int
@@ -90,7 +90,7 @@ class GridResult(Told):
     excluded: int
 
 
-class CertifyResult(StageResult, Told):
+class CertifyResult(StageResult, Described):
     """The sample that supports a claim on probability, and the grid if requested."""
 
     stage: Literal["certify"] = "certify"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import MethodKind, Result, StageResult, Stop, Told, Values, Worse
+from campaigns.results.base import Described, MethodKind, Result, StageResult, Stop, Values, Worse
 from campaigns.results.sample import Sample
 
 
@@ -17,7 +17,7 @@ class Best(Result):
     index: int | None = None
 
 
-class Minimum(Told):
+class Minimum(Described):
     """A local minimum at which a descent ended."""
 
     start: Values | None
@@ -28,7 +28,7 @@ class Minimum(Told):
     evaluations: int
 
 
-class Gap(Told):
+class Gap(Described):
     """An estimate of the possible improvement below DIRECT's best, from the slopes between its centres."""
 
     rectangles: int = 0

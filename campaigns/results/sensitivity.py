@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Result, StageResult, Status, Told, Values
+from campaigns.results.base import Described, Result, StageResult, Status, Values
 
 
 class Curve(Result):
@@ -24,7 +24,7 @@ class Slices(Result):
     """The point."""
 
 
-class IndexStudy(Told):
+class IndexStudy(Described):
     """Common to both kinds of index study; the sentence names the leading parameters, or why nothing was computed."""
 
     evaluations: int

@@ -9,11 +9,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from campaigns.results.base import MethodKind, Result, StageResult, Status, Stop, Told, Untraced, Values
+from campaigns.results.base import Described, MethodKind, Result, StageResult, Status, Stop, Untraced, Values
 from campaigns.results.finding import ClosestApproach, Validation
 
 
-class Gathered(Told):
+class Gathered(Described):
     """How the findings were distinguished."""
 
     distance: float
@@ -55,7 +55,7 @@ class StageCount(Result):
     count: int
 
 
-class Violations(Told):
+class Violations(Described):
     """Violating evaluations of all stages, and how many of those that were simulated again violate there too."""
 
     stored: int
@@ -75,7 +75,7 @@ class Furthest(Result):
     realisation: int | None = None
 
 
-class SpotChecks(Told):
+class SpotChecks(Described):
     """Random evaluations of all stages with the reference integrator."""
 
     checked: int
@@ -134,7 +134,7 @@ class Incumbent(Result):
     validation: Validation
 
 
-class ValidateResult(StageResult, Told):
+class ValidateResult(StageResult, Described):
     """The validation of the run. The findings contain their own evidence."""
 
     stage: Literal["validate"] = "validate"

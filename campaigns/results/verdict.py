@@ -13,9 +13,9 @@ from pydantic import Field, computed_field, model_validator
 
 from campaigns.claims.codes import CheckCode
 from campaigns.claims.spans import Said, values, words
-from campaigns.flown import Flown
-from campaigns.results.base import Claim, Result, Told, Values, with_spans
+from campaigns.results.base import Claim, Described, Result, Values, with_spans
 from campaigns.results.sample import Noise, QuantileBound
+from campaigns.versions import Versions
 
 
 class VerdictWord(StrEnum):
@@ -50,7 +50,7 @@ class Check(Claim):
         return {"code": given["name"], **given} if isinstance(given, Mapping) and "name" in given else given
 
 
-class Statistics(Told):
+class Statistics(Described):
     """The statement of the independent sample."""
 
     samples: int
@@ -97,7 +97,7 @@ class Counts(Result):
     """Succeeded only when a call of a simulator that had failed was tried again; omitted if there are none."""
 
 
-class Provenance(Flown):
+class Provenance(Versions):
     """What reproduces a result: the campaign, the seed and the code."""
 
     digest: str | None = None

@@ -18,7 +18,7 @@ def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
 
 
 def _description(campaign: Campaign) -> str:
-    return "every parameter nominal" if campaign.simulator is None else "nominal values, and whether results repeat"
+    return "every parameter nominal" if campaign.simulator is None else "nominal values, repeatability"
 
 
 stage = Declared(

@@ -14,7 +14,7 @@ def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
 
 
 def _description(campaign: Campaign) -> str:
-    return "each case evaluated again" if campaign.scenario is None else "half the step, reference integrator"
+    return "each case evaluated again" if campaign.scenario is None else "half step, reference integrator"
 
 
 stage = Declared("validate", 4, "Validate", ValidateResult, _planned, _description)

@@ -259,7 +259,7 @@ def brute_force(asked: Campaign, points: int) -> float:
     axis = np.linspace(0.0, 1.0, points)
     grid = np.stack(np.meshgrid(*[axis] * problem.dimension, indexing="ij"), -1).reshape(-1, problem.dimension)
     flown = problem.nominal_point[None, :] if points == 1 else grid
-    batch, _ = problem.system.fly_vectors(problem.vectors(flown), problem.system.step / 2)
+    batch, _ = problem.system.simulate_vectors(problem.vectors(flown), problem.system.step / 2)
     return float(np.min(batch.costs[batch.status == OK, 0], initial=np.inf))
 
 

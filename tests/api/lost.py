@@ -52,7 +52,7 @@ def lose(service: Service, client: httpx.Client, publish: bool = True) -> Lost:
     answer = client.post("/api/v1/runs", json={"campaign": document, "name": "Lost flights"})
     assert answer.status_code == 201, answer.text
     points = np.concatenate([INSIDE, SPINNING, FLYING])
-    batch, reasons = Problem(load_document(document)).fly(points)
+    batch, reasons = Problem(load_document(document)).evaluate(points)
     assert np.isfinite(batch.costs[batch.status == OK]).all()
     work = Work(service)
     work.nominal()

@@ -9,17 +9,17 @@ import numpy as np
 from backend.db.queue import Queue
 from backend.db.records import StagePlan
 from backend.db.store import RunStore
-from campaigns.flown import Processor
 from campaigns.results import CertifyResult, Finding, SensitivityResult, ValidateResult
 from campaigns.results.finding import FoundBy
 from campaigns.results.sample import Histogram, QuantileBound, Sample
 from campaigns.results.sensitivity import Curve, Slices
 from campaigns.results.validate import Compared
 from campaigns.results.verdict import Check, Provenance, Statistics
+from campaigns.versions import Processor
 from tests import results
 from tests.api.finished import flight, search
-from tests.api.flown import CODE, FLOWN
 from tests.api.server import Service
+from tests.api.versions import CODE, VERSIONS
 
 PLAN = [
     StagePlan("nominal", None, 1),
@@ -40,7 +40,7 @@ def finish_fully(
     assert claim is not None
     store = RunStore(service.engine, claim)
     store.plan(PLAN)
-    store.flies(FLOWN, CODE)
+    store.record_versions(VERSIONS, CODE)
     for position in range(len(PLAN)):
         store.begin(position)
     store.append(2, 0, search(0, 1000, criteria))

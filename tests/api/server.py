@@ -18,7 +18,7 @@ from backend.db.access import create_login_code, create_token
 from backend.db.tables import Base, CatalogueDocument
 from backend.settings import Settings
 from tests.api.catalogue import CATALOGUE
-from tests.api.flown import CODE
+from tests.api.versions import CODE
 
 
 def until(condition: Callable[[], Any], seconds: float = 10.0) -> Any:

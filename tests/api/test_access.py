@@ -31,7 +31,7 @@ CLOSED = [
 ]
 
 
-def test_health_is_open_and_says_nothing_else(still: Service) -> None:
+def test_health_is_open_and_reveals_nothing_else(still: Service) -> None:
     with still.visitor() as stranger:
         answer = stranger.get("/api/v1/health")
     assert (answer.status_code, answer.json()) == (200, {"status": "ok"})
@@ -96,7 +96,7 @@ def test_a_login_link_lives_for_a_quarter_of_an_hour(service: Service) -> None:
     assert expires - created == 900
 
 
-def test_a_login_link_without_a_code_says_where_it_is(still: Service) -> None:
+def test_a_login_link_without_a_code_explains_where_to_find_it(still: Service) -> None:
     with still.visitor() as stranger:
         assert "clearance serve" in stranger.get("/login").text
 
@@ -198,7 +198,7 @@ def test_a_revoked_token_is_refused(service: Service) -> None:
 
 
 @pytest.mark.parametrize("header", ["Bearer", "Bearer wrong", "Basic YTpi", "nonsense"])
-def test_a_wrong_authorization_is_refused_even_beside_a_good_cookie(
+def test_a_wrong_authorization_is_refused_even_with_a_valid_cookie(
     still: Service, guest: httpx.Client, header: str
 ) -> None:
     problem(guest.get("/api/v1/session", headers={"authorization": header}), 401)

@@ -78,7 +78,7 @@ def test_few_bodies_are_read_at_a_time_and_the_queue_has_an_end(monkeypatch: pyt
     assert {(r.status, r.kind, str(r.headers)) for r in refused} == {(503, "busy", "{'Retry-After': '2'}")}
 
 
-def test_malformed_yaml_is_told_by_line(guest: httpx.Client) -> None:
+def test_malformed_yaml_is_reported_by_line(guest: httpx.Client) -> None:
     answer = guest.post("/api/v1/runs", content="name: x\nscenario: {a: 1, a: 2}\n", headers=YAML)
     errors = problem(answer, 422)["errors"]
     assert isinstance(errors, list)

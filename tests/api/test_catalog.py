@@ -36,7 +36,7 @@ def test_the_library_is_listed_with_text_and_digest(guest: httpx.Client) -> None
     problem(guest.get("/api/v1/campaigns/..%2f..%2fsecret"), 404)
 
 
-def test_before_a_worker_came_the_library_says_what_is_missing(bare: Service) -> None:
+def test_before_a_worker_has_published_the_library_reports_what_is_missing(bare: Service) -> None:
     with bare.signed_in() as client:
         found = client.get("/api/v1/campaigns").json()
         assert "clearance worker" in found[0]["problems"][0]["message"]

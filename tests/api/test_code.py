@@ -16,13 +16,13 @@ from backend.db.migrate import config
 from backend.db.queue import Queue
 from backend.db.store import OtherCode, RunStore
 from backend.db.tables import CatalogueDocument, Run
-from campaigns.flown import Code, Flown, differences
+from campaigns.versions import Code, Versions, differences
 from tests.api.catalogue import CATALOGUE
 from tests.api.finished import search
-from tests.api.flown import CODE, FLOWN, OTHER
 from tests.api.reported import PLAN, finish_fully
 from tests.api.server import Service
 from tests.api.submitting import submit
+from tests.api.versions import CODE, OTHER, VERSIONS
 
 
 def claimed(service: Service) -> RunStore:
@@ -38,9 +38,9 @@ def taken_over(service: Service, store: RunStore) -> RunStore:
     return claimed(service)
 
 
-def flown(service: Service) -> Flown:
+def versions(service: Service) -> Versions:
     with read(service.engine) as reader:
-        return Flown.of(reader.scalar(sa.select(Run.flown)))
+        return Versions.of(reader.scalar(sa.select(Run.flown)))
 
 
 OTHERWISE = [
@@ -55,51 +55,51 @@ OTHERWISE = [
 
 
 @pytest.mark.parametrize(("change", "said"), OTHERWISE)
-def test_a_run_begun_by_other_code_is_refused_and_says_what_differs(
+def test_a_run_started_by_other_code_is_refused_with_the_differences(
     service: Service, client: httpx.Client, change: dict[str, object], said: str
 ) -> None:
     submit(client)
     first = claimed(service)
-    first.flies(FLOWN, CODE)
+    first.record_versions(VERSIONS, CODE)
     first.begin(0)
     second = taken_over(service, first)
-    second.flies(FLOWN, CODE)
-    here = FLOWN.model_copy(update=change)
+    second.record_versions(VERSIONS, CODE)
+    here = VERSIONS.model_copy(update=change)
     with pytest.raises(OtherCode) as refused:
-        second.flies(here, OTHER if "code" in change else CODE)
+        second.record_versions(here, OTHER if "code" in change else CODE)
     assert str(refused.value).startswith(f"R-0001 was begun by other code: {said}")
     assert "start the campaign again as a new run" in str(refused.value)
-    assert flown(service) == FLOWN
+    assert versions(service) == VERSIONS
 
 
 def test_what_cannot_change_a_number_is_no_other_code() -> None:
-    assert differences(FLOWN, FLOWN.model_copy(update={"clearance": "9", "system": "other", "cpu": None})) == []
-    assert differences(Flown(), FLOWN) == differences(FLOWN, Flown()) == []
-    earlier = Flown.of({"loop": FLOWN.loop, "packages": {"numpy": "2.4.6"}, "cpu": "a name", "seed": 1})
-    assert differences(earlier, FLOWN) == []
+    assert differences(VERSIONS, VERSIONS.model_copy(update={"clearance": "9", "system": "other", "cpu": None})) == []
+    assert differences(Versions(), VERSIONS) == differences(VERSIONS, Versions()) == []
+    earlier = Versions.of({"loop": VERSIONS.loop, "packages": {"numpy": "2.4.6"}, "cpu": "a name", "seed": 1})
+    assert differences(earlier, VERSIONS) == []
 
 
 def test_before_the_first_stage_other_code_may_begin(service: Service, client: httpx.Client) -> None:
     submit(client)
     first = claimed(service)
-    first.flies(FLOWN, CODE)
-    here = FLOWN.model_copy(update={"code": OTHER.digest})
-    taken_over(service, first).flies(here, OTHER)
-    assert flown(service) == here
+    first.record_versions(VERSIONS, CODE)
+    here = VERSIONS.model_copy(update={"code": OTHER.digest})
+    taken_over(service, first).record_versions(here, OTHER)
+    assert versions(service) == here
 
 
-def test_a_run_begun_before_this_was_stored_goes_on_and_stores_nothing(service: Service, client: httpx.Client) -> None:
+def test_a_run_from_before_code_digests_resumes_and_stores_none(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     first = claimed(service)
     first.begin(2)
     first.append(2, 0, search(0, 10))
-    taken_over(service, first).flies(FLOWN, CODE)
+    taken_over(service, first).record_versions(VERSIONS, CODE)
     assert client.get(f"/api/v1/runs/{run}").json()["flown"] is None
     assert client.get(f"/api/v1/runs/{run}/components").json()["code"] is None
     assert "not stored when the run began" in client.get(f"/api/v1/runs/{run}/report.html").text
 
 
-def test_page_report_and_files_tell_the_code_and_whether_it_is_installed(
+def test_page_report_and_files_state_the_code_and_whether_it_is_installed(
     service: Service, client: httpx.Client
 ) -> None:
     run = f"/api/v1/runs/{submit(client)}"

@@ -188,7 +188,7 @@ def test_the_report_counts_the_same(ran: Ran) -> None:
     assert f"{failed} evaluations failed: their outcome is unknown" in text
     assert f"{excluded} evaluations were excluded" in text
     sample = ran.api()["summary"]["statistics"]
-    assert f"{grouped(sample['samples'])} independent flights" in text
+    assert f"{grouped(sample['samples'])} independent samples" in text
     assert f"{grouped(sample['failed'])} failed and count as violations" in text
     assert f"{grouped(sample['excluded'])} draws were excluded" in text
 
@@ -205,7 +205,7 @@ def test_the_command_line_counts_the_same(ran: Ran, capsys: pytest.CaptureFixtur
     assert f"Of these, {failed} failed and {excluded} were excluded." in out
 
 
-def test_no_violation_is_not_said_to_hold_where_evaluations_failed(ran: Ran) -> None:
+def test_absence_of_violations_is_not_claimed_where_evaluations_failed(ran: Ran) -> None:
     """Failed evaluations have no value, whatever the result of the check."""
     for told in (ran.api()["summary"]["checks"], summary(ran.campaign, ran.memory, ran.verdict)["checks"]):
         standing = {check["name"]: check["standing"] for check in told}

@@ -29,7 +29,7 @@ def kept(client: httpx.Client, **changes: Any) -> dict[str, Any]:
     return dict(answer.json())
 
 
-def test_what_was_typed_is_kept_although_it_is_no_campaign(client: httpx.Client) -> None:
+def test_a_draft_stores_its_original_text_even_if_it_is_not_a_campaign(client: httpx.Client) -> None:
     draft = kept(client)
     assert (draft["id"], draft["version"], draft["run"]) == ("D-0001", 1, None)
     assert (draft["name"], draft["tags"], draft["text"]) == ("Release 2.4", ["baseline"], TEXT)
@@ -42,7 +42,7 @@ def test_what_was_typed_is_kept_although_it_is_no_campaign(client: httpx.Client)
 
 
 @BOTH
-def test_saving_goes_on_from_the_version_that_was_opened(service: Service, client: httpx.Client) -> None:
+def test_saving_requires_the_current_version(service: Service, client: httpx.Client) -> None:
     draft = kept(client)
     saved = client.put(f"{DRAFTS}/D-0001", json=given(text="name: Better", version=draft["version"])).json()
     assert (saved["version"], saved["text"], saved["created"]) == (2, "name: Better", draft["created"])
@@ -56,7 +56,7 @@ def test_saving_goes_on_from_the_version_that_was_opened(service: Service, clien
 
 
 @BOTH
-def test_a_draft_knows_the_run_that_came_of_it(client: httpx.Client) -> None:
+def test_a_draft_names_the_run_launched_from_it(client: httpx.Client) -> None:
     kept(client)
     run = submit(client)
     linked = client.put(f"{DRAFTS}/D-0001", json=given(version=1, run=run)).json()

@@ -19,7 +19,7 @@ from tests.api.submitting import submit
 NOTES = "# Why\n\nThe *planning radius* is <b>75 m</b>."
 
 
-def test_name_tags_notes_and_pin_are_kept(client: httpx.Client) -> None:
+def test_name_tags_notes_and_pin_are_stored(client: httpx.Client) -> None:
     run = submit(client)
     before = client.get(f"/api/v1/runs/{run}").json()
     assert (before["notes"], before["pinned"]) == ("", False)
@@ -119,7 +119,7 @@ def test_one_unknown_run_and_none_is_cancelled(client: httpx.Client) -> None:
     assert client.get(f"/api/v1/runs/{run}").json()["state"] == "queued"
 
 
-def test_the_list_has_the_course_of_the_search_and_the_bound(service: Service, client: httpx.Client) -> None:
+def test_the_list_has_the_convergence_history_and_the_bound(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     work = Work(service)
     work.nominal()
@@ -134,7 +134,7 @@ def test_the_list_has_the_course_of_the_search_and_the_bound(service: Service, c
     assert item["upper_bound"] is None
 
 
-def test_the_history_of_a_run_is_told(service: Service, client: httpx.Client) -> None:
+def test_the_history_of_a_run_is_reported(service: Service, client: httpx.Client) -> None:
     run, other = submit(client), submit(client, seed=2)
     client.patch(f"/api/v1/runs/{other}", json={"pinned": True})
     client.patch(f"/api/v1/runs/{run}", json={"tags": ["a"]})
@@ -148,7 +148,7 @@ def test_the_history_of_a_run_is_told(service: Service, client: httpx.Client) ->
 
 
 @BOTH
-def test_notes_that_somebody_else_changed_are_not_written_over(client: httpx.Client) -> None:
+def test_notes_changed_by_another_user_are_not_overwritten(client: httpx.Client) -> None:
     run = submit(client)
     first = client.patch(f"/api/v1/runs/{run}", json={"notes": "mine", "notes_before": ""})
     assert first.status_code == 200

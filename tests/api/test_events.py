@@ -67,7 +67,7 @@ def test_a_listener_to_all_runs_receives_active_runs_and_changes(service: Servic
         assert told["state"] == "cancelled"
 
 
-def test_a_listener_to_a_run_hears_of_its_stages_and_improvements(service: Service, client: httpx.Client) -> None:
+def test_a_listener_to_a_run_receives_its_stages_and_improvements(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     submit(client, seed=2)
     with listening(client, run=run) as stream:
@@ -113,7 +113,7 @@ def test_a_finished_run_is_reported_once(service: Service, client: httpx.Client)
         assert stream.next("run")["state"] == "cancelled"
 
 
-def test_the_end_of_a_run_is_heard(service: Service, client: httpx.Client) -> None:
+def test_the_end_of_a_run_is_published(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     work = Work(service)
     with listening(client, run=run) as stream:
@@ -263,7 +263,7 @@ def test_nothing_is_read_while_nothing_is_written(service: Service, client: http
     watch.close()
 
 
-def test_a_look_at_many_runs_stays_cheap(service: Service, client: httpx.Client) -> None:
+def test_polling_many_runs_stays_cheap(service: Service, client: httpx.Client) -> None:
     fill(service, 2000)
     watch = Watch(service.engine)
     watch.look([])

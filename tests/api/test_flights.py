@@ -80,7 +80,7 @@ def held(service: Service, tmp_path: Path) -> Iterator[Path]:
 def test_at_the_parameters_of_a_finding_the_cost_is_the_findings(patient: Service) -> None:
     physics = Problem(load_file(library()["unicycle_static"]))
     worst = physics.named(np.array([0.9713, 0.3331]))
-    batch, _ = physics.fly(np.array([[0.9713, 0.3331]]))
+    batch, _ = physics.evaluate(np.array([[0.9713, 0.3331]]))
     cost = float(batch.costs[0, 0])
     with patient.signed_in() as client:
         run = shipped(patient, client, "unicycle_static")
@@ -117,7 +117,7 @@ def test_a_finding_keeps_its_noise_and_another_seed_is_another_flight(patient: S
     physics = Problem(load_file(library()["unicycle_noise"]))
     point = np.array([[0.1, 0.2, 0.4]])
     seed = int(of_draws(physics.campaign.seed, 0, 1)[0])
-    own, _ = physics.fly(point, seeds=of_draws(physics.campaign.seed, 0, 1))
+    own, _ = physics.evaluate(point, seeds=of_draws(physics.campaign.seed, 0, 1))
     cost, worst = float(own.costs[0, 0]), physics.named(point[0])
     with patient.signed_in() as client:
         run = shipped(patient, client, "unicycle_noise")
@@ -216,7 +216,7 @@ def test_of_a_purged_run_nothing_is_simulated(service: Service, client: httpx.Cl
     problem(client.patch(view, json={}), 410)
 
 
-def test_a_run_whose_components_are_not_installed_says_so(patient: Service) -> None:
+def test_a_run_whose_components_are_not_installed_reports_it(patient: Service) -> None:
     document = CATALOGUE.model_dump(mode="json")
     odd = component("vehicle", "hovercraft", [], starts=[])
     document["components"] = [*document["components"], odd]

@@ -72,7 +72,7 @@ def test_pinned_runs_come_first_in_every_order(service: Service, client: httpx.C
     assert len(walk(client, pinned=True)) == 2
 
 
-def test_a_page_holds_its_place_while_runs_come_in(service: Service, client: httpx.Client) -> None:
+def test_a_page_keeps_its_position_while_runs_are_submitted(service: Service, client: httpx.Client) -> None:
     fill(service, 10)
     first = client.get("/api/v1/runs", params={"limit": 5}).json()
     submit(client, seed=7)

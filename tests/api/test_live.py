@@ -42,7 +42,7 @@ def live() -> Iterator[Live]:
 
 
 def fly(live: Live, does: float = 0, **more: float) -> dict[str, Any]:
-    return live.fly({}, "digest", {"does": does, **more}, 100)
+    return live.simulate({}, "digest", {"does": does, **more}, 100)
 
 
 def test_one_process_answers_many(live: Live) -> None:
@@ -59,7 +59,7 @@ def test_one_process_answers_many(live: Live) -> None:
 @pytest.mark.parametrize(
     ("does", "said"), [(1, "ended unexpectedly"), (2, "unreadable"), (3, "timed out"), (5, "unreadable")]
 )
-def test_a_process_that_fails_is_said_and_started_again(live: Live, does: int, said: str) -> None:
+def test_a_process_that_fails_is_reported_and_restarted(live: Live, does: int, said: str) -> None:
     before = fly(live)["pid"]
     with pytest.raises(LiveError, match=said):
         fly(live, does)
@@ -68,7 +68,7 @@ def test_a_process_that_fails_is_said_and_started_again(live: Live, does: int, s
 
 def test_a_process_that_loaded_other_code_is_started_again_and_asked_again(live: Live, tmp_path: Path) -> None:
     before = fly(live)["pid"]
-    after = live.fly({"name": str(tmp_path / "changed")}, "digest", {"does": 6}, 100)
+    after = live.simulate({"name": str(tmp_path / "changed")}, "digest", {"does": 6}, 100)
     assert (after["status"], after["does"]) == ("ok", 6)
     assert after["pid"] != before
     with pytest.raises(LiveError, match="keeps changing"):
@@ -82,7 +82,7 @@ def test_a_refusal_is_a_sentence_and_no_failure(live: Live) -> None:
     assert fly(live)["pid"] == before
 
 
-def test_all_who_wait_hear_of_a_failure(live: Live) -> None:
+def test_a_failure_is_reported_to_all_waiting_clients(live: Live) -> None:
     fly(live)
     said: list[str] = []
 
@@ -103,14 +103,14 @@ def test_all_who_wait_hear_of_a_failure(live: Live) -> None:
     assert fly(live)["status"] == "ok"
 
 
-def test_a_process_that_cannot_be_started_is_said() -> None:
+def test_a_process_that_cannot_be_started_is_reported() -> None:
     live = Live(("/nowhere/at/all",))
     with pytest.raises(LiveError, match="could not be started"):
         fly(live)
     live.close()
 
 
-def test_after_closing_nothing_flies(live: Live) -> None:
+def test_after_closing_nothing_is_simulated(live: Live) -> None:
     fly(live)
     child = live._child
     live.close()
@@ -121,14 +121,14 @@ def test_after_closing_nothing_flies(live: Live) -> None:
         fly(live)
 
 
-def test_the_real_process_flies_the_shipped_case() -> None:
+def test_the_real_process_simulates_the_shipped_case() -> None:
     campaign = load_file(library()["unicycle_static"])
     live = Live(first_limit=120.0)  # a cold cache compiles first
     try:
-        nominal = live.fly(campaign.document(), campaign.digest, {}, 400)
-        worst = live.fly(campaign.document(), campaign.digest, {"vehicle.m": 6.0, "vehicle.J": 0.06}, 400)
+        nominal = live.simulate(campaign.document(), campaign.digest, {}, 400)
+        worst = live.simulate(campaign.document(), campaign.digest, {"vehicle.m": 6.0, "vehicle.J": 0.06}, 400)
         with pytest.raises(LiveError, match=r"'vehicle\.mass'"):
-            live.fly(campaign.document(), campaign.digest, {"vehicle.mass": 6.0}, 400)
+            live.simulate(campaign.document(), campaign.digest, {"vehicle.mass": 6.0}, 400)
     finally:
         live.close()
     assert nominal["cost"] == pytest.approx(0.94356, abs=1e-5)
@@ -180,5 +180,5 @@ def test_the_stand_ins_path_does_not_matter(tmp_path: Path, monkeypatch: pytest.
     (tmp_path / "worker" / "__init__.py").write_text("raise SystemExit(7)")
     live = Live(first_limit=120.0)
     campaign = load_file(library()["unicycle_static"])
-    assert live.fly(campaign.document(), campaign.digest, {}, 400)["status"] == "ok"
+    assert live.simulate(campaign.document(), campaign.digest, {}, 400)["status"] == "ok"
     live.close()

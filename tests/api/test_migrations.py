@@ -45,7 +45,7 @@ def test_migrating_again_changes_nothing(engine: sa.Engine, tmp_path: Path) -> N
         assert connection.scalar(sa.text("select count(*) from catalogue")) == 1
 
 
-def test_the_way_back_leaves_no_table(engine: sa.Engine, tmp_path: Path) -> None:
+def test_migrating_back_leaves_no_table(engine: sa.Engine, tmp_path: Path) -> None:
     migrate(default_url(tmp_path))
     with migration_lock(engine) as connection:
         command.downgrade(config(connection), "base")

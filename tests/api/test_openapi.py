@@ -19,7 +19,7 @@ from tests.api.submitting import submit
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_copy_beside_the_front_end_is_up_to_date() -> None:
+def test_the_copy_for_the_front_end_is_up_to_date() -> None:
     kept = (ROOT / "frontend" / "openapi.json").read_text(encoding="utf-8")
     assert kept == openapi.text(), "run `python -m backend.openapi frontend/openapi.json`"
 

@@ -48,7 +48,7 @@ def of_a_run(client: httpx.Client) -> list[str]:
 
 
 @pytest.mark.parametrize("what", STORED)
-def test_it_is_said_to_be_of_another_version(what: str, service: Service, client: httpx.Client) -> None:
+def test_it_is_reported_as_of_another_version(what: str, service: Service, client: httpx.Client) -> None:
     run = submit(client)
     finish(service)
     with service.engine.begin() as connection:

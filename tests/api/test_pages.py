@@ -38,7 +38,7 @@ def test_the_root_leads_to_the_runs(client: httpx.Client) -> None:
     assert (answer.status_code, answer.headers["location"]) == (307, "/runs")
 
 
-def test_assets_are_open_and_kept_for_long(built: Path, service: Service) -> None:
+def test_assets_are_public_and_cached_for_long(built: Path, service: Service) -> None:
     with service.visitor() as stranger:
         answer = stranger.get("/assets/index-abc123.js")
         assert answer.status_code == 200
@@ -79,7 +79,7 @@ def test_a_program_asking_for_a_page_that_is_not_there_gets_a_problem(built: Pat
     problem(client.get("/runs", headers={"accept": "application/json"}), 404)
 
 
-def test_where_nothing_is_built_a_plain_page_says_what_to_do(client: httpx.Client) -> None:
+def test_without_built_pages_a_plain_page_explains_what_to_do(client: httpx.Client) -> None:
     answer = client.get("/runs", headers=HTML)
     assert answer.status_code == 503
     assert "make install" in answer.text

@@ -50,7 +50,7 @@ def test_the_nominal_flight_of_a_shipped_case(bare: Service) -> None:
     assert edited["digest"] != flown["digest"]
 
 
-def test_a_flight_that_fails_says_why(service: Service, client: httpx.Client) -> None:
+def test_a_failed_preview_gives_its_reason(service: Service, client: httpx.Client) -> None:
     stand_in(service)
     flown = client.post(PREVIEW, json={"campaign": campaign()}).json()
     assert (flown["status"], flown["reason"], flown["value"], flown["margin"]) == (
@@ -67,7 +67,7 @@ def test_a_flight_that_fails_says_why(service: Service, client: httpx.Client) ->
     ("name", "status", "said"),
     [("dies", 503, "ended unexpectedly"), ("slow", 503, "timed out"), ("refused", 422, "there is no trim")],
 )
-def test_a_process_that_cannot_fly_is_said(
+def test_a_process_that_cannot_simulate_is_reported(
     service: Service, client: httpx.Client, name: str, status: int, said: str
 ) -> None:
     stand_in(service, limit=1.0)
@@ -76,7 +76,7 @@ def test_a_process_that_cannot_fly_is_said(
     assert client.post(PREVIEW, json={"campaign": campaign()}).status_code == 200
 
 
-def test_a_campaign_that_cannot_be_run_is_not_flown(guest: httpx.Client) -> None:
+def test_a_campaign_that_cannot_be_run_is_not_simulated(guest: httpx.Client) -> None:
     high = {"component": "circle", "parameters": {"radius": "wide"}}
     scenario = campaign()["scenario"] | {"obstacles": [high]}
     refused = problem(guest.post(PREVIEW, json={"campaign": campaign(scenario=scenario)}), 422)
@@ -109,7 +109,7 @@ def test_a_flight_that_is_too_long_to_wait_for_is_refused_at_once(
     assert message in refused["message"]
 
 
-def test_before_a_worker_came_nothing_is_flown(bare: Service) -> None:
+def test_nothing_is_simulated_before_a_worker_has_published(bare: Service) -> None:
     with bare.signed_in() as client:
         problem(client.post(PREVIEW, json={"campaign": campaign()}), 503)
 
@@ -119,16 +119,16 @@ class Held(Live):
 
     def __init__(self) -> None:
         super().__init__()
-        self.flown: list[str] = []
+        self.simulated: list[str] = []
         self.go = threading.Event()
 
-    def fly(self, campaign: Any, digest: str, parameters: Any, rows: int, noise: Noise = STATED) -> dict[str, Any]:
-        self.flown.append(campaign["name"])
+    def simulate(self, campaign: Any, digest: str, parameters: Any, rows: int, noise: Noise = STATED) -> dict[str, Any]:
+        self.simulated.append(campaign["name"])
         assert self.go.wait(10)
         return {}
 
 
-def test_only_the_newest_is_flown_and_the_queue_has_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_the_newest_request_is_simulated_and_the_queue_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(previews, "WAITING", 3)
     live = Held()
     flights = Previews(live)
@@ -143,15 +143,15 @@ def test_only_the_newest_is_flown_and_the_queue_has_an_end(monkeypatch: pytest.M
         names = ("first", "overtaken", "newest")
         asked = [Campaign.model_validate(campaign(name=name)) for name in names]
         gone = (here, away, here)
-        tasks = [asyncio.create_task(flights.fly(one, left)) for one, left in zip(asked, gone, strict=True)]
-        await asyncio.to_thread(until, lambda: live.flown)
+        tasks = [asyncio.create_task(flights.simulate(one, left)) for one, left in zip(asked, gone, strict=True)]
+        await asyncio.to_thread(until, lambda: live.simulated)
         with pytest.raises(RefusedError, match="the queue is full"):
-            await flights.fly(asked[0], here)
+            await flights.simulate(asked[0], here)
         live.go.set()
         return await asyncio.gather(*tasks, return_exceptions=True)
 
     first, overtaken, newest = asyncio.run(all_of_them())
-    assert live.flown == ["first", "newest"]
+    assert live.simulated == ["first", "newest"]
     assert isinstance(overtaken, RefusedError)
     assert isinstance(first, tuple)
     assert isinstance(newest, tuple)

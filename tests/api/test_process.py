@@ -103,13 +103,13 @@ def refused(data: Path, **settings: str) -> str:
     return done.stderr
 
 
-def test_a_bind_beyond_loopback_is_refused_with_a_sentence(tmp_path: Path) -> None:
+def test_a_bind_other_than_loopback_is_refused_with_a_sentence(tmp_path: Path) -> None:
     said = refused(tmp_path, CLEARANCE_HOST="0.0.0.0")
     assert "CLEARANCE_ALLOW_ANY_HOST=true" in said
     assert not list(tmp_path.iterdir())
 
 
-def test_a_taken_port_and_an_unknown_database_are_said_in_a_sentence(tmp_path: Path) -> None:
+def test_a_taken_port_and_an_unknown_database_are_reported_in_a_sentence(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         said = refused(tmp_path, CLEARANCE_PORT=str(taken.getsockname()[1]))
     assert "cannot listen on 127.0.0.1:" in said

@@ -82,7 +82,7 @@ def test_intruders_and_heights_are_played(bare: Service) -> None:
         assert message["position"] == pytest.approx((60, 500 - 20 * time, 30 + time), abs=1e-9)
 
 
-def test_the_caption_says_what_is_shown(client: httpx.Client, run: str) -> None:
+def test_the_caption_describes_what_is_shown(client: httpx.Client, run: str) -> None:
     client.patch(f"/api/v1/runs/{run}", json={"name": "<script>alert(1)</script> & co"})
     page = client.get(f"/api/v1/runs/{run}/exports/flight-F1.html").text
     assert "<script>alert" not in page
@@ -115,7 +115,7 @@ def test_a_file_that_is_there_already_is_not_sent_again(client: httpx.Client, ru
     assert client.get(place, headers={"If-None-Match": tag}).status_code == 200
 
 
-def test_the_page_plays_the_same_and_may_ask_nobody(client: httpx.Client, run: str) -> None:
+def test_the_page_plays_the_same_and_makes_no_requests(client: httpx.Client, run: str) -> None:
     page = client.get(f"/view/{run}/F1/recorded/")
     assert page.text == client.get(f"/api/v1/runs/{run}/exports/flight-F1.html").text
     policy = page.headers["content-security-policy"]

@@ -134,7 +134,7 @@ def test_an_unfinished_run_claims_nothing(service: Service, client: httpx.Client
     assert not [heading for heading in SECTIONS if heading not in text]
 
 
-def test_a_run_with_bare_results_says_what_is_unknown(service: Service, client: httpx.Client) -> None:
+def test_the_report_of_a_run_with_bare_results_names_what_is_unknown(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     finish(service)
     text = report(client, run)
@@ -143,7 +143,7 @@ def test_a_run_with_bare_results_says_what_is_unknown(service: Service, client: 
     assert text.count("not recorded") >= 5
 
 
-def test_without_a_catalogue_the_model_is_said_to_be_unknown(service: Service, client: httpx.Client, run: str) -> None:
+def test_without_a_catalogue_the_model_is_reported_as_unknown(service: Service, client: httpx.Client, run: str) -> None:
     with service.engine.begin() as connection:
         connection.execute(sa.delete(CatalogueDocument))
         connection.execute(sa.update(Run).values(snapshot=None))
@@ -185,7 +185,7 @@ def test_it_is_printed_as_pdf(client: httpx.Client, run: str) -> None:
     assert b"/MediaBox [0 0 594" in answer.content or b"/MediaBox [0 0 595" in answer.content
 
 
-def test_without_a_browser_it_says_what_to_install(
+def test_without_a_browser_the_message_names_what_to_install(
     client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))

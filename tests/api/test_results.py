@@ -23,7 +23,7 @@ def run(service: Service, client: httpx.Client) -> str:
     return run
 
 
-def test_evaluations_are_thinned_with_every_improvement_kept(client: httpx.Client, run: str) -> None:
+def test_thinning_of_evaluations_retains_every_improvement(client: httpx.Client, run: str) -> None:
     answer = client.get(f"/api/v1/runs/{run}/evaluations", params={"max_points": 400}).json()
     (stage,) = answer["stages"]
     flown = search(0, 1000)
@@ -76,7 +76,7 @@ def test_a_bad_question_is_refused(guest: httpx.Client, query: dict[str, object]
     problem(guest.get("/api/v1/runs/R-0001/evaluations", params=query), 422)  # type: ignore[arg-type]
 
 
-def test_a_run_that_has_flown_nothing_has_empty_results(client: httpx.Client) -> None:
+def test_a_run_without_evaluations_has_empty_results(client: httpx.Client) -> None:
     run = submit(client)
     flown = client.get(f"/api/v1/runs/{run}/evaluations").json()
     assert (flown["stages"], flown["failures"]) == ([], [])
@@ -101,7 +101,7 @@ def test_findings_are_as_stored_the_worst_first(service: Service, client: httpx.
     assert found[0]["validation"] == results.validation("F1", 0.1 + 0.2).model_dump()
 
 
-def test_findings_tell_which_searches_found_them(service: Service, client: httpx.Client) -> None:
+def test_findings_list_the_searches_that_found_them(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     by = FoundBy(position=2, method="direct", evaluations=417)
     Work(service).found(("F1",), by=(by,))
@@ -147,7 +147,7 @@ def test_an_even_choice_has_both_ends_and_no_more_than_asked(count: int, most: i
         assert count <= most or gaps.max() - gaps.min() <= 1
 
 
-def test_what_must_be_kept_is_thinned_only_when_it_alone_is_too_much() -> None:
+def test_required_points_are_thinned_only_when_they_alone_are_too_many() -> None:
     kept = np.arange(100, 200)
     assert set(kept.tolist()) <= set(thin.with_kept(1000, 150, kept).tolist())
     assert len(thin.with_kept(1000, 150, kept)) <= 150

@@ -68,7 +68,7 @@ def test_a_run_keeps_its_campaign_as_it_was_typed(service: Service, client: http
     assert yaml.safe_load(client.get(f"/api/v1/runs/{third}/campaign.yaml").text)["version"] == 0
 
 
-def test_a_run_names_the_one_it_goes_on_with(service: Service, client: httpx.Client) -> None:
+def test_a_run_names_the_one_it_extends(service: Service, client: httpx.Client) -> None:
     first, second = submit(client), submit(client, seed=2)
     with service.engine.begin() as writer:
         writer.execute(sa.update(Run).where(Run.id == 2).values(continues=1))
@@ -182,7 +182,7 @@ def test_a_finished_run_shows_its_verdict(service: Service, client: httpx.Client
     assert detail["margin"] == 0.9417402345678901 - 0.5
 
 
-def test_a_campaign_of_another_version_is_said_to_be_one(service: Service, client: httpx.Client) -> None:
+def test_a_campaign_of_another_version_is_reported_as_such(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     with service.engine.begin() as connection:
         connection.execute(sa.update(CampaignRow).values(document={"version": 2}))
@@ -190,7 +190,7 @@ def test_a_campaign_of_another_version_is_said_to_be_one(service: Service, clien
     problem(client.get(f"/api/v1/runs/{run}/evaluations"), 409)
 
 
-def test_a_fault_of_ours_is_a_problem_that_tells_nothing(service: Service, client: httpx.Client) -> None:
+def test_an_internal_error_is_a_problem_without_internal_details(service: Service, client: httpx.Client) -> None:
     with service.engine.begin() as connection:
         connection.execute(sa.text("update catalogue set document = '{}'"))
     answer = client.get("/api/v1/components")

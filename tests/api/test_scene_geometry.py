@@ -16,7 +16,7 @@ from backend.scenes.base.setting import _climbs, _course
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.cameras import distance
-from backend.scenes.drawing.drawn import ruler
+from backend.scenes.drawing.drawn import beyond, ruler
 from backend.scenes.drawing.world import Frame
 from campaigns import Campaign
 from campaigns.results import TraceHead
@@ -50,7 +50,7 @@ def test_an_attitude_with_z_down_is_the_matrix_of_flight_mechanics(rotation: tup
         assert turned(wxyz, axis) == pytest.approx(column, abs=1e-12)
 
 
-def test_places_with_z_down_are_drawn_east_north_up() -> None:
+def test_positions_with_z_down_are_drawn_east_north_up() -> None:
     points = np.array([[1.0, 2.0, 3.0], [-4.0, 5.0, -6.0]])
     assert Axes("ned").drawn(points) == pytest.approx(points @ TO_EAST_NORTH_UP.T)
     assert Axes("enu").drawn(points) is points
@@ -91,7 +91,7 @@ def test_a_body_of_a_flight_is_where_the_trace_has_it() -> None:
         assert step / np.linalg.norm(step) == pytest.approx(np.array([0, -20, 1]) / np.sqrt(401))
 
 
-def test_flights_share_a_body_only_where_it_goes_the_same_way() -> None:
+def test_traces_share_a_body_only_where_its_motion_is_the_same() -> None:
     def body(**changes: float) -> object:
         values = {"obstacles.0.radius": changes.get("radius", 1.0)}
         way = straight(500, 60, -30, -20, changes.get("drift", 0.0), -1)
@@ -191,7 +191,7 @@ def test_a_report_draws_what_must_stay_free_as_the_flight_has_it(
     ("written_in", "frame", "up"),
     [("ned", "ned", 1), ("enu", "enu", 1), ("", "ned", 1), ("ned", "enu", -1), ("enu", "ned", -1)],
 )
-def test_a_planned_climb_is_drawn_as_it_is_flown(written_in: str, frame: str, up: int) -> None:
+def test_a_planned_climb_is_drawn_as_it_is_simulated(written_in: str, frame: str, up: int) -> None:
     avoiders = [c.model_copy(update={"written_in": written_in}) for c in CATALOGUE.components if c.role == "avoider"]
     known = CATALOGUE.model_copy(update={"components": avoiders})
     axes = axes_of(frame)
@@ -231,7 +231,7 @@ def test_the_nearest_point_of_a_surface(
 
 @pytest.mark.parametrize("body_radius", [0.0, 0.4])
 @pytest.mark.parametrize("x", [-2.0, 0.8, 2.1, 6.0])
-def test_a_ruler_is_as_long_as_the_distance_it_tells(x: float, body_radius: float) -> None:
+def test_a_ruler_is_as_long_as_the_distance_it_shows(x: float, body_radius: float) -> None:
     """To the surface from the vehicle's body, however deep the vehicle is inside; otherwise between centres."""
     body = body_of(0, AT | {"obstacles.0.radius": 1.5}, Axes("enu"), None)
     position = np.array([x, 2.0, 3.0])
@@ -242,3 +242,16 @@ def test_a_ruler_is_as_long_as_the_distance_it_tells(x: float, body_radius: floa
     assert np.linalg.norm(far - body.place) == pytest.approx(1.5), "on the surface"
     assert np.linalg.norm(near - position) == pytest.approx(body_radius), "at the edge of the vehicle's body"
     assert ruler(closest, [body], None) == (closest.position, closest.obstacle)
+
+
+@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize("vehicle", [(3.0, 5.0, 2.0), (-3.0, -5.0, -2.0), (0.0, 0.0, 4.0), (0.0, 0.0, 0.0)])
+def test_a_label_beyond_an_obstacle_is_never_below_it_where_the_obstacle_has_its_own(
+    vehicle: tuple[float, float, float], planar: bool
+) -> None:
+    obstacle = np.array([0.0, 0.0, 0.0])
+    place, anchor = beyond(Closest(1.0, 1.0, np.array(vehicle), obstacle), 0.5, planar)
+    assert place[1 if planar else 2] >= 0.0
+    assert place[0] * vehicle[0] <= 0.0, "on the far side"
+    assert anchor == ("center-right" if vehicle[0] > 0 else "center-left")
+    assert np.linalg.norm(place) == pytest.approx(0.7 if any(vehicle) else 0.0)

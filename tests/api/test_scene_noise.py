@@ -30,8 +30,8 @@ def test_a_stored_evaluation_is_compared_with_a_flight_under_its_own_noise(bare:
     bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
     problem = Problem(load_file(library()["unicycle_noise"]))
     seeds = of_draws(problem.campaign.seed, 0, DRAWN)
-    own, _ = problem.fly(POINTS[:DRAWN], seeds=seeds)
-    grid, _ = problem.fly(POINTS[DRAWN:])
+    own, _ = problem.evaluate(POINTS[:DRAWN], seeds=seeds)
+    grid, _ = problem.evaluate(POINTS[DRAWN:])
     costs = np.concatenate([own.costs, grid.costs])
     with bare.signed_in() as client:
         run = number(shipped(bare, client, "unicycle_noise"))
@@ -60,10 +60,10 @@ def test_a_stored_evaluation_is_compared_with_a_flight_under_its_own_noise(bare:
     assert noise == [noise for _, noise in sampled] == [Noise(draw=0), Noise(draw=1), STATED]
     assert progress.seeds == {"F1": int(seeds[0])}
     for one in cloud.drawn:
-        again = bare.app.state.live.fly(setting.document, setting.digest, one.parameters, 100, one.noise)
+        again = bare.app.state.live.simulate(setting.document, setting.digest, one.parameters, 100, one.noise)
         assert again["cost"] == one.cost, f"evaluation {one.index}, bit by bit"
         flight = from_live(again)
         assert flight is not None
         assert flight.seed == (seeds[one.index] if one.index < DRAWN else again["meta"]["realisation"]["seed"])
-    stated = bare.app.state.live.fly(setting.document, setting.digest, worst, 100)
+    stated = bare.app.state.live.simulate(setting.document, setting.digest, worst, 100)
     assert stated["cost"] != costs[0, 0], "under the stated noise it is another flight"

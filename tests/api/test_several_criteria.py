@@ -14,7 +14,7 @@ import pytest
 
 from backend.catalog.criteria import criteria
 from backend.db.records import Columns
-from backend.db.store import as_columns, blobs, lowest
+from backend.db.rows import as_columns, blobs, lowest
 from backend.exports.sheet import Sheet, headings
 from backend.results.improvements import Improvements
 from tests.api.catalogue import campaign as small

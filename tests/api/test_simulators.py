@@ -24,7 +24,7 @@ from tests.simulators import package
 
 pytestmark = pytest.mark.timeout(300)
 
-FLOWN = ("integrator", "DOP853", "half the step", "horizon", "flight", "closest approach")
+VERSIONS = ("integrator", "DOP853", "half the step", "horizon", "flight", "closest approach")
 
 
 def clearance(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -56,7 +56,7 @@ def test_the_command_line_runs_it_to_a_verdict(
     assert "repetition" in names
     assert {"closest approach", "motion", "avoidance", "validation"}.isdisjoint(names)
     said = found["reason"] + " ".join(c["text"] for c in found["checks"])
-    assert not [word for word in FLOWN if word in said]
+    assert not [word for word in VERSIONS if word in said]
     if verdict == "cleared":
         assert "Whether an encounter takes place was not checked." in found["reason"]
     audited = clearance(installed, "audit", str(out))
@@ -215,7 +215,7 @@ class TestEveryRoute:
         withdrawn = client.post(f"{base}/{signed.json()['id']}/withdraw", json={"reason": "Another model"})
         assert withdrawn.json()["withdrawn_reason"] == "Another model"
 
-    def test_a_draft_of_it_is_kept_checked_and_run(self, visit: Visit) -> None:
+    def test_a_draft_of_it_is_stored_checked_and_run(self, visit: Visit) -> None:
         client, run, _ = visit
         text = client.get(f"/api/v1/runs/{run}/campaign.yaml").text
         kept = client.post("/api/v1/drafts", json={"name": "Again", "text": text}).json()
@@ -248,7 +248,7 @@ class TestEveryRoute:
         assert done.stdout.splitlines()[0] == "Cleared"
         assert (out / "findings.csv").read_text(encoding="utf-8").count("\n") == 4
 
-    def test_explain_says_that_there_is_no_text(self, installed: Path, tmp_path: Path) -> None:
+    def test_explain_reports_that_there_is_no_text(self, installed: Path, tmp_path: Path) -> None:
         file = tmp_path / "basins.json"
         file.write_text(json.dumps(package.campaign()), encoding="utf-8")
         done = clearance(installed, "explain", str(file))

@@ -83,7 +83,7 @@ def test_runs_of_the_same_components_share_one_snapshot(service: Service, client
 
 
 @BOTH
-def test_what_is_installed_later_changes_nothing_of_what_a_run_says(service: Service, client: httpx.Client) -> None:
+def test_a_later_installation_does_not_change_the_description_of_a_run(service: Service, client: httpx.Client) -> None:
     by_default = {"vehicle.J": {"plus_minus": "20%"}, "vehicle.m": {"low": 4, "high": 6}}
     run = f"/api/v1/runs/{submit(client, uncertain=by_default)}"
     finish_fully(service)
@@ -106,6 +106,15 @@ def test_what_is_installed_later_changes_nothing_of_what_a_run_says(service: Ser
     assert "was 0.05 kg m2, here it is 0.2 kg m2" in report
     assert told["digest"] in report
     assert "This installation has no component" not in report
+
+
+def test_a_waiting_run_names_its_criterion_although_it_is_no_longer_installed(
+    service: Service, client: httpx.Client
+) -> None:
+    run = submit(client)
+    install(service, altered(lambda document: document["components"].remove(entry(document, "separation"))))
+    waiting = client.get(f"/api/v1/runs/{run}").json()
+    assert (waiting["state"], waiting["quantity"], waiting["unit"]) == ("queued", "d_min", "m")
 
 
 def test_a_run_without_snapshot_uses_the_installed_descriptions(service: Service, client: httpx.Client) -> None:
@@ -139,7 +148,9 @@ def test_the_digest_of_earlier_results_is_what_it_was(service: Service, client: 
 
 
 @BOTH
-def test_the_worker_that_begins_a_run_says_what_its_components_mean(service: Service, client: httpx.Client) -> None:
+def test_the_worker_that_starts_a_run_records_the_meaning_of_its_components(
+    service: Service, client: httpx.Client
+) -> None:
     submit(client)
     later = altered(lambda d: entry(d, "unicycle")["parameters"][1].update(default=0.2))
     claim = Queue(service.engine).claim("w1")
@@ -188,7 +199,7 @@ OTHERWISE: dict[str, tuple[Change, str | None]] = {
 
 
 @pytest.mark.parametrize("case", OTHERWISE)
-def test_every_difference_is_told(case: str) -> None:
+def test_every_difference_is_reported(case: str) -> None:
     change, text = OTHERWISE[case]
     found = changes(snapshot(ASKED, CATALOGUE), altered(change))
     assert len(found) == (text is not None)
@@ -211,6 +222,6 @@ def test_what_was_not_recorded_yet_is_no_difference() -> None:
     ("case", "same"),
     [("title", True), ("goal", True), ("one more", True), ("unit", False), ("start", False), ("no method", True)],
 )
-def test_what_makes_other_flights_is_told_apart(case: str, same: bool) -> None:
+def test_changes_that_alter_simulations_are_distinguished(case: str, same: bool) -> None:
     """A default is used if the campaign does not give the value; it gives the goal."""
     assert (values_changed(ASKED, snapshot(ASKED, CATALOGUE), altered(OTHERWISE[case][0])) == []) is same

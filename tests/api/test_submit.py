@@ -128,7 +128,9 @@ def test_a_service_that_comes_back_is_waited_for(
         again.stop()
 
 
-def test_a_service_that_stays_away_is_said(command: Command, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_service_that_cannot_be_reached_is_reported(
+    command: Command, file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     arguments = ("submit", file, "--service", "http://127.0.0.1:9", "--patience", "0")
     assert command(*arguments).result(30) == INTERNAL
     assert "http://127.0.0.1:9 did not respond for 0 s" in capsys.readouterr().err
@@ -144,7 +146,7 @@ def test_a_service_that_stays_away_is_said(command: Command, file: Path, capsys:
         (["submit", "missing.yaml"], "the file cannot be read"),
     ],
 )
-def test_what_cannot_be_done_is_said(
+def test_an_impossible_request_is_reported(
     command: Command, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert command(*arguments).result(30) == WRONG_INPUT

@@ -18,7 +18,7 @@ import sqlalchemy as sa
 
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, migrate, read
-from backend.db.store import as_finding, as_result
+from backend.db.rows import as_finding, as_result
 from backend.db.tables import Audit, Finding, Run, Signoff, Stage
 from backend.settings import Settings
 from campaigns.results import ValidateResult, Verdict

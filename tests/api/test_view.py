@@ -121,7 +121,7 @@ def test_a_view_simulates_given_parameters(bare: Service) -> None:
             frames_until(connection, b"/flights/sampled/5", b"the first 36 flights of the sample of Monte Carlo")
 
 
-def test_the_flight_can_be_played_and_looked_at_from_its_places(service: Service, client: httpx.Client) -> None:
+def test_the_flight_can_be_played_and_viewed_from_each_camera(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     finish(service)
     with viewing(service, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
@@ -189,7 +189,7 @@ def test_there_is_a_most_of_viewers_and_one_gone_makes_room(service: Service, cl
         pass
 
 
-def test_nothing_of_a_viewer_is_left_when_its_browser_goes(service: Service, client: httpx.Client) -> None:
+def test_nothing_of_a_viewer_remains_after_its_browser_has_gone(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     finish(service)
 

@@ -246,7 +246,7 @@ def test_a_run_without_findings_takes_any_label(service: Service, client: httpx.
     assert run != other
 
 
-def test_what_is_shown_otherwise_is_heard_at_once(service: Service, client: httpx.Client, run: str) -> None:
+def test_a_change_of_what_is_shown_is_published_at_once(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
         panel = Panel(connection, last="Show its flight")
         panel.told()
@@ -299,7 +299,7 @@ def test_the_panel_has_nothing_that_the_page_offers(service: Service, client: ht
         assert {label for label in panel._elements if not label.startswith("Values, ")} == left
 
 
-def test_a_view_that_is_opened_anew_can_be_told_all_that_it_showed(
+def test_a_reopened_view_can_be_restored_to_all_that_it_showed(
     service: Service, client: httpx.Client, run: str
 ) -> None:
     layers = {"nominal": False, "relative": True, "trail": "so_far", "axes": ["value", "vehicle.J", "none"]}

@@ -33,7 +33,7 @@ NOMINAL = np.array([[0.5, 0.5]])
 @pytest.fixture(scope="module")
 def cost() -> float:
     """What a search stores of the nominal case of case 1."""
-    batch, _ = Problem(load_file(library()["unicycle_static"])).fly(NOMINAL)
+    batch, _ = Problem(load_file(library()["unicycle_static"])).evaluate(NOMINAL)
     return float(batch.costs[0, 0])
 
 
@@ -71,7 +71,7 @@ def click(panel: Panel, eye: Any, direction: Any) -> None:
     )
 
 
-def test_a_click_on_a_point_flies_it_and_holds_it_against_what_is_stored(bare: Service, cost: float) -> None:
+def test_a_click_on_a_point_simulates_it_and_compares_it_with_the_stored_cost(bare: Service, cost: float) -> None:
     bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
     with bare.signed_in() as client:
         run = shipped(bare, client, "unicycle_static")
@@ -106,7 +106,7 @@ def test_failures_are_shown_and_counted(service: Service, client: httpx.Client) 
         assert b"no value" not in again
 
 
-def test_what_was_really_excluded_or_failed_has_its_own_sign_and_flies_again_the_same(bare: Service) -> None:
+def test_excluded_and_failed_evaluations_have_their_own_marks_and_repeat_when_simulated_again(bare: Service) -> None:
     bare.app.state.live._first_limit = 120.0
     with bare.signed_in() as client:
         lost = lose(bare, client)
@@ -141,7 +141,7 @@ def test_nothing_of_the_flights_is_left_out_when_they_are_hidden(bare: Service) 
             assert names <= {*ROOTS, "ground", "course", "space", "WorldAxes"}
 
 
-def test_a_hidden_scene_stays_hidden_when_it_is_drawn_anew(service: Service, client: httpx.Client) -> None:
+def test_a_hidden_scene_stays_hidden_when_it_is_redrawn(service: Service, client: httpx.Client) -> None:
     submit(client)
     with read(service.engine) as reader:
         found = setting.load(reader, 1)

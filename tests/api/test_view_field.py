@@ -32,7 +32,7 @@ def test_the_field_is_shown_for_the_time_shown(bare: Service) -> None:
             frames_until(connection, b"SetSceneNodeVisibility", b"/field")
 
 
-def test_a_field_that_cannot_be_had_says_why(bare: Service) -> None:
+def test_an_unavailable_field_gives_its_reason(bare: Service) -> None:
     with bare.signed_in() as client:
         run = shipped(bare, client, "unicycle_static")
         Work(bare).nominal(flight("nominal"))

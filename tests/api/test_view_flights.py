@@ -62,7 +62,7 @@ def test_an_intruder_without_a_flight_is_not_drawn_standing(bare: Service) -> No
             frames_until(connection, b"/tracks/0", b"intruder, d_min > 5 m")
 
 
-def test_an_aircraft_flies_upright_with_north_ahead_and_east_to_the_right(bare: Service) -> None:
+def test_an_aircraft_is_drawn_upright_with_north_ahead_and_east_to_the_right(bare: Service) -> None:
     with bare.signed_in() as client:
         run = shipped(bare, client, "uav_aca")
         work = Work(bare)

@@ -22,7 +22,7 @@ async def waiting(event: Wakeful) -> asyncio.Task[bool]:
     return task
 
 
-def test_a_flag_that_was_set_between_look_and_wait_does_not_keep_the_waiter_asleep() -> None:
+def test_a_flag_set_between_check_and_wait_wakes_the_waiter() -> None:
     async def story() -> None:
         event = Wakeful()
         task = await waiting(event)

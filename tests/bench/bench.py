@@ -23,7 +23,7 @@ import numpy as np
 from campaigns import library, load_file
 from tests.bench import functions, methods, reference_pioneer, reference_uav, slots
 from tests.problems import Problem
-from worker.runs.provenance import flown
+from worker.runs.provenance import versions
 from worker.systems.base import Floats
 from worker.systems.closed_loop.assemble import Loop
 
@@ -37,7 +37,7 @@ began = time.perf_counter()
 from campaigns import library, load_file
 from tests.problems import Problem
 problem = Problem(load_file(library()["unicycle_static"]))
-problem.fly(problem.nominal_point[None])
+problem.evaluate(problem.nominal_point[None])
 print(time.perf_counter() - began)
 """
 
@@ -49,7 +49,7 @@ def main() -> None:
     found: dict[str, Any] = unicycle(problem) | pioneer() | aircraft() | methods.measure()
     found |= functions.measure() | slots.measure()
     found["second_process_first_eval_s"] = second_process()
-    cpu = flown(problem.system).cpu
+    cpu = versions(problem.system).cpu
     found |= {"cpu": cpu.model if cpu else "", "cores": os.cpu_count(), "python": platform.python_version()}
     (BUILD / "bench.json").write_text(json.dumps(found, indent=2) + "\n")
     width = max(map(len, found))
@@ -63,15 +63,17 @@ def unicycle(problem: Problem) -> dict[str, Any]:
     vectors = problem.vectors(points)
     steps, _ = problem.system.counts(problem.system.step)
     narrow = Loop(problem.system.parts, lanes=1)
-    wide = lambda: problem.system.loop.fly(vectors, problem.system.step, steps)  # noqa: E731
-    slow = lambda: narrow.fly(vectors[:256], problem.system.step, steps)  # noqa: E731
+    wide = lambda: problem.system.loop.simulate(vectors, problem.system.step, steps)  # noqa: E731
+    slow = lambda: narrow.simulate(vectors[:256], problem.system.step, steps)  # noqa: E731
     library_, compiler = build_cpp()
     costs = np.empty(256)
     handwritten = lambda: fly_cpp(library_, problem, vectors[:256], steps, costs)  # noqa: E731
     handwritten()
-    apart = float(np.abs(costs - problem.system.loop.fly(vectors[:256], problem.system.step, steps).costs[:, 0]).max())
+    apart = float(
+        np.abs(costs - problem.system.loop.simulate(vectors[:256], problem.system.step, steps).costs[:, 0]).max()
+    )
     seconds = interleaved([(wide, FULL), (slow, 256), (handwritten, 256)])
-    one = interleaved([(lambda: problem.system.loop.fly(vectors[:1], problem.system.step, steps), 1)], repeats=50)
+    one = interleaved([(lambda: problem.system.loop.simulate(vectors[:1], problem.system.step, steps), 1)], repeats=50)
     return {
         "unicycle_evals_per_s": 1.0 / seconds[0],
         "unicycle_us": 1e6 * seconds[0],
@@ -91,8 +93,8 @@ def pioneer() -> dict[str, Any]:
     problem = Problem(load_file(library()["pioneer_moving"]))
     vectors = problem.vectors(np.random.default_rng(0).random((FULL, problem.dimension)))
     reference = reference_pioneer.Reference(problem, vectors[:128])
-    apart = float(np.abs(reference.costs() - problem.system.fly_vectors(vectors[:128])[0].costs[:, 0]).max())
-    seconds = interleaved([(lambda: problem.system.fly_vectors(vectors), FULL), (reference.costs, 128)])
+    apart = float(np.abs(reference.costs() - problem.system.simulate_vectors(vectors[:128])[0].costs[:, 0]).max())
+    seconds = interleaved([(lambda: problem.system.simulate_vectors(vectors), FULL), (reference.costs, 128)])
     return {
         "pioneer_us": 1e6 * seconds[0],
         "pioneer_reference_us": 1e6 * seconds[1],
@@ -108,9 +110,9 @@ def aircraft() -> dict[str, Any]:
         problem = Problem(load_file(library()[name]))
         vectors = problem.vectors(np.random.default_rng(0).random((FULL, problem.dimension)))
         reference = reference_uav.Reference(case, problem, vectors[:128])
-        apart = float(np.abs(reference.costs() - problem.system.fly_vectors(vectors[:128])[0].costs[:, 0]).max())
-        every = [(partial(problem.system.fly_vectors, vectors), FULL), (reference.costs, 128)]
-        seconds = interleaved([*every, (partial(problem.system.fly_vectors, vectors[:1]), 1)])
+        apart = float(np.abs(reference.costs() - problem.system.simulate_vectors(vectors[:128])[0].costs[:, 0]).max())
+        every = [(partial(problem.system.simulate_vectors, vectors), FULL), (reference.costs, 128)]
+        seconds = interleaved([*every, (partial(problem.system.simulate_vectors, vectors[:1]), 1)])
         found |= {
             f"{name}_us": 1e6 * seconds[0],
             f"{name}_single_us": 1e6 * seconds[2],
@@ -147,7 +149,7 @@ def build_cpp() -> tuple[ctypes.CDLL, str]:
 
 def fly_cpp(cpp: ctypes.CDLL, problem: Problem, vectors: Floats, steps: int, costs: Floats) -> None:
     """Simulate with the hand-written loop; its parameters have the same order."""
-    cpp.fly_all(
+    cpp.simulate_all(
         vectors.ctypes.data_as(ctypes.c_void_p), len(vectors), ctypes.c_double(problem.system.step), steps,
         costs.ctypes.data_as(ctypes.c_void_p),
     )  # fmt: skip

@@ -54,7 +54,7 @@ def measure(campaign: Campaign) -> dict[str, dict[str, Any]]:
     if campaign.scenario.guidance.period:
         problems["(none)"] = problems["(none, sampled)"]
     vectors = {name: np.repeat(problem.system.nominal[None], BATCH, axis=0) for name, problem in problems.items()}
-    work = [(lambda n=name: problems[n].system.fly_vectors(vectors[n]), BATCH) for name in problems]
+    work = [(lambda n=name: problems[n].system.simulate_vectors(vectors[n]), BATCH) for name in problems]
     seconds = dict(zip(problems, interleaved(work, repeats=25), strict=True))
     sampled = {"guidance_delay", "(none, sampled)"}
     return {

@@ -46,9 +46,9 @@ def measure() -> dict[str, float]:
     points = np.random.default_rng(0).random((FULL, len(PARAMETERS)))
     batches, calls = problem(True), problem(False)
     return {
-        "function_vectorized_us": _best(lambda: batches.fly(points), FULL),
-        "function_call_us": _best(lambda: calls.fly(points), FULL),
-        "function_single_us": _best(lambda: calls.fly(points[:1]), 1, 200),
+        "function_vectorized_us": _best(lambda: batches.evaluate(points), FULL),
+        "function_call_us": _best(lambda: calls.evaluate(points), FULL),
+        "function_single_us": _best(lambda: calls.evaluate(points[:1]), 1, 200),
     }
 
 

@@ -51,13 +51,13 @@ def direct_vs_nlopt() -> dict[str, float]:
 
     def one(x: Floats, _: Floats) -> float:
         vector[0, index] = low + x * width
-        return float(narrow.fly(vector, problem.system.step, *counts).costs[0, 0])
+        return float(narrow.simulate(vector, problem.system.step, *counts).costs[0, 0])
 
     def ours() -> tuple[int, float]:
         search = direct.search(space(problem.dimension, EVALUATIONS), direct.Options())
         points, asked, lowest = next(search), 0, np.inf
         while asked < EVALUATIONS:
-            found, _ = problem.fly(points[: EVALUATIONS - asked])
+            found, _ = problem.evaluate(points[: EVALUATIONS - asked])
             asked, lowest = asked + len(found.costs), min(lowest, float(found.costs.min()))
             if asked < EVALUATIONS:
                 points = search.send(found)

@@ -18,7 +18,7 @@ Entries = Mapping[str, ParameterEntry]
 def unbreakable(flown: Problem, of: Entries, count: int) -> None:
     """Within the limits of these parameters nothing crashes, nothing is hidden, and the order does not matter."""
     vectors = drawn(flown, of, count)
-    batch, reasons = flown.system.fly_vectors(vectors)
+    batch, reasons = flown.system.simulate_vectors(vectors)
     ok = batch.status == OK
     assert np.isfinite(batch.costs[ok]).all()
     assert np.isnan(batch.costs[~ok]).all()
@@ -27,7 +27,7 @@ def unbreakable(flown: Problem, of: Entries, count: int) -> None:
     assert sorted(reasons) == np.flatnonzero(~ok).tolist()
     begins = ("the simulation ", "the vehicle ", f"{flown.results[0].quantity} starts at or below ")
     assert all(reason.startswith(begins) for reason in reasons.values())
-    again, _ = flown.system.fly_vectors(vectors[::-1])
+    again, _ = flown.system.simulate_vectors(vectors[::-1])
     assert again.costs[::-1].tobytes() == batch.costs.tobytes()
 
 
@@ -39,7 +39,7 @@ def no_number_shows(flown: Problem, of: Entries) -> None:
     vectors = np.repeat(flown.system.nominal[None, :], len(of) + 1, axis=0)
     for row, path in enumerate(of, 1):
         vectors[row, flown.paths[path]] = np.nan
-    batch, _ = flown.system.fly_vectors(vectors)
+    batch, _ = flown.system.simulate_vectors(vectors)
     for row, path in enumerate(of, 1):
         assert batch.status[row] != OK or np.array_equal(batch.costs[row], batch.costs[0]), path
 
@@ -47,7 +47,7 @@ def no_number_shows(flown: Problem, of: Entries) -> None:
 def as_in_plain_python(compiled: Problem, plain: Problem, of: Entries) -> None:
     """Both forms give the same status, costs and trace."""
     vectors, steps = near(compiled, of, 16), 24
-    one, other = (p.system.loop.fly(vectors, STEP, steps, traced=1) for p in (compiled, plain))
+    one, other = (p.system.loop.simulate(vectors, STEP, steps, traced=1) for p in (compiled, plain))
     assert one.status.tolist() == other.status.tolist()
     ok = one.status == 0.0
     assert ok.any()

@@ -48,9 +48,9 @@ def test_every_component_is_in_a_scene() -> None:
 
 
 @EACH_SCENE
-def test_they_fly_together(among: Components) -> None:
+def test_they_can_be_simulated_together(among: Components) -> None:
     assert check(load_document(scene(*among).document), catalogue()) == []
-    batch, reasons = problem(*among).fly(np.array([[0.0], [0.5], [1.0]]))
+    batch, reasons = problem(*among).evaluate(np.array([[0.0], [0.5], [1.0]]))
     assert batch.status.tolist() == [OK] * 3, reasons
 
 
@@ -60,19 +60,19 @@ def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(among: Componen
 
 
 @EACH
-def test_a_value_that_is_no_number_fails_the_flight_or_changes_nothing(among: Components, component: Component) -> None:
+def test_a_nan_fails_the_simulation_or_changes_nothing(among: Components, component: Component) -> None:
     no_number_shows(problem(*among), own(component, among))
 
 
 @EACH
-def test_it_flies_as_in_plain_python(among: Components, component: Component) -> None:
+def test_it_agrees_with_plain_python(among: Components, component: Component) -> None:
     as_in_plain_python(problem(*among), problem(*among, compiled=False), own(component, among))
 
 
 @pytest.mark.nightly
 @ALONE
-def test_alone_it_is_unbreakable_and_flies_as_in_plain_python(component: Component) -> None:
-    batch, reasons = problem(component).fly(np.array([[0.0], [0.5], [1.0]]))
+def test_alone_it_never_crashes_and_agrees_with_plain_python(component: Component) -> None:
+    batch, reasons = problem(component).evaluate(np.array([[0.0], [0.5], [1.0]]))
     assert batch.status.tolist() == [OK] * 3, reasons
     unbreakable(problem(component), own(component), 384)
     no_number_shows(problem(component), own(component))

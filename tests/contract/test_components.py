@@ -70,7 +70,7 @@ CRITERIA = [c for (role, _), c in components().items() if role == "criterion"]
 
 
 @pytest.mark.parametrize("criterion", CRITERIA, ids=lambda c: c.name)
-def test_a_criterion_says_which_end_is_worse(criterion: Criterion) -> None:
+def test_a_criterion_declares_which_end_is_worse(criterion: Criterion) -> None:
     named = [p.name for p in declared(criterion.parameters)]
     assert entry(criterion).worse == criterion.worse
     assert entry(criterion).of == criterion.of
@@ -84,20 +84,20 @@ def test_a_criterion_says_which_end_is_worse(criterion: Criterion) -> None:
 
 
 @pytest.mark.parametrize("criterion", [c for c in CRITERIA if c.worse == "high"], ids=lambda c: c.name)
-def test_a_criterion_beside_the_one_that_decides_changes_nothing_of_it(criterion: Criterion) -> None:
+def test_a_further_criterion_does_not_change_the_deciding_one(criterion: Criterion) -> None:
     beside = problem(criterion, compiled=False)
     document = beside.campaign.document() | {"objectives": []}
     alone = Problem(load_document(document), compiled=False)
     points = np.random.default_rng(5).random((21, 1))
-    batch, _ = beside.fly(points)
+    batch, _ = beside.evaluate(points)
     assert batch.costs.shape == (21, 2)
-    assert batch.costs[:, 0].tobytes() == alone.fly(points)[0].costs[:, 0].tobytes()
+    assert batch.costs[:, 0].tobytes() == alone.evaluate(points)[0].costs[:, 0].tobytes()
     # Its sign is turned, so that every column is minimised.
     assert (batch.costs[:, 1] <= 0.0).all()
 
 
 @pytest.mark.parametrize("vehicle", VEHICLES, ids=lambda v: v.name)
-def test_a_vehicle_tells_its_states_and_limits(vehicle: Vehicle) -> None:
+def test_a_vehicle_declares_its_states_and_limits(vehicle: Vehicle) -> None:
     assert len({s.name for s in vehicle.states}) == len(vehicle.states)
     assert all(limit.text and not limit.text.endswith(".") for limit in vehicle.limits)
     flown = problem(vehicle, compiled=False)
@@ -107,10 +107,10 @@ def test_a_vehicle_tells_its_states_and_limits(vehicle: Vehicle) -> None:
 
 
 @EACH
-def test_it_flies_with_the_first_others_that_fit(component: Component) -> None:
+def test_it_can_be_simulated_with_the_first_other_components_that_fit(component: Component) -> None:
     made = load_document(around(component))
     assert check(made, catalogue()) == []
-    batch, reasons = problem(component, compiled=False).fly(np.array([[0.0], [0.5], [1.0]]))
+    batch, reasons = problem(component, compiled=False).evaluate(np.array([[0.0], [0.5], [1.0]]))
     assert batch.status.tolist() == [OK] * 3, reasons
 
 
@@ -120,7 +120,7 @@ def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(component: Comp
 
 
 @EACH
-def test_a_value_that_is_no_number_fails_the_flight_or_changes_nothing(component: Component) -> None:
+def test_a_nan_fails_the_simulation_or_changes_nothing(component: Component) -> None:
     no_number_shows(problem(component, compiled=False), own(component))
 
 
@@ -128,5 +128,5 @@ def test_a_far_obstacle_does_not_fail_a_flight() -> None:
     obstacle = components()["obstacle", "circle"]
     flown = problem(obstacle, compiled=False)
     vector = flown.vector({"obstacles.0.position.x": 1e6, "obstacles.0.position.y": 1e6})
-    batch, reasons = flown.system.fly_vectors(vector[None, :])
+    batch, reasons = flown.system.simulate_vectors(vector[None, :])
     assert batch.status[0] == OK, reasons

@@ -47,16 +47,16 @@ def test_there_are_pairs_in_the_plane_and_in_space() -> None:
 
 
 @pytest.mark.parametrize(("avoider", "vehicle", "controller"), PAIRS, ids=lambda c: c.name)
-def test_it_flies(avoider: Avoider, vehicle: Vehicle, controller: Controller) -> None:
+def test_they_can_be_simulated_together(avoider: Avoider, vehicle: Vehicle, controller: Controller) -> None:
     campaign = load_document(document(avoider, vehicle, controller))
     assert check(campaign, catalogue()) == []
     problem = Problem(campaign, compiled=False)
     vectors = problem.vectors(np.array([[0.0], [0.5], [1.0]]))
-    flown = problem.system.loop.fly(vectors, problem.system.step, STEPS)
+    flown = problem.system.loop.simulate(vectors, problem.system.step, STEPS)
     status, reasons = problem.system.judge(flown.status, flown.when)
     assert status.tolist() == [OK] * 3, reasons
     assert np.isfinite(flown.costs).all()
     held = np.repeat(vectors[1:2], 2, axis=0)
     held[1, problem.paths["start.x"]] += 1e-3
-    apart = problem.system.loop.fly(held, problem.system.step, STEPS, traced=1).trace
+    apart = problem.system.loop.simulate(held, problem.system.step, STEPS, traced=1).trace
     assert np.isfinite(apart).all()

@@ -41,7 +41,7 @@ def test_it_has_a_title_and_describes_itself_in_a_few_words(stage: Declared) -> 
 
 
 @EACH
-def test_its_result_says_of_which_stage_it_is(stage: Declared) -> None:
+def test_its_result_names_its_stage(stage: Declared) -> None:
     field = stage.result.model_fields["stage"]
     assert get_args(field.annotation) == (stage.kind,)
     assert field.default == stage.kind, "the worker need not give it"

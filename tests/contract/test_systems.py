@@ -160,7 +160,7 @@ class TestCampaign:
     def test_what_does_not_fit_is_refused(self, change: dict[str, Any], said: str) -> None:
         assert any(said in problem for problem in wrong(**change))
 
-    def test_the_snapshot_holds_the_simulator_and_says_what_changed(self) -> None:
+    def test_the_snapshot_contains_the_simulator_and_reports_what_changed(self) -> None:
         kept = snapshot(load_document(package.campaign()), known())
         assert [s.name for s in kept.simulators] == ["two_basins"]
         assert changes(kept, known()) == []

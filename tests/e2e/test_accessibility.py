@@ -242,7 +242,7 @@ def test_the_text_editor_needs_no_inline_styles(visit: Visit) -> None:
 
 @pytest.mark.parametrize("theme", THEMES)
 @pytest.mark.parametrize("path", ["/runs", "/login?code=wrong"])
-def test_the_way_in_is_accessible(service: Service, browser: Browser, path: str, theme: str) -> None:
+def test_the_sign_in_pages_are_accessible(service: Service, browser: Browser, path: str, theme: str) -> None:
     with visiting(browser, service.url) as stranger:
         stranger.page.add_init_script(path=AXE)
         stranger.page.emulate_media(color_scheme="light" if theme == "light" else "dark")

@@ -112,7 +112,7 @@ def test_the_list_is_narrowed_and_ordered_by_the_address(signed_in: Visit, runs:
     expect(page.locator("tr[data-run]")).to_contain_text("Intruder")
 
 
-def test_name_tags_pin_and_notes_are_kept(signed_in: Visit, runs: list[str]) -> None:
+def test_name_tags_pin_and_notes_are_stored(signed_in: Visit, runs: list[str]) -> None:
     page = signed_in.page
     signed_in.go(f"/runs/{runs[0]}")
     page.get_by_role("button", name="Change name and tags").click()
@@ -144,7 +144,7 @@ def test_name_tags_pin_and_notes_are_kept(signed_in: Visit, runs: list[str]) -> 
     signed_in.shot("notes-1440-light", full=False)
 
 
-def test_notes_that_somebody_else_wrote_meanwhile_are_not_lost(signed_in: Visit, runs: list[str]) -> None:
+def test_notes_written_meanwhile_by_another_user_are_not_lost(signed_in: Visit, runs: list[str]) -> None:
     page = signed_in.stay(f"/runs/{runs[0]}")
     notes = page.locator("#notes")
     notes.get_by_role("button", name=re.compile("Edit|Write")).click()
@@ -199,7 +199,7 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(drawing: Visit, runs
     expect(page).to_have_url(re.compile("finding=nominal"))
     expect(panel).not_to_contain_text("Worst")
     shared(drawing, f"/runs/{runs[2]}?finding=nominal&t=12.50&cam=top")
-    expect(page.get_by_role("heading", name="Nominal flight")).to_be_visible()
+    expect(page.get_by_role("heading", name="Nominal case")).to_be_visible()
     expect(page.get_by_role("img", name="Separation over time, nominal flight, with the criterion")).to_be_visible()
     page.keyboard.press("k")
     last = found[-1]["label"]
@@ -320,7 +320,7 @@ def test_anything_is_found_and_gone_to(signed_in: Visit, runs: list[str]) -> Non
     expect(dialog).to_be_hidden()
 
 
-def test_word_comes_when_a_run_ends(signed_in: Visit) -> None:
+def test_a_notification_is_shown_when_a_run_ends(signed_in: Visit) -> None:
     page = signed_in.page
     page.context.grant_permissions(["notifications"], origin=signed_in.address)
     page.add_init_script(WATCH)

@@ -23,9 +23,9 @@ from playwright.sync_api import Browser, Download, Page, expect
 from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
 from tests.api.catalogue import CATALOGUE, campaign
-from tests.api.flown import CODE, OTHER
 from tests.api.reported import finish_fully
 from tests.api.server import Service
+from tests.api.versions import CODE, OTHER
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
@@ -145,7 +145,7 @@ def test_what_is_chosen_is_seen_in_every_card(page: Page) -> None:
     findings.locator("[data-finding=F1]").get_by_role("button", name="F1").click()
 
 
-def test_every_criterion_is_told(page: Page) -> None:
+def test_every_criterion_is_shown(page: Page) -> None:
     space = page.locator("#space")
     row = page.get_by_role("row", name=re.compile("Goal miss"))
     expect(row).to_contain_text(re.compile("0.600.*0.700.*more is worse"))
@@ -175,7 +175,7 @@ def test_the_report_is_read_and_printed(page: Page) -> None:
     assert printed.path().read_bytes().startswith(b"%PDF-")
 
 
-def test_what_is_installed_otherwise_now_is_told(finished: Service, page: Page) -> None:
+def test_later_changes_of_the_installation_are_shown(finished: Service, page: Page) -> None:
     card = page.locator("#components")
     expect(card).to_contain_text("The installed components are the same.")
     document = CATALOGUE.model_dump(mode="json")
@@ -269,11 +269,11 @@ def test_a_run_is_removed_and_restored(visit: Visit) -> None:
     expect(page.locator("tr[data-run]")).to_have_count(2)
 
 
-def test_a_purged_run_says_what_became_of_it(finished: Service, visit: Visit) -> None:
+def test_a_purged_run_explains_what_was_removed(finished: Service, visit: Visit) -> None:
     page = visit.page
     visit.go("/runs/R-0001")
     page.get_by_role("button", name="Remove").click()
-    page.get_by_role("textbox", name="Reason").fill("Flown again as R-0002.")
+    page.get_by_role("textbox", name="Reason").fill("Versions again as R-0002.")
     page.get_by_role("textbox", name="Reason").press("Tab")
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")

@@ -43,7 +43,7 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "run-simulator": ("/runs/R-0003", RUN),
     "run-cancelled": ("/runs/R-0004", ["#provenance"]),
     "flight": ("/runs/R-0001/flight?whatif=nominal", ["#what-if input[type=range]"]),
-    "no-flight": ("/runs/R-0003/flight", ["text=There is no flight to show"]),
+    "no-flight": ("/runs/R-0003/flight", ["text=There is no 3D view"]),
     "launch": ("/launch", ["role=radio[name=/Unicycle, static/]", "role=region[name=Scenario]"]),
     "launch-text": ("/launch?tab=yaml", ["role=textbox[name='Campaign as YAML']"]),
     "launch-simulator": ("/launch?from=R-0003", ["role=combobox[name='Simulator']"]),
@@ -175,7 +175,7 @@ def test_the_guide_fits(visit: Visit, name: str) -> None:
 
 
 @pytest.mark.parametrize("path", ["/runs", "/login?code=wrong"])
-def test_the_way_in_fits(own: Service, browser: Browser, path: str) -> None:
+def test_the_sign_in_pages_fit(own: Service, browser: Browser, path: str) -> None:
     with visiting(browser, own.link().partition("/login")[0]) as stranger:
         stranger.page.set_viewport_size(WINDOW)
         stranger.go(path)

@@ -24,7 +24,7 @@ from tests.e2e.stored import served
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False
 
-ALL = re.compile("^1.?000 of 1.?000 evaluations kept, lowest dmin 1.007 m")
+ALL = re.compile("^1.?000 of 1.?000 evaluations selected, lowest dmin 1.007 m")
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +95,7 @@ def test_it_fits_at_both_widths_in_both_themes(visit: Visit, card: Locator) -> N
     page.emulate_media(color_scheme="light")
 
 
-def test_a_range_on_an_axis_keeps_what_lies_within_it_in_every_view(visit: Visit, card: Locator) -> None:
+def test_a_range_on_an_axis_filters_every_view(visit: Visit, card: Locator) -> None:
     lines = card.get_by_role("group", name=re.compile("^Parallel"))
     drag(visit, lines.locator(".hit").nth(1), (0.5, 0.2), (0.5, 0.6))
     expect(kept(card)).not_to_have_text(ALL)
@@ -125,7 +125,7 @@ def test_a_rectangle_in_a_cell_is_a_range_on_both_axes(visit: Visit, card: Locat
 
 def test_a_range_is_set_by_keys(visit: Visit, card: Locator) -> None:
     card.get_by_role("slider", name="d_min, to").press("PageDown")
-    expect(kept(card)).to_have_text(re.compile("^894 of 1.?000 evaluations kept, lowest dmin 1.007 m"))
+    expect(kept(card)).to_have_text(re.compile("^894 of 1.?000 evaluations selected, lowest dmin 1.007 m"))
     expect(card.get_by_role("button", name=re.compile(r"^Clear range of\s+d\s*min"))).to_be_visible()
     expect(visit.page).to_have_url(re.compile(r"brush=value:[\d.]+:[\d.]+"))
     visit.page.reload()
@@ -138,11 +138,11 @@ def test_a_range_is_set_by_keys(visit: Visit, card: Locator) -> None:
 def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> None:
     failed = card.get_by_role("button", name=re.compile("^Failed"))
     failed.click()
-    expect(kept(card)).to_have_text(re.compile("^900 of 1.?000 evaluations kept"))
+    expect(kept(card)).to_have_text(re.compile("^900 of 1.?000 evaluations selected"))
     failed.click()
     method = card.get_by_role("button", name=re.compile("^DIRECT"))
     method.click()
-    expect(kept(card)).to_have_text(re.compile("^0 of 1.?000 evaluations kept, none with a value"))
+    expect(kept(card)).to_have_text(re.compile("^0 of 1.?000 evaluations selected, none with a value"))
     expect(card).to_contain_text("No evaluation is selected.")
     method.click()
     expect(kept(card)).to_have_text(ALL)
@@ -153,11 +153,11 @@ def test_excluded_and_failed_evaluations_are_distinguished(visit: Visit) -> None
     visit.page.set_viewport_size({"width": 1440, "height": 900})
     visit.go("/runs/R-0002")
     card = visit.page.locator("#space")
-    expect(kept(card)).to_have_text(re.compile("^21 of 21 evaluations kept"))
+    expect(kept(card)).to_have_text(re.compile("^21 of 21 evaluations selected"))
     for fate, number in (("Failed", 7), ("Excluded", 4)):
         switch = card.get_by_role("button", name=f"{fate} {number}", exact=True)
         switch.click()
-        expect(kept(card)).to_have_text(re.compile(f"^{21 - number} of 21 evaluations kept"))
+        expect(kept(card)).to_have_text(re.compile(f"^{21 - number} of 21 evaluations selected"))
         switch.click()
     visit.shot("space-lost", of=card)
     failures = visit.page.locator("#failures")

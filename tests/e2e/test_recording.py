@@ -100,7 +100,7 @@ REFUSED = re.compile(r"ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_
 """Console messages of a browser while the service is unavailable."""
 
 
-def test_page_and_view_agree_and_a_lost_view_comes_back_as_it_was(recorded: Service, browser: Browser) -> None:
+def test_page_and_view_agree_and_a_lost_view_is_restored(recorded: Service, browser: Browser) -> None:
     with visiting(browser, recorded.url) as visit:
         page = visit.page
         page.set_viewport_size({"width": 1280, "height": 700})  # software draws every pixel

@@ -51,7 +51,7 @@ def test_launched_again_from_the_form_and_compared(tmp_path: Path, browser: Brow
             "href", re.compile("#simulator-two_basins$")
         )
         visit.go("/runs/R-0002/flight")
-        expect(page.get_by_role("heading", name="There is no flight to show")).to_be_visible()
+        expect(page.get_by_role("heading", name="There is no 3D view")).to_be_visible()
 
 
 def test_a_run_without_a_trace(tmp_path: Path, browser: Browser) -> None:

@@ -74,7 +74,7 @@ def test_the_page_of_the_run_shows_its_traces_and_no_flights(opened: Opened) -> 
     assert FLIES.findall(page.locator("main").inner_text()) == []
     visit.shot("simulator-trace")
     visit.go("/runs/R-0001/flight")
-    expect(page.get_by_role("heading", name="There is no flight to show")).to_be_visible()
+    expect(page.get_by_role("heading", name="There is no 3D view")).to_be_visible()
 
 
 def test_it_is_launched_from_the_form_with_repeats_and_retries(opened: Opened) -> None:
@@ -149,7 +149,7 @@ def test_report_sign_off_and_audit(opened: Opened) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_what_flies_is_refused_in_words(opened: Opened) -> None:
+def test_3d_recordings_and_what_if_simulations_are_refused_with_a_sentence(opened: Opened) -> None:
     page, address = opened.visit.page, opened.visit.address
     recorded = page.request.get(f"{address}/api/v1/runs/R-0001/exports/flight-nominal.html")
     assert (recorded.status, "has no 3D view" in recorded.text()) == (404, True), recorded.text()

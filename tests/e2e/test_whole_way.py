@@ -27,7 +27,7 @@ VERMILLION = (222, 103, 20)
 THIN = "\u202f"
 
 
-def test_an_unauthenticated_client_is_told_how_to_sign_in(service: Service, browser: Browser) -> None:
+def test_an_unauthenticated_client_sees_how_to_sign_in(service: Service, browser: Browser) -> None:
     with visiting(browser, service.link().partition("/login")[0]) as stranger:
         stranger.go("/runs")
         expect(stranger.page.locator("body")).to_contain_text("clearance login-link")
@@ -37,7 +37,7 @@ def test_an_unauthenticated_client_is_told_how_to_sign_in(service: Service, brow
         stranger.wrong.clear()
 
 
-def test_the_empty_list_says_what_to_do_first(signed_in: Visit) -> None:
+def test_the_empty_list_explains_what_to_do_first(signed_in: Visit) -> None:
     page = signed_in.page
     expect(page).to_have_url(re.compile("/runs$"))
     expect(page.get_by_role("heading", name="No runs yet")).to_be_visible()
@@ -46,7 +46,7 @@ def test_the_empty_list_says_what_to_do_first(signed_in: Visit) -> None:
     expect(page.get_by_role("radio", name="Unicycle, static obstacle")).to_be_checked()
 
 
-def test_a_wrong_bound_is_refused_beside_its_field(signed_in: Visit) -> None:
+def test_a_wrong_bound_is_refused_next_to_its_field(signed_in: Visit) -> None:
     page = signed_in.page
     signed_in.go("/launch")
     low, start = page.get_by_label("Mass, low"), page.get_by_role("button", name="Start run")
@@ -66,7 +66,7 @@ def test_a_wrong_bound_is_refused_beside_its_field(signed_in: Visit) -> None:
     looks(signed_in, "launch")
 
 
-def test_the_scenario_is_drawn_and_flown_while_it_is_edited(signed_in: Visit) -> None:
+def test_the_scenario_is_drawn_and_simulated_while_it_is_edited(signed_in: Visit) -> None:
     page = signed_in.page
     plan, said = (
         page.get_by_role("img", name=re.compile("^Seen from above, Unicycle")),
@@ -78,7 +78,7 @@ def test_the_scenario_is_drawn_and_flown_while_it_is_edited(signed_in: Visit) ->
     until(lambda: plan.inner_html() != before, "the obstacle has moved", 10)
     page.get_by_label("Obstacle 1, Centre, x").fill("4")
     until(lambda: plan.inner_html() == before, "the obstacle is back", 10)
-    page.get_by_role("button", name="Preview nominal flight").press("Enter")
+    page.get_by_role("button", name="Preview nominal case").press("Enter")
     expect(said).to_contain_text("0.9436 m, clear by 0.4436 m", timeout=2 * PATIENCE)
     expect(page.get_by_test_id("closest")).to_be_visible()
     page.get_by_label("Criterion, threshold").fill("0.95")
@@ -113,7 +113,7 @@ def test_further_criteria_and_faults_are_added_and_taken_out(signed_in: Visit) -
     expect(page.get_by_role("combobox", name="Further criterion 1, component")).to_have_count(0)
 
 
-def test_a_draft_is_kept_and_never_overwritten_unseen(signed_in: Visit) -> None:
+def test_a_draft_is_stored_and_never_overwritten_unseen(signed_in: Visit) -> None:
     page, drafts = signed_in.page, f"{signed_in.address}/api/v1/drafts"
     page.get_by_label("Mass, low").fill("4.2 kg")
     page.get_by_role("link", name="Runs", exact=True).click()
@@ -153,7 +153,7 @@ def test_form_and_text_edit_the_same_campaign(signed_in: Visit) -> None:
     expect(page.get_by_label("Mass, low")).to_have_value("4.3")
 
 
-def test_the_form_changes_the_text_in_its_place(signed_in: Visit) -> None:
+def test_an_edit_in_the_form_changes_only_its_lines_of_the_text(signed_in: Visit) -> None:
     page = signed_in.page
     page.get_by_role("button", name="YAML", exact=True).click()
     first = written(page)
@@ -258,7 +258,7 @@ def test_the_flight_is_seen_in_3d(signed_in: Visit) -> None:
     looks(signed_in, "run", flown)
 
 
-def test_a_slider_flies_the_case_anew(signed_in: Visit) -> None:
+def test_a_slider_simulates_the_case_again(signed_in: Visit) -> None:
     """Its numbers are on the page, the view draws the flight, and the address has it."""
     flown(signed_in)
     page = signed_in.page

@@ -64,11 +64,11 @@ def flying(campaign: Campaign, store: Store) -> Verdict:
     provenance.begin(store, problem.system)
     if records[0].state != "done":
         store.begin(0)
-        batch, _ = problem.fly(problem.nominal_point[None, :])
+        batch, _ = problem.evaluate(problem.nominal_point[None, :])
         store.finish(0, results.nominal(float(batch.costs[0, 0])), 0.01)
     store.begin(1)
     happen(campaign)
-    cost = float(problem.fly(problem.nominal_point[None, :])[0].costs[0, 0])
+    cost = float(problem.evaluate(problem.nominal_point[None, :])[0].costs[0, 0])
     verdict = results.verdict(nominal=cost, worst=None)
     store.conclude(verdict)
     return verdict

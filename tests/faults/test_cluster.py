@@ -23,7 +23,7 @@ from tests.faults.processes import command_of, kill, started, until
 from tests.simulators import gated, misbehaving
 from worker.catalogue.descriptor import Described, read
 from worker.catalogue.simulator import Opening
-from worker.runs.provenance import flown
+from worker.runs.provenance import versions
 from worker.systems.base import Floats
 from worker.systems.simulators.cluster import pool as pool_module
 from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
@@ -95,7 +95,7 @@ def test_results_are_those_of_local_slots_to_the_bit(
         asked = vectors(300)
         until(lambda: there.slots == 2, "both nodes")
         assert there.digest == here.digest
-        assert (flown(here).evaluator, flown(there).evaluator) == (None, "dask.distributed")
+        assert (versions(here).evaluator, versions(there).evaluator) == (None, "dask.distributed")
         assert here.evaluate(asked)[0].costs.tobytes() == there.evaluate(asked)[0].costs.tobytes()
         assert [c.cost for c in there.compare(asked[:2], [None, None])] == [right(v) for v in asked[:2]]
     finally:

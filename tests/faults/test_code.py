@@ -89,7 +89,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Home]:
     home.engine.dispose()
 
 
-def test_an_edit_flies_in_the_next_run_and_in_no_run_that_was_begun_before(home: Home) -> None:
+def test_an_edit_applies_to_the_next_run_and_to_no_run_already_started(home: Home) -> None:
     first = home.ended(home.submit())
     assert first.state == "done"
     assert first.flown["packages"]["post-here"] == "1.0"

@@ -10,7 +10,8 @@ import sqlalchemy as sa
 
 from backend.db.engine import connect, migrate, read
 from backend.db.queue import Claim, submit
-from backend.db.store import RunStore, as_result
+from backend.db.rows import as_result
+from backend.db.store import RunStore
 from backend.db.tables import Finding, Run, Stage, Trace
 from campaigns.results.verdict import Verdict
 from tests.audited import audited
@@ -58,7 +59,7 @@ def test_a_search_killed_twice_ends_as_if_it_never_had_been(database: sa.Engine,
     _same_as_undisturbed(database, run_id, run(), stages())
 
 
-def test_a_database_server_that_goes_down_is_waited_for(tmp_path: Path) -> None:
+def test_a_database_server_that_is_down_is_waited_for(tmp_path: Path) -> None:
     campaign = case()
     with postgres.server() as server:
         migrate(server.url)

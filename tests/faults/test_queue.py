@@ -144,7 +144,7 @@ def test_three_lost_workers_end_the_run_too(database: sa.Engine) -> None:
     )
 
 
-def test_a_completed_stage_makes_attempts_count_anew(database: sa.Engine) -> None:
+def test_a_completed_stage_resets_the_count_of_attempts(database: sa.Engine) -> None:
     run_id, queue = put(database), Queue(database)
     for _ in range(2):
         claimed(queue)
@@ -278,7 +278,7 @@ def test_the_catalogue_keeps_the_simulators_of_other_live_workers(database: sa.E
         assert workers.simulators(connection) == []
 
 
-def test_a_queued_run_says_what_it_waits_for(database: sa.Engine) -> None:
+def test_a_queued_run_reports_what_it_waits_for(database: sa.Engine) -> None:
     with database.begin() as connection:
         asked = load_document(package.campaign())
         run_id = submit(connection, asked, name="a", tags=[], owner="ada", planned=1, catalogue=HAS)

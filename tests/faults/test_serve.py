@@ -77,7 +77,7 @@ def test_serve_killed_leaves_nothing_behind_and_gives_its_run_back(tmp_path: Pat
         engine.dispose()
 
 
-def test_a_taken_port_is_said(tmp_path: Path) -> None:
+def test_a_taken_port_is_reported(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
         refused = clearance("serve", "--data", str(tmp_path), "--port", port)
@@ -85,7 +85,7 @@ def test_a_taken_port_is_said(tmp_path: Path) -> None:
     assert f"port {port} of 127.0.0.1 is in use by another program; choose another with --port" in refused.stderr
 
 
-def test_an_address_that_strangers_can_reach_is_refused(tmp_path: Path) -> None:
+def test_an_address_open_to_other_machines_is_refused(tmp_path: Path) -> None:
     refused = clearance("serve", "--data", str(tmp_path), "--port", "0", "--host", "0.0.0.0")
     assert refused.returncode == 3
     assert "only the loopback address is allowed" in refused.stdout

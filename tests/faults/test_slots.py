@@ -181,7 +181,7 @@ def test_results_arrive_for_the_point_that_was_asked(tmp_path: Path) -> None:
     assert [o.answer["results"] for o in outcomes] == [2 * k for k in range(2000)]
 
 
-def test_a_process_is_replaced_after_its_share_of_evaluations(tmp_path: Path) -> None:
+def test_a_process_is_replaced_after_its_number_of_evaluations(tmp_path: Path) -> None:
     with framed(tmp_path, "import os\ndef f():\n    return os.getpid()\n", 1, Limits(timeout=20, recycle=3)) as pool:
         pids = [o.answer["results"] for o in pool.evaluate([{"parameters": {}}] * 9)]
     assert [pids.count(p) for p in dict.fromkeys(pids)] == [3, 3, 3]

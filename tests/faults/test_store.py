@@ -11,7 +11,8 @@ import sqlalchemy as sa
 
 from backend.db.queue import Claim, Queue, submit
 from backend.db.records import Ahead, Columns, StagePlan, StageRecord
-from backend.db.store import RunStore, plain
+from backend.db.rows import plain
+from backend.db.store import RunStore
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
@@ -78,7 +79,7 @@ def behind(whole: Columns, *indices: int) -> Ahead:
     return Ahead(np.array(rows), Columns(*arrays, {i: whole.reasons[i] for i in rows if i in whole.reasons}))
 
 
-def test_what_is_completed_before_an_earlier_one_waits_beside_the_record(store: RunStore) -> None:
+def test_evaluations_completed_ahead_of_an_earlier_one_are_stored_separately(store: RunStore) -> None:
     store.begin(1)
     whole, nothing = columns(0, 100), columns(0, 0)
     failed = np.flatnonzero(whole.status == FAILED)[0]
@@ -102,7 +103,7 @@ def test_the_first_of_equal_costs_is_the_best(store: RunStore) -> None:
     assert rows(store, Stage, Stage.position)[1].best_index == 0
 
 
-def test_a_gap_or_a_repetition_is_refused_and_leaves_nothing(store: RunStore) -> None:
+def test_a_missing_or_repeated_index_is_refused_and_nothing_is_stored(store: RunStore) -> None:
     store.append(1, 0, columns(0, 5))
     for first in (0, 4, 6):
         with pytest.raises(ValueError, match=f"has 5 evaluations, but new ones start at index {first}"):

@@ -73,7 +73,7 @@ def bench(home: Bench) -> Iterator[Bench]:
             request_cancel(connection, run_id)
 
 
-def test_the_worker_says_that_it_is_there_and_what_it_offers(bench: Bench) -> None:
+def test_a_worker_registers_and_publishes_its_catalogue(bench: Bench) -> None:
     assert bench.ended(bench.submit("none")).state == "done"
     with read(bench.engine) as connection:
         row = connection.execute(sa.select(WorkerRow)).one()
@@ -83,7 +83,7 @@ def test_the_worker_says_that_it_is_there_and_what_it_offers(bench: Bench) -> No
 
 
 @pytest.mark.parametrize("accident", ["segfault", "kill", "exit", "leave", "fail"])
-def test_after_one_accident_the_run_goes_on_where_it_was(bench: Bench, tmp_path: Path, accident: str) -> None:
+def test_after_one_crash_the_run_resumes_where_it_was(bench: Bench, tmp_path: Path, accident: str) -> None:
     run_id = bench.submit(accident, tmp_path / "once")
     ended = bench.ended(run_id)
     assert (ended.state, ended.verdict, ended.attempts, ended.error) == ("done", "inconclusive", 1, None)
@@ -207,7 +207,7 @@ def test_a_locked_database_is_waited_for(bench: Bench) -> None:
     bench.whole(run_id)
 
 
-def test_killing_the_supervisor_leaves_no_child_and_another_worker_goes_on(bench: Bench, tmp_path: Path) -> None:
+def test_killing_the_supervisor_leaves_no_child_and_another_worker_resumes(bench: Bench, tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path}/clearance.sqlite3"
     migrate(url)
     own = Bench(url, tmp_path)

@@ -136,7 +136,7 @@ def test_an_alias_is_not_a_second_parameter(tmp_path: Path) -> None:
     )
 
 
-def test_without_fmpy_a_sentence_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_fmpy_a_sentence_names_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "fmpy", None)
     refused(made.folder(tmp_path, 2, binary=b"never loaded"), "fmu: an FMU requires the package FMPy")
 

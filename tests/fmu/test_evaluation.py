@@ -184,7 +184,7 @@ def test_what_was_extracted_is_removed_at_the_end(tmp_path: Path, monkeypatch: p
 
 
 @pytest.mark.parametrize(("direction", "expected"), [("rising", 0.5), ("falling", 1.5), ("either", 0.5), (None, 0.5)])
-def test_a_crossing_lies_between_two_samples(direction: str | None, expected: float) -> None:
+def test_a_crossing_is_interpolated_between_two_samples(direction: str | None, expected: float) -> None:
     taken = Taken({"variable": "v", "take": "first_crossing", "level": 1.0, "direction": direction})
     for time, value in enumerate((0.0, 2.0, 0.0, 2.0)):
         taken.see(float(time), value)

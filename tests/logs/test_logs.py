@@ -21,7 +21,7 @@ BESIDE = Sphere(7.0, 3.0, -5.0)
 """Between two samples: both are farther than 3 m."""
 
 
-def test_the_minimum_lies_between_samples(tmp_path: Path) -> None:
+def test_the_minimum_is_between_samples(tmp_path: Path) -> None:
     found = separation_of_ulog(ulog(tmp_path / "a.ulg", {TOPIC: STRAIGHT}), [BESIDE])
     assert found.d_min == pytest.approx(3.0, abs=1e-6)
     assert found.time == pytest.approx(0.35, abs=1e-6)
@@ -159,7 +159,7 @@ def test_damage_inside_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("package", ["pyulog", "mcap.reader"])
-def test_without_its_package_a_sentence_says_what_to_install(
+def test_without_its_package_a_sentence_names_what_to_install(
     tmp_path: Path, package: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     bag, log = recorded(tmp_path), ulog(tmp_path / "a.ulg", {TOPIC: STRAIGHT})

@@ -31,7 +31,7 @@ def uncompiled(campaign: Campaign) -> Problem:
 
 def cost(problem: Problem, values: dict[str, float] | None = None, step: float | None = None) -> float:
     """The criterion's value of one flight, which must be ok."""
-    batch, reasons = problem.system.fly_vectors(problem.vector(values or {})[None], step)
+    batch, reasons = problem.system.simulate_vectors(problem.vector(values or {})[None], step)
     assert batch.status[0] == OK, reasons
     return float(batch.costs[0, 0])
 
@@ -40,4 +40,4 @@ def flight(problem: Problem, values: dict[str, float] | None = None, step: float
     """The states of one flight (steps + 1, states)."""
     step = step or problem.system.step
     vector = problem.vector(values or {})
-    return problem.system.loop.fly(vector[None], step, *problem.system.counts(step), traced=1).trace[0]
+    return problem.system.loop.simulate(vector[None], step, *problem.system.counts(step), traced=1).trace[0]

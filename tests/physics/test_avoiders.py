@@ -102,7 +102,7 @@ class TestGradients:
         gradient = slope(potential, np.array([*q, *v]))
         assert force == pytest.approx([-gradient[0] - gradient[2], -gradient[1] - gradient[3]], rel=1e-6)
 
-    def test_ge_cui_is_silent_when_the_distance_grows_or_the_gap_suffices(self) -> None:
+    def test_ge_cui_is_inactive_when_the_distance_grows_or_suffices(self) -> None:
         p = ge_cui.GeCui(k_att=0.0)
         steer = plain(ge_cui.steer)
 
@@ -234,7 +234,7 @@ class TestFlown:
     @pytest.mark.parametrize(("vehicle", "avoider"), PAIRS, ids=lambda c: c.name)
     def test_each_avoider_with_each_vehicle(self, vehicle: Vehicle, avoider: Avoider) -> None:
         problem = uncompiled(encounter(vehicle, avoider, horizon=5.0))
-        batch, reasons = problem.system.fly_vectors(problem.system.nominal[None])
+        batch, reasons = problem.system.simulate_vectors(problem.system.nominal[None])
         assert batch.status[0] == 0, reasons
         assert np.isfinite(flight(problem)).all()
 

@@ -46,7 +46,7 @@ def flown(criterion: str, step: float = 0.01, horizon: float = HORIZON, **given:
     defaults = {f"{s.prefix}.{p.name}": p.default for s in loop.sections for p in s.parameters}
     assert values.keys() <= defaults.keys()
     vector = np.array(list((defaults | values).values()))
-    result = loop.fly(vector[None].astype(float), step, round(horizon / step))
+    result = loop.simulate(vector[None].astype(float), step, round(horizon / step))
     assert result.status[0] == 0.0
     return float(-result.costs[0, 1])
 
@@ -60,7 +60,7 @@ class TestGoalMiss:
     def test_a_flight_that_does_not_get_there_misses_by_what_is_left(self) -> None:
         assert flown("goal_miss", goal__x=13.0, goal__y=4.0) == pytest.approx(5.0, abs=1e-9)
 
-    def test_one_that_flies_away_misses_by_what_there_was_at_first(self) -> None:
+    def test_a_vehicle_that_moves_away_misses_by_its_initial_distance(self) -> None:
         assert flown("goal_miss", goal__x=-3.0, goal__y=4.0) == pytest.approx(5.0, abs=1e-12)
 
     def test_through_the_goal_it_is_nothing(self) -> None:
@@ -134,7 +134,7 @@ class TestPeakBank:
         seen = trace(problem.system, "turn", {})
         names = [c.name for c in seen.columns]
         roll = np.abs(seen.data[:, names.index("roll")])
-        batch, _ = problem.fly(problem.nominal_point[None])
+        batch, _ = problem.evaluate(problem.nominal_point[None])
         peak = -batch.costs[0, [c.name for c in problem.results].index("peak_bank")]
         assert roll[-20:] == pytest.approx(1.2 * 0.4, rel=0.03)
         assert roll.max() <= peak < roll.max() + 1e-4
@@ -146,7 +146,7 @@ class TestPeakCommand:
         given = {"controller__pull": 3.0, "objectives__0__s_1": 2.0}
         assert flown("peak_command", **given) == 1.5
 
-    def test_the_largest_share_counts(self) -> None:
+    def test_the_largest_fraction_counts(self) -> None:
         given = {"controller__pull": -3.0, "controller__push": 40.0}
         assert flown("peak_command", **given, objectives__0__s_1=2.0, objectives__0__s_2=100.0) == 1.5
         assert flown("peak_command", **given, objectives__0__s_1=2.0, objectives__0__s_2=10.0) == 4.0
@@ -174,18 +174,18 @@ POINTS = np.random.default_rng(4).random((35, 2))
 
 class TestTogether:
     def test_the_criterion_that_decides_keeps_every_bit(self) -> None:
-        alone = Problem(CASE).fly(POINTS)[0].costs
+        alone = Problem(CASE).evaluate(POINTS)[0].costs
         assert alone.shape == (35, 1)
-        together = Problem(several(*THREE)).fly(POINTS)[0].costs
+        together = Problem(several(*THREE)).evaluate(POINTS)[0].costs
         assert together.shape == (35, 4)
         assert together[:, 0].tobytes() == alone[:, 0].tobytes()
 
     def test_each_is_what_it_is_alone_in_any_order(self) -> None:
-        together = Problem(several(*THREE)).fly(POINTS)[0].costs
-        turned = Problem(several(*THREE[::-1])).fly(POINTS)[0].costs
+        together = Problem(several(*THREE)).evaluate(POINTS)[0].costs
+        turned = Problem(several(*THREE[::-1])).evaluate(POINTS)[0].costs
         assert together[:, 1:] == pytest.approx(turned[:, :0:-1], rel=1e-12)
         for k, objective in enumerate(THREE):
-            alone = Problem(several(objective)).fly(POINTS)[0].costs
+            alone = Problem(several(objective)).evaluate(POINTS)[0].costs
             assert alone[:, 1] == pytest.approx(together[:, 1 + k], rel=1e-12)
 
     def test_they_agree_with_the_trace(self) -> None:
@@ -194,7 +194,7 @@ class TestTogether:
         data = {c.name: seen.data[:, k] for k, c in enumerate(seen.columns)}
         to_goal = np.hypot(data["x"] - 6.0, data["y"] - 7.0)
         share = np.maximum(np.abs(data["force"]) / 10.0, np.abs(data["torque"]) / 2.0)
-        _, miss, time, peak = -problem.fly(problem.nominal_point[None])[0].costs[0]
+        _, miss, time, peak = -problem.evaluate(problem.nominal_point[None])[0].costs[0]
         assert miss == pytest.approx(to_goal.min(), abs=1e-5)
         first = int(np.argmax(to_goal <= 0.5))
         assert data["t"][first - 1] < time <= data["t"][first]
@@ -205,7 +205,7 @@ class TestTogether:
     def test_half_the_step_hardly_changes_them(self) -> None:
         problem = Problem(several(*THREE))
         vectors = problem.vectors(POINTS[:8])
-        one, half = (problem.system.fly_vectors(vectors, step)[0].costs for step in (0.005, 0.0025))
+        one, half = (problem.system.simulate_vectors(vectors, step)[0].costs for step in (0.005, 0.0025))
         assert half[:, 0] == pytest.approx(one[:, 0], abs=1e-5)
         assert half[:, 1] == pytest.approx(one[:, 1], abs=1e-4)
         assert half[:, 2] == pytest.approx(one[:, 2], abs=1e-4)
@@ -213,14 +213,14 @@ class TestTogether:
     def test_the_other_integrator_confirms_the_one_that_decides(self) -> None:
         problem = Problem(several(*THREE, horizon=6.0))
         vector = problem.vectors(POINTS[:1])[0]
-        found = Reference(problem.system).fly(vector)
-        assert found.cost == pytest.approx(problem.system.fly_vectors(vector[None])[0].costs[0, 0], abs=1e-6)
+        found = Reference(problem.system).simulate(vector)
+        assert found.cost == pytest.approx(problem.system.simulate_vectors(vector[None])[0].costs[0, 0], abs=1e-6)
 
-    def test_a_failed_flight_has_none_of_them(self) -> None:
+    def test_a_failed_simulation_has_no_values(self) -> None:
         problem = Problem(several(*THREE))
         vector = problem.vectors(POINTS[:3])
         vector[1, problem.paths["controller.K_p1"]] = -1e6
-        batch, reasons = problem.system.fly_vectors(vector)
+        batch, reasons = problem.system.simulate_vectors(vector)
         assert batch.status.tolist() == [OK, FAILED, OK], reasons
         assert np.isnan(batch.costs[1]).all()
         assert np.isfinite(batch.costs[[0, 2]]).all()
@@ -229,10 +229,10 @@ class TestTogether:
         noise = [{"component": "sensor_noise", "parameters": {"sigma": 0.05, "period": 0.1}}]
         given: dict[str, Any] = {"faults": noise, "guidance": {"period": 0.1}}
         single = [Problem(several(*THREE, **given, realisations={"seeds": [s]})) for s in (3, 1, 8)]
-        costs = np.array([p.fly(POINTS)[0].costs for p in single])
-        worst = Problem(several(*THREE, **given, realisations={"seeds": [3, 1, 8]})).fly(POINTS)[0].costs
+        costs = np.array([p.evaluate(POINTS)[0].costs for p in single])
+        worst = Problem(several(*THREE, **given, realisations={"seeds": [3, 1, 8]})).evaluate(POINTS)[0].costs
         seeds = {"seeds": [3, 1, 8], "combine": "mean"}
-        mean = Problem(several(*THREE, **given, realisations=seeds)).fly(POINTS)[0].costs
+        mean = Problem(several(*THREE, **given, realisations=seeds)).evaluate(POINTS)[0].costs
         assert worst.tobytes() == costs.min(axis=0).tobytes()
         assert mean == pytest.approx(costs.mean(axis=0), rel=1e-14)
         assert len({tuple(row) for row in costs.argmin(axis=0)}) > 1, "the worst of two come from different flights"
@@ -245,7 +245,7 @@ class TestTogether:
         k = [r.path for r in problem.ranges].index("objectives.1.radius")
         points = np.full((2, 2), 0.5)
         points[:, k] = [0.0, 1.0]
-        costs = problem.fly(points)[0].costs
+        costs = problem.evaluate(points)[0].costs
         assert costs[0, 2] < costs[1, 2], "a smaller radius is reached later"
         assert costs[0, [0, 1, 3]].tolist() == costs[1, [0, 1, 3]].tolist()
 
@@ -276,7 +276,7 @@ class TestCheck:
         assert field == "objectives.0.component"
         assert "has 3 dimensions" in message
 
-    def test_a_course_is_no_goal_to_miss(self) -> None:
+    def test_a_heading_is_not_a_goal_that_can_be_missed(self) -> None:
         made = load_file(library()["uav_aca"]).document() | {"objectives": [{"component": "goal_miss"}]}
         [problem] = check(load_document(made), catalogue())
         assert problem.field == "objectives.0.component"

@@ -101,7 +101,7 @@ class TestPerception:
         assert math.atan2(z, math.hypot(x, y)) == pytest.approx(math.atan2(12.0, 5.0) - 0.1)
         assert math.sqrt(x * x + y * y + z * z) == pytest.approx(13.0 * 1.1 + 1.5)
 
-    def test_beyond_its_range_a_sensor_sees_nothing(self) -> None:
+    def test_beyond_its_range_a_sensor_detects_nothing(self) -> None:
         assert see("limited_range", thing(5.0, 0.0), range=4.0).visible == 1.0
         assert see("limited_range", thing(5.1, 0.0), range=4.0).visible == 0.0
 
@@ -139,7 +139,7 @@ class TestTiming:
     def test_a_late_track_is_where_the_obstacle_was(self) -> None:
         assert self.seen(5.0, "latency", tau=1.2) == pytest.approx(self.true(3.8))
 
-    def test_a_compensated_one_is_where_it_is_on_a_straight_way(self) -> None:
+    def test_a_compensated_obstacle_is_exact_on_a_straight_path(self) -> None:
         assert self.seen(5.0, "latency", tau=1.2, compensation=1.0) == pytest.approx(self.true(5.0), abs=1e-12)
 
     def test_in_a_dropout_the_last_track_is_held(self) -> None:
@@ -184,7 +184,7 @@ class TestEnvironment:
         scenario = {"controller": {"component": "pid_speed", "parameters": coasting}, "start": start, "horizon": 4.0}
         return flight(loop_with(name, "", scenario, **given))[:, 3]
 
-    def test_uphill_it_slows_down_by_the_share_of_gravity(self) -> None:
+    def test_uphill_it_slows_down_by_the_component_of_gravity(self) -> None:
         times = 0.005 * np.arange(801)
         climb = 0.1 * math.cos(math.pi / 6) + 0.05 * math.sin(math.pi / 6)
         assert self.speed("ground_slope", x=0.1, y=0.05) == pytest.approx(2.0 - 9.81 * climb * times, abs=1e-9)

@@ -188,7 +188,7 @@ class TestIntegrator:
         ends = {}
         for step in (0.01, 0.005, 0.0025):
             counts = problem.system.counts(step)
-            ends[step] = problem.system.loop.fly(problem.system.nominal[None], step, *counts, traced=1).trace[
+            ends[step] = problem.system.loop.simulate(problem.system.nominal[None], step, *counts, traced=1).trace[
                 0, -1, :12
             ]
         coarse, fine = np.abs(ends[0.01] - ends[0.005]), np.abs(ends[0.005] - ends[0.0025])
@@ -206,7 +206,7 @@ class TestIntegrator:
     )
     def test_leaving_the_envelope_is_a_failure_with_a_reason(self, values: dict[str, float], said: str) -> None:
         problem = Problem(CRUISE)
-        batch, reasons = problem.system.fly_vectors(problem.vector(values)[None])
+        batch, reasons = problem.system.simulate_vectors(problem.vector(values)[None])
         assert batch.status[0] == FAILED
         assert math.isnan(batch.costs[0, 0])
         assert any(part in reasons[0] for part in said.split("|")), reasons

@@ -47,7 +47,7 @@ class TestLinear:
         assert np.array(rows) == pytest.approx(table(speed), abs=6e-5)
 
     @pytest.mark.parametrize("speed", TABLES)
-    def test_the_vehicle_flies_them(self, speed: float) -> None:
+    def test_they_are_those_of_the_vehicle(self, speed: float) -> None:
         # the component's own right-hand side, differenced about its trim
         p, f = linear(speed), plain(fixed_wing_linear.derivative)
         x = np.array(plain(fixed_wing_linear.begin)(fixed_wing_linear.Start(speed=speed), p))

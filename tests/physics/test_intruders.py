@@ -201,7 +201,7 @@ class TestResolution:
             velocity, _ = ask(minimum_deviation_3d, [body(300.0, y, 0.0, 20.0, math.pi)], gate=gate, side=-1.0)
             assert (velocity != pytest.approx([20.0, 0.0, 0.0])) is acts
 
-    def test_a_latched_gate_goes_on_until_nothing_comes_closer(self) -> None:
+    def test_a_latched_gate_stays_active_until_nothing_comes_closer(self) -> None:
         near, far, gone = ([body(x, y, 0.0, 20.0, math.pi)] for x, y in ((300.0, 10.0), (300.0, 200.0), (-300.0, 0.0)))
         _, memory = ask(minimum_deviation_3d, near, gate=2.0)
         velocity, memory = ask(minimum_deviation_3d, far, gate=2.0, memory=memory)
@@ -214,7 +214,7 @@ class TestResolution:
         held, _ = ask(minimum_deviation_3d, [body(300.0, 200.0, 0.0, 20.0, math.pi)], gate=3.0, memory=memory)
         assert held == first
 
-    def test_out_of_range_or_flying_away_it_is_left_alone(self) -> None:
+    def test_an_intruder_out_of_range_or_moving_away_is_ignored(self) -> None:
         for around in (body(601.0, 0.0, 0.0, 20.0, math.pi), body(300.0, 0.0, 0.0, 30.0, 0.0)):
             assert ask(minimum_deviation_3d, [around])[0] == pytest.approx([20.0, 0.0, 0.0])
 
@@ -267,5 +267,5 @@ class TestRightOfWay:
         expected = ask(minimum_deviation_3d, around, side=1.0, gate=1.0)[0]
         assert ask(right_of_way_3d, around)[0] == expected
 
-    def test_without_a_conflict_the_plan_is_flown(self) -> None:
+    def test_without_a_conflict_the_plan_is_followed(self) -> None:
         assert ask(right_of_way_3d, [body(300.0, 500.0, 0.0, 20.0, -math.pi / 2)])[0] == pytest.approx([20.0, 0.0, 0.0])

@@ -40,7 +40,7 @@ class TestEvery:
         random = np.random.default_rng(11)
         return centre(body, obstacle.dimension) + random.uniform(-2.5 * size, 2.5 * size, (60, obstacle.dimension))
 
-    def test_the_normal_is_the_gradient_of_the_gap(self, obstacle: Obstacle) -> None:
+    def test_the_normal_is_the_gradient_of_the_separation(self, obstacle: Obstacle) -> None:
         at = _body(obstacle, {})
         h = 1e-6
         for q in self.points(obstacle, at):
@@ -52,7 +52,7 @@ class TestEvery:
             assert normal(body, obstacle.dimension) == pytest.approx(slope, abs=1e-5)
             assert np.linalg.norm(normal(body, obstacle.dimension)) == pytest.approx(1.0, abs=1e-9)
 
-    def test_the_surface_lies_a_gap_away_along_the_normal(self, obstacle: Obstacle) -> None:
+    def test_the_surface_is_one_separation_away_along_the_normal(self, obstacle: Obstacle) -> None:
         at = _body(obstacle, {})
         for q in self.points(obstacle, at):
             body = at(0.3, tuple(q))
@@ -60,7 +60,7 @@ class TestEvery:
                 foot = q - body.gap * normal(body, obstacle.dimension)
                 assert at(0.3, tuple(foot)).gap == pytest.approx(0.0, abs=1e-9)
 
-    def test_the_circumscribed_ball_holds_it(self, obstacle: Obstacle) -> None:
+    def test_the_circumscribed_ball_contains_it(self, obstacle: Obstacle) -> None:
         at = _body(obstacle, {})
         for q in self.points(obstacle, at):
             body = at(0.3, tuple(q))
@@ -133,7 +133,7 @@ class TestPaths:
         assert (end.x, end.y, end.vx, end.vy) == (15.0, -25.0, 0.0, 0.0)
 
     @pytest.mark.parametrize("speed", [0.0, 1.0])
-    def test_no_way_to_go(self, speed: float) -> None:
+    def test_a_circle_that_starts_at_its_goal_stays(self, speed: float) -> None:
         at = made("moving_circle", position_x=3.0, position_y=4.0, goal_x=3.0, goal_y=4.0, speed=speed)
         body = at(2.0, (3.0, 0.0))
         assert (body.x, body.y, body.gap) == pytest.approx((3.0, 4.0, 3.5))
@@ -207,7 +207,7 @@ class TestGivesWay:
         _, states = self.distance(sharing=0.0)
         assert states[-1, -6:-2] == pytest.approx([-8.0, 0.3, 0.0, 0.0], abs=0.02)
 
-    def test_undisturbed_it_flies_straight(self) -> None:
+    def test_undisturbed_it_moves_straight(self) -> None:
         _, states = self.distance(clearance=0.0)
         assert np.ptp(states[:, -5]) == pytest.approx(0.0, abs=1e-12)
 

@@ -128,6 +128,6 @@ class TestCase2:
         found = cost(self.PROBLEM, values)
         assert found == pytest.approx(d_min, abs=1e-4)
         assert cost(self.PROBLEM, values, self.PROBLEM.system.step / 2) == pytest.approx(found, abs=3e-6)
-        other = Reference(self.PROBLEM.system).fly(self.PROBLEM.vector(values))
+        other = Reference(self.PROBLEM.system).simulate(self.PROBLEM.vector(values))
         assert not other.reason
         assert other.cost == pytest.approx(found, abs=3e-6)

@@ -41,7 +41,7 @@ class TestPublished:
         assert cost(PROBLEM, values) == pytest.approx(d_min, abs=0.005)
 
     def test_the_published_corner_is_the_lowest_of_all(self) -> None:
-        costs = PROBLEM.fly(CORNERS)[0].costs[:, 0]
+        costs = PROBLEM.evaluate(CORNERS)[0].costs[:, 0]
         assert PROBLEM.named(CORNERS[costs.argmin()]) == CORNER
         assert np.sort(costs)[:3] == pytest.approx([5.8949, 5.9112, 5.9324], abs=0.003)
 
@@ -53,7 +53,7 @@ class TestPublished:
         assert (np.diff(values) * np.sign(change) > 0).all()
 
     def test_never_within_the_safety_radius(self) -> None:
-        batch, _ = PROBLEM.fly(np.random.default_rng(2).random((2000, 8)))
+        batch, _ = PROBLEM.evaluate(np.random.default_rng(2).random((2000, 8)))
         assert batch.costs.min() > 5.8949
 
     @pytest.mark.parametrize(("values", "d_min"), [({}, 4.781), (CORNER, 1.974)])
@@ -68,7 +68,7 @@ class TestPublished:
 class TestFormulations:
     def test_an_independent_program_agrees(self) -> None:
         points = np.vstack([CORNERS, np.random.default_rng(3).random((300, 8))])
-        difference = PROBLEM.fly(points)[0].costs[:, 0] - Reference(PROBLEM, PROBLEM.vectors(points)).costs()
+        difference = PROBLEM.evaluate(points)[0].costs[:, 0] - Reference(PROBLEM, PROBLEM.vectors(points)).costs()
         # The same mathematics; rounding moves a switch by a step now and then.
         assert np.median(np.abs(difference)) < 1e-10
         assert np.abs(difference).max() < 1e-5
@@ -120,14 +120,14 @@ class TestIntegrator:
     @pytest.mark.parametrize("values", [{}, CORNER])
     def test_agrees_with_dop853_where_nothing_switches(self, values: dict[str, float]) -> None:
         given = {k: v for k, v in values.items() if k in ALONE.paths}
-        other = reference.Reference(ALONE.system).fly(ALONE.vector(given))
+        other = reference.Reference(ALONE.system).simulate(ALONE.vector(given))
         assert not other.reason
         assert other.cost == pytest.approx(cost(ALONE, given), abs=1e-6)
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 5e-4), (CORNER, 3e-3)])
     def test_and_as_far_as_the_switches_allow(self, values: dict[str, float], apart: float) -> None:
         # The trajectory slides along v_RO = 0, where the force is discontinuous: the order of convergence is lost.
-        other = reference.Reference(PROBLEM.system).fly(PROBLEM.vector(values))
+        other = reference.Reference(PROBLEM.system).simulate(PROBLEM.vector(values))
         assert "switches back and forth" in other.reason
         assert other.cost == pytest.approx(cost(PROBLEM, values), abs=apart)
 
@@ -256,8 +256,8 @@ class TestStops:
         vectors = PROBLEM.vectors(points)
         without = vectors.copy()
         without[:, PROBLEM.paths["controller.k_aw"]] = 0.0
-        assert PROBLEM.system.fly_vectors(without)[0].costs == pytest.approx(
-            PROBLEM.system.fly_vectors(vectors)[0].costs, abs=1e-12
+        assert PROBLEM.system.simulate_vectors(without)[0].costs == pytest.approx(
+            PROBLEM.system.simulate_vectors(vectors)[0].costs, abs=1e-12
         )
 
 
@@ -277,7 +277,7 @@ class TestFailures:
         ],
     )
     def test_ends_as_failed_with_a_reason(self, values: dict[str, float]) -> None:
-        batch, reasons = PROBLEM.system.fly_vectors(PROBLEM.vector(values)[None])
+        batch, reasons = PROBLEM.system.simulate_vectors(PROBLEM.vector(values)[None])
         assert batch.status[0] == FAILED
         assert math.isnan(batch.costs[0, 0])
         assert "at t = " in reasons[0]

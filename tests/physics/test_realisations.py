@@ -51,7 +51,7 @@ def noisy(seeds: list[int], combine: str = "worst", noise: dict[str, Any] = NOIS
 
 @functools.cache
 def costs(seeds: tuple[int, ...], combine: str = "worst") -> Any:
-    batch, reasons = Problem(noisy(list(seeds), combine)).fly(POINTS)
+    batch, reasons = Problem(noisy(list(seeds), combine)).evaluate(POINTS)
     assert (batch.status == OK).all(), reasons
     return batch.costs[:, 0]
 
@@ -70,38 +70,38 @@ class TestCombining:
 
     def test_without_deviation_all_realisations_are_the_flight_without_noise(self) -> None:
         silent = NOISE | {"parameters": {"sigma": 0.0}}
-        quiet = Problem(noisy([1, 2, 3], noise=silent)).fly(POINTS)[0].costs
-        assert quiet == pytest.approx(Problem(changed(CASE, **SAMPLED)).fly(POINTS)[0].costs, abs=1e-12)
+        quiet = Problem(noisy([1, 2, 3], noise=silent)).evaluate(POINTS)[0].costs
+        assert quiet == pytest.approx(Problem(changed(CASE, **SAMPLED)).evaluate(POINTS)[0].costs, abs=1e-12)
 
     def test_a_failed_flight_fails_the_evaluation_and_names_its_seed(self) -> None:
         wild = NOISE | {"parameters": {"sigma": 0.6}}
         seeds = list(range(40))
-        alone = [Problem(noisy([s], noise=wild)).fly(POINTS[:1]) for s in seeds]
+        alone = [Problem(noisy([s], noise=wild)).evaluate(POINTS[:1]) for s in seeds]
         failed = [s for s, (batch, _) in zip(seeds, alone, strict=True) if batch.status[0] == FAILED]
         fine = [s for s in seeds if s not in failed]
         assert failed
         assert fine
-        batch, reasons = Problem(noisy([fine[0], failed[0], fine[-1]], noise=wild)).fly(POINTS[:1])
+        batch, reasons = Problem(noisy([fine[0], failed[0], fine[-1]], noise=wild)).evaluate(POINTS[:1])
         assert batch.status[0] == FAILED
         assert math.isnan(batch.costs[0, 0])
         assert reasons[0] == f"with seed {failed[0]}: {alone[failed[0]][1][0]}"
 
     def test_an_excluded_evaluation_stays_excluded(self) -> None:
         problem = Problem(noisy([1, 2], start={"x": 4.0, "y": 4.3}))
-        batch, reasons = problem.fly(POINTS[:2])
+        batch, reasons = problem.evaluate(POINTS[:2])
         assert batch.status.tolist() == [EXCLUDED, EXCLUDED]
         assert reasons[1].startswith("with seed 1: d_min starts at or below the threshold")
 
     def test_two_of_a_kind_are_independent_though_their_seeds_are_equal(self) -> None:
         # Twice the same noise would be one of twice the deviation, which two independent ones are not.
         half = NOISE | {"parameters": {"sigma": 0.025, "seed": 4.0}}
-        twice = Problem(changed(CASE, faults=[half, half], **SAMPLED)).fly(POINTS)[0].costs
+        twice = Problem(changed(CASE, faults=[half, half], **SAMPLED)).evaluate(POINTS)[0].costs
         once = Problem(changed(CASE, faults=[NOISE | {"parameters": {"sigma": 0.05, "seed": 4.0}}], **SAMPLED))
-        assert np.abs(twice - once.fly(POINTS)[0].costs).min() > 1e-6
+        assert np.abs(twice - once.evaluate(POINTS)[0].costs).min() > 1e-6
 
     def test_a_seed_of_its_own_selects_another_realisation(self) -> None:
         own = NOISE | {"parameters": NOISE["parameters"] | {"seed": 1.0}}
-        assert np.abs(Problem(noisy([3], noise=own)).fly(POINTS)[0].costs[:, 0] - costs((3,))).min() > 1e-6
+        assert np.abs(Problem(noisy([3], noise=own)).evaluate(POINTS)[0].costs[:, 0] - costs((3,))).min() > 1e-6
 
 
 class TestShown:
@@ -114,11 +114,11 @@ class TestShown:
         assert shown.meta.cost == single[worst]
         assert shown.data[:, -1].min() == pytest.approx(single[worst], abs=1e-3)
 
-    def test_it_is_flown_alone_bit_by_bit_and_takes_the_memory_of_one(self) -> None:
+    def test_one_realisation_is_simulated_alone_bit_for_bit_in_the_memory_of_one(self) -> None:
         problem = Problem(noisy(list(range(32))))
         flown = simulate(problem.system, {})
         vectors = problem.realisations.flights(problem.vector({})[None, :])
-        every = problem.system.loop.fly(
+        every = problem.system.loop.simulate(
             vectors, problem.system.step, *problem.system.counts(problem.system.step), traced=len(vectors)
         )
         shown = int(np.argmin(every.costs[:, 0]))
@@ -133,7 +133,7 @@ class TestShown:
             tracemalloc.stop()
         assert peak < 4 * flown.states.nbytes < every.trace.nbytes / 4
 
-    def test_of_a_mean_the_worst_is_shown_and_the_mean_told(self) -> None:
+    def test_of_a_mean_the_trace_is_that_of_the_worst_and_the_cost_is_the_mean(self) -> None:
         shown = trace(Problem(noisy([3, 1, 8, 5], "mean")).system, "nominal", {}).meta
         assert shown.realisation is not None
         assert shown.realisation.cost is not None
@@ -144,13 +144,13 @@ class TestShown:
     def test_another_integrator_and_half_the_step_agree(self, guidance: float) -> None:
         problem = Problem(noisy([3, 1], guidance={"period": guidance}))
         vector = problem.system.nominal
-        found = problem.system.fly_vectors(vector[None])[0].costs[0, 0]
-        assert problem.system.fly_vectors(vector[None], problem.system.step / 2)[0].costs[0, 0] == pytest.approx(
+        found = problem.system.simulate_vectors(vector[None])[0].costs[0, 0]
+        assert problem.system.simulate_vectors(vector[None], problem.system.step / 2)[0].costs[0, 0] == pytest.approx(
             found, abs=2e-6
         )
-        assert Reference(problem.system).fly(vector).cost == pytest.approx(found, abs=2e-6)
+        assert Reference(problem.system).simulate(vector).cost == pytest.approx(found, abs=2e-6)
 
-    def test_a_run_says_what_its_verdict_holds_for(self) -> None:
+    def test_a_run_states_what_its_verdict_holds_for(self) -> None:
         store = MemoryStore()
         execute(noisy([3, 1]), store)
         audited(store, noisy([3, 1]))
@@ -186,11 +186,11 @@ class TestRefused:
 class TestDeterminism:
     def test_bits_do_not_depend_on_the_batch(self) -> None:
         problem = Problem(noisy([3, 1, 8, 5]))
-        together = problem.fly(POINTS)[0].costs
-        alone = np.array([problem.fly(p[None])[0].costs[0] for p in POINTS])
+        together = problem.evaluate(POINTS)[0].costs
+        alone = np.array([problem.evaluate(p[None])[0].costs[0] for p in POINTS])
         order = np.random.default_rng(1).permutation(len(POINTS))
         assert alone.tobytes() == together.tobytes()
-        assert problem.fly(POINTS[order])[0].costs.tobytes() == together[order].tobytes()
+        assert problem.evaluate(POINTS[order])[0].costs.tobytes() == together[order].tobytes()
 
     def test_another_process_gives_the_same_bits(self) -> None:
         program = "import tests.physics.test_realisations as t; print(t.costs((3, 1, 8, 5)).tobytes().hex())"
@@ -240,7 +240,7 @@ class TestWithinLimits:
                 value = np.choose(random.integers(0, 8, 16), [wide, ends, *[near] * 6])
                 chosen = random.random(16) < touched
                 vectors[chosen, section.first + k] = value[chosen]
-        batch, reasons = problem.system.fly_vectors(vectors)
+        batch, reasons = problem.system.simulate_vectors(vectors)
         ok = batch.status == OK
         assert np.isfinite(batch.costs[ok]).all()
         assert np.isnan(batch.costs[~ok]).all()

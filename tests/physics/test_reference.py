@@ -212,7 +212,7 @@ class TestFlight:
 
 
 class TestWhatCannotBeFlown:
-    def test_sliding_goes_on_at_the_coarse_tolerance(self) -> None:
+    def test_sliding_is_integrated_at_the_coarse_tolerance(self) -> None:
         # x slides along 0 from t = 1 on.
         system = System(lambda t, x, p: (-math.copysign(1.0, x[0]), abs(x[0])), 1.0)
         found, x = flown(system, [0.0, 0.5, 1.5, 2.0])

@@ -32,7 +32,10 @@ SOME = {
 
 
 def agree(problem: Problem, vector: Any) -> None:
-    ours, theirs = Reference(problem.system).fly(vector), Reference(problem.system, compiled=False).fly(vector)
+    ours, theirs = (
+        Reference(problem.system).simulate(vector),
+        Reference(problem.system, compiled=False).simulate(vector),
+    )
     if theirs.cost is None or ours.cost is None:
         assert ours == theirs
         return
@@ -72,7 +75,7 @@ def test_compiled_and_interpreted_give_the_same_bits(case1: Problem) -> None:
 
     here, there = Reference(case1.system), Reference(case1.system)
     there.__dict__["_system"] = SimpleNamespace(address=called), flight.fly
-    assert there.fly(case1.system.nominal) == here.fly(case1.system.nominal)
+    assert there.simulate(case1.system.nominal) == here.simulate(case1.system.nominal)
 
 
 @pytest.mark.parametrize("name", ["unicycle_static", "uav_moving_gusts"])
@@ -88,12 +91,12 @@ def test_the_channels_alone_have_the_bits_that_they_have_with_the_slope(name: st
         return float(system.ctypes(what, t, *(row.ctypes.data_as(numbers) for row in (x, dx, *rows))))
 
     beside.__dict__["_system"] = SimpleNamespace(address=called), flight.fly
-    assert beside.fly(problem.system.nominal, 1) == alone.fly(problem.system.nominal, 1)
+    assert beside.simulate(problem.system.nominal, 1) == alone.simulate(problem.system.nominal, 1)
     assert stepper.SEE in asked
 
 
 @pytest.mark.nightly
-def test_noise_kept_over_a_stretch_and_drawn_at_every_slope_give_the_same_bits() -> None:
+def test_noise_cached_over_an_interval_and_noise_drawn_at_every_slope_give_the_same_bits() -> None:
     problem = Problem(changed(load_file(library()["uav_moving_gusts"]), horizon=3.0))
     assert compiled.draws(problem.system.loop) == 3
     drawn = numba.cfunc(compiled.SYSTEM, **compiled.STRICT)(compiled.bound(problem.system.loop, keep=False))
@@ -101,20 +104,20 @@ def test_noise_kept_over_a_stretch_and_drawn_at_every_slope_give_the_same_bits()
     drawing.__dict__["_system"] = drawn, compiled.integrator()
     for seed in (1, 2):
         vector = problem.vector({"environment.0.W": 5.0})
-        assert keeping.fly(vector, seed).cost is not None
-        assert keeping.fly(vector, seed) == drawing.fly(vector, seed)
-    assert keeping.fly(vector, 1) != keeping.fly(vector, 2)
+        assert keeping.simulate(vector, seed).cost is not None
+        assert keeping.simulate(vector, seed) == drawing.simulate(vector, seed)
+    assert keeping.simulate(vector, 1) != keeping.simulate(vector, 2)
 
 
 def test_the_seed_that_counts_need_not_be_searched_again() -> None:
     problem = Problem(changed(load_file(library()["uav_moving_gusts"]), horizon=3.0))
     vectors = problem.vectors(np.random.default_rng(3).random((3, problem.dimension)))
-    batch, _, seeds = problem.system.fly_realised(vectors)
+    batch, _, seeds = problem.system.simulate_realised(vectors)
     assert seeds is not None
-    assert (batch.costs == problem.system.fly_vectors(vectors)[0].costs).all()
+    assert (batch.costs == problem.system.simulate_vectors(vectors)[0].costs).all()
     reference = Reference(problem.system)
-    searched = reference.fly_all(vectors)
-    assert reference.fly_all(vectors, counts=seeds) == searched == [reference.fly(v) for v in vectors]
+    searched = reference.simulate_all(vectors)
+    assert reference.simulate_all(vectors, counts=seeds) == searched == [reference.simulate(v) for v in vectors]
     assert all(f.cost is not None for f in searched)
 
 
@@ -130,14 +133,14 @@ def test_it_is_found_on_disk_by_a_digest_of_the_loop(case1: Problem) -> None:
     assert first.address != again.address
 
 
-def test_many_flights_are_those_flown_one_by_one(case1: Problem) -> None:
+def test_a_batch_of_simulations_equals_single_ones(case1: Problem) -> None:
     reference = Reference(case1.system)
     vectors = case1.vectors(np.random.default_rng(2).random((5, case1.dimension)))
-    assert reference.fly_all(vectors) == [reference.fly(vector) for vector in vectors]
-    batch, _ = case1.system.fly_vectors(vectors)
+    assert reference.simulate_all(vectors) == [reference.simulate(vector) for vector in vectors]
+    batch, _ = case1.system.simulate_vectors(vectors)
     assert (batch.status == OK).all()
-    assert [f.cost for f in reference.fly_all(vectors)] == pytest.approx(batch.costs[:, 0], abs=2e-6)
-    assert reference.fly_all(vectors[:0]) == []
+    assert [f.cost for f in reference.simulate_all(vectors)] == pytest.approx(batch.costs[:, 0], abs=2e-6)
+    assert reference.simulate_all(vectors[:0]) == []
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -150,20 +153,20 @@ def test_cancelled_it_stops_with_what_there_is(case1: Problem, monkeypatch: pyte
         return len(asked) > 2
 
     reference, vectors = Reference(case1.system), np.repeat(case1.system.nominal[None], 9, axis=0)
-    flown = reference.fly_all(vectors, cancelled)
-    assert flown == [reference.fly(case1.system.nominal)] * (2 * threads)
+    flown = reference.simulate_all(vectors, cancelled)
+    assert flown == [reference.simulate(case1.system.nominal)] * (2 * threads)
 
 
 class TestWhatCannotBeFlown:
     @pytest.mark.parametrize("by", [True, False], ids=["compiled", "plain"])
     def test_an_excluded_start_is_excluded_here_too(self, case1: Problem, by: bool) -> None:
         vector = case1.vector({"criterion.threshold": 100.0})
-        _, reasons = case1.system.fly_vectors(vector[None])
-        assert Reference(case1.system, compiled=by).fly(vector) == Flight(None, f"DOP853: {reasons[0]}")
+        _, reasons = case1.system.simulate_vectors(vector[None])
+        assert Reference(case1.system, compiled=by).simulate(vector) == Flight(None, f"DOP853: {reasons[0]}")
 
     @pytest.mark.parametrize("by", [True, False], ids=["compiled", "plain"])
     @pytest.mark.parametrize("value", [1e-300, 0.0, np.nan, np.inf, -1.0])
-    def test_wrong_parameters_end_with_a_sentence(self, case1: Problem, by: bool, value: float) -> None:
-        found = Reference(case1.system, compiled=by).fly(case1.vector({"vehicle.J": value}))
+    def test_wrong_parameters_are_refused_with_a_sentence(self, case1: Problem, by: bool, value: float) -> None:
+        found = Reference(case1.system, compiled=by).simulate(case1.vector({"vehicle.J": value}))
         assert found.cost is None
         assert found.reason.startswith("DOP853")

@@ -54,7 +54,7 @@ def test_case_3_has_a_local_minimum_of_its_own(flights: Flights) -> None:
     edge = {"vehicle.m": 2.28, "vehicle.C_mde": -1.017}
     for step in (loop.step, loop.step / 4):
         points = [loop.vector(edge | {"vehicle.C_dt": thrust}) for thrust in (10.971, 12.0, 12.918, 13.409)]
-        corner, before, lowest, after = loop.fly_vectors(np.array(points), step)[0].costs[:, 0]
+        corner, before, lowest, after = loop.simulate_vectors(np.array(points), step)[0].costs[:, 0]
         assert lowest == pytest.approx(27.5408, abs=2e-4)
         assert lowest < before - 0.015
         assert lowest < after - 0.008

@@ -127,19 +127,21 @@ GIVEN = {
 def test_lockstep_equals_plain_python(avoider: str) -> None:
     fast, slow = loop(avoider, *OBSTACLES, compiled=True), loop(avoider, *OBSTACLES)
     p = vector(fast, *OBSTACLES, **GIVEN[avoider])
-    a, b = fast.fly(p, 0.05, 400, traced=1), slow.fly(p, 0.05, 400, traced=1)
+    a, b = fast.simulate(p, 0.05, 400, traced=1), slow.simulate(p, 0.05, 400, traced=1)
     assert a.status[0] == 0
     assert b.trace == pytest.approx(a.trace, abs=1e-9)
 
 
 @pytest.mark.parametrize("obstacle", OBSTACLES)
-def test_the_closest_approach_is_kept(obstacle: str) -> None:
+def test_the_closest_approach_is_preserved(obstacle: str) -> None:
     made = loop("closest_approach_3d", obstacle)
     p = vector(made, obstacle, **GIVEN["closest_approach_3d"])
-    flown = made.fly(p, 0.05, 1000, traced=1)
+    flown = made.simulate(p, 0.05, 1000, traced=1)
     seen = made.observe(flown.trace[0], p[0], 0.05)
     first = [s.name for s in made.signals].index("obstacle.0.x")
-    blind = made.fly(vector(made, obstacle, **GIVEN["closest_approach_3d"] | {"avoider.horizon": 0.01}), 0.05, 1000)
+    blind = made.simulate(
+        vector(made, obstacle, **GIVEN["closest_approach_3d"] | {"avoider.horizon": 0.01}), 0.05, 1000
+    )
     kept = {"cylinder": 40.0, "box_3d": 77.4}.get(obstacle, 45.0)
     assert blind.costs[0, 0] < kept - 10.0
     assert flown.costs[0, 0] > kept - 3.0  # a little goes into taking up the velocity

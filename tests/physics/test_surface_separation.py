@@ -37,7 +37,7 @@ def nearest(*obstacles: tuple[str, dict[str, float]], step: float = 0.01, body: 
     values |= {f"obstacles.{i}.{name}": v for i, (_, own) in enumerate(obstacles) for name, v in own.items()}
     defaults = {f"{s.prefix}.{p.name}": p.default for s in loop.sections for p in s.parameters}
     assert values.keys() <= defaults.keys()
-    result = loop.fly(np.array([list((defaults | values).values())], dtype=float), step, round(10.0 / step))
+    result = loop.simulate(np.array([list((defaults | values).values())], dtype=float), step, round(10.0 / step))
     assert result.status[0] == 0.0
     return float(result.costs[0, 0])
 
@@ -136,16 +136,16 @@ def wall(criterion: dict[str, Any]) -> Problem:
     return uncompiled(load_document(document | {"criterion": criterion}))
 
 
-def test_through_a_wall_is_no_clear_flight() -> None:
+def test_a_path_through_a_wall_is_not_clear() -> None:
     centres = wall({"component": "separation", "threshold": 0.5, "from_centre": True})
     assert cost(centres) > 4.0
     surfaces = wall({"component": "surface_separation", "threshold": 0.0})
     assert cost(surfaces) == pytest.approx(-0.1, abs=2e-3)
-    flight = Reference(surfaces.system).fly(surfaces.system.nominal)
+    flight = Reference(surfaces.system).simulate(surfaces.system.nominal)
     assert flight.cost == pytest.approx(-0.1, abs=2e-3)
 
 
-def test_a_flight_says_what_must_stay_free_and_comes_closest_where_its_cost_is() -> None:
+def test_a_trace_states_the_protected_volume_and_its_closest_approach_has_the_cost() -> None:
     surfaces = wall({"component": "surface_separation", "threshold": 0.0})
     flight = trace(surfaces.system, "nominal", {})
     assert flight.meta.obstacles[0].free_radius is None, "no disc"

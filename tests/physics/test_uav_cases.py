@@ -100,7 +100,7 @@ def corners(name: str) -> Floats:
 
 
 def costs(name: str, vectors: Floats) -> Floats:
-    batch, reasons = problem(name).system.fly_vectors(vectors)
+    batch, reasons = problem(name).system.simulate_vectors(vectors)
     assert (batch.status == OK).all(), reasons
     return batch.costs[:, 0]
 
@@ -114,7 +114,7 @@ class TestFigures:
         )
         assert (nominal, published, min(all_corners)) == pytest.approx(FIGURES[name], abs=HELD)
 
-    def test_the_linear_model_tells_another_corner_for_case_4(self) -> None:
+    def test_the_linear_model_gives_another_corner_for_case_4(self) -> None:
         found = corners("uav_moving_linear")
         worst = found[int(costs("uav_moving_linear", found).argmin())]
         paths = problem("uav_moving_linear").paths
@@ -166,7 +166,7 @@ class TestFigures:
 
     def test_the_closest_approach_without_avoidance_comes_after_25_4_s(self) -> None:
         made = problem("uav_aca_no_avoidance")
-        states = made.system.loop.fly(
+        states = made.system.loop.simulate(
             made.system.nominal[None], made.system.step, *made.system.counts(made.system.step), traced=1
         ).trace[0]
         t = made.system.step * np.arange(len(states))
@@ -180,7 +180,7 @@ class TestFigures:
         nominal, *all_corners = costs(name, np.vstack([problem(name).system.nominal, corners(name)]))
         assert (nominal, min(all_corners)) == pytest.approx((91.205, 38.579), abs=HELD)
 
-    def test_three_intruders_are_kept_off(self) -> None:
+    def test_three_intruders_are_avoided(self) -> None:
         name = "uav_three_intruders"
         assert cost(problem(name)) == pytest.approx(71.05, abs=HELD)
         assert cost(problem(name), {"avoider.range": 0.0}) == pytest.approx(3.24, abs=HELD)
@@ -200,8 +200,10 @@ class TestFormulations:
     def test_lockstep_equals_plain_python(self, name: str) -> None:
         slow = uncompiled(load_file(library()[name]))
         vector = problem(name).vectors(np.random.default_rng(5).random((1, problem(name).dimension)))
-        plainly = slow.system.loop.fly(vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1)
-        fast = problem(name).system.loop.fly(vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1)
+        plainly = slow.system.loop.simulate(vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1)
+        fast = problem(name).system.loop.simulate(
+            vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1
+        )
         assert plainly.costs == pytest.approx(fast.costs, abs=1e-12)
         # after the encounter a vehicle may circle its goal, where rounding errors grow
         assert plainly.trace[0, :400] == pytest.approx(fast.trace[0, :400], abs=1e-11)
@@ -209,8 +211,8 @@ class TestFormulations:
     @pytest.mark.parametrize("name", ["uav_static", "uav_moving", "uav_aca", "uav_aca_linear", "uav_aca_bank"])
     def test_agrees_with_dop853(self, name: str) -> None:
         made = Problem(changed(load_file(library()[name]), horizon=28.0))
-        fine = float(made.system.fly_vectors(made.system.nominal[None], made.system.step / 8)[0].costs[0, 0])
-        assert reference.Reference(made.system).fly(made.system.nominal).cost == pytest.approx(fine, abs=1e-5)
+        fine = float(made.system.simulate_vectors(made.system.nominal[None], made.system.step / 8)[0].costs[0, 0])
+        assert reference.Reference(made.system).simulate(made.system.nominal).cost == pytest.approx(fine, abs=1e-5)
         assert cost(made) == pytest.approx(fine, abs=2e-3)
 
     @pytest.mark.nightly

@@ -32,7 +32,7 @@ def changed(**scenario: object) -> Problem:
 
 
 def cost(problem: Problem, step: float | None = None, **values: float) -> float:
-    batch, reasons = problem.system.fly_vectors(
+    batch, reasons = problem.system.simulate_vectors(
         problem.vector({k.replace("__", "."): v for k, v in values.items()})[None], step
     )
     assert batch.status[0] == OK, reasons
@@ -47,7 +47,7 @@ class TestPublished:
     )
     def test_anchor(self, m: float, J: float, d_min: float) -> None:
         assert cost(PROBLEM, vehicle__m=m, vehicle__J=J) == pytest.approx(d_min, abs=2e-6)
-        other = Reference(PROBLEM.system).fly(PROBLEM.vector({"vehicle.m": m, "vehicle.J": J}))
+        other = Reference(PROBLEM.system).simulate(PROBLEM.vector({"vehicle.m": m, "vehicle.J": J}))
         assert other.cost == pytest.approx(d_min, abs=1e-7)
 
     def test_rounds_to_the_published_nominal(self) -> None:
@@ -64,7 +64,7 @@ class TestPublished:
     def test_falls_everywhere_with_mass_and_inertia(self) -> None:
         grid = np.linspace(0, 1, 15)
         points = np.array([(u, w) for u in grid for w in grid])
-        table = PROBLEM.fly(points)[0].costs.reshape(15, 15)
+        table = PROBLEM.evaluate(points)[0].costs.reshape(15, 15)
         assert (np.diff(table, axis=0) < 0).all()
         assert (np.diff(table, axis=1) < 0).all()
 
@@ -81,7 +81,7 @@ class TestIntegrator:
         )
         ends = {}
         for step in (0.04, 0.02, 0.01):
-            flown = problem.system.loop.fly(problem.system.nominal[None], step, round(2.0 / step), traced=1)
+            flown = problem.system.loop.simulate(problem.system.nominal[None], step, round(2.0 / step), traced=1)
             ends[step] = flown.trace[0, -1, :5]
         coarse, fine = np.abs(ends[0.04] - ends[0.02]), np.abs(ends[0.02] - ends[0.01])
         orders = np.log2(coarse / fine)
@@ -90,7 +90,7 @@ class TestIntegrator:
     @pytest.mark.parametrize(("m", "J"), [(5.0, 0.05), (6.0, 0.06), (4.0, 0.04)])
     def test_agrees_with_dop853(self, m: float, J: float) -> None:
         vector = PROBLEM.vector({"vehicle.m": m, "vehicle.J": J})
-        assert Reference(PROBLEM.system).fly(vector).cost == pytest.approx(
+        assert Reference(PROBLEM.system).simulate(vector).cost == pytest.approx(
             cost(PROBLEM, vehicle__m=m, vehicle__J=J), abs=2e-6
         )
 
@@ -99,7 +99,9 @@ class TestIntegrator:
 
     def test_too_long_a_step_does_not_pass_unseen(self) -> None:
         # At 10 ms RK4 is unstable for J = 0.04 kg m2: the turn rate grows until the envelope ends the flight.
-        batch, reasons = PROBLEM.system.fly_vectors(PROBLEM.vector({"vehicle.m": 4.0, "vehicle.J": 0.04})[None], 0.01)
+        batch, reasons = PROBLEM.system.simulate_vectors(
+            PROBLEM.vector({"vehicle.m": 4.0, "vehicle.J": 0.04})[None], 0.01
+        )
         assert batch.status[0] == FAILED
         assert "the turn rate exceeds" in reasons[0]
 
@@ -108,32 +110,32 @@ class TestFormulations:
     def test_lockstep_equals_plain_python(self) -> None:
         slow = Problem(CASE, compiled=False)
         points = np.array([[0.5, 0.5], [0.0, 1.0], [0.31, 0.77]])
-        assert slow.fly(points)[0].costs == pytest.approx(PROBLEM.fly(points)[0].costs, abs=1e-12)
+        assert slow.evaluate(points)[0].costs == pytest.approx(PROBLEM.evaluate(points)[0].costs, abs=1e-12)
 
     def test_states_equal_plain_python(self) -> None:
         slow = Problem(CASE, compiled=False)
-        fast = PROBLEM.system.loop.fly(PROBLEM.system.nominal[None], 0.005, 800, traced=1).trace
-        assert slow.system.loop.fly(PROBLEM.system.nominal[None], 0.005, 800, traced=1).trace == pytest.approx(
+        fast = PROBLEM.system.loop.simulate(PROBLEM.system.nominal[None], 0.005, 800, traced=1).trace
+        assert slow.system.loop.simulate(PROBLEM.system.nominal[None], 0.005, 800, traced=1).trace == pytest.approx(
             fast, abs=1e-12
         )
 
     def test_bits_do_not_depend_on_the_batch(self) -> None:
         random = np.random.default_rng(7)
         points = random.random((53, 2))
-        together = PROBLEM.fly(points)[0].costs
-        alone = np.array([PROBLEM.fly(p[None])[0].costs[0] for p in points])
+        together = PROBLEM.evaluate(points)[0].costs
+        alone = np.array([PROBLEM.evaluate(p[None])[0].costs[0] for p in points])
         order = random.permutation(len(points))
         assert alone.tobytes() == together.tobytes()
-        assert PROBLEM.fly(points[order])[0].costs.tobytes() == together[order].tobytes()
+        assert PROBLEM.evaluate(points[order])[0].costs.tobytes() == together[order].tobytes()
 
     def test_a_failing_neighbour_leaves_the_bits_alone(self) -> None:
         good = PROBLEM.system.nominal
         bad = PROBLEM.vector({"vehicle.m": math.nan})
-        batch, _ = PROBLEM.system.fly_vectors(np.array([bad, good, bad]))
-        assert batch.costs[1].tobytes() == PROBLEM.system.fly_vectors(good[None])[0].costs[0].tobytes()
+        batch, _ = PROBLEM.system.simulate_vectors(np.array([bad, good, bad]))
+        assert batch.costs[1].tobytes() == PROBLEM.system.simulate_vectors(good[None])[0].costs[0].tobytes()
 
     def test_the_trace_shows_the_flight_that_was_counted(self) -> None:
-        flown = PROBLEM.system.loop.fly(PROBLEM.system.nominal[None], PROBLEM.system.step, 3000, traced=1)
+        flown = PROBLEM.system.loop.simulate(PROBLEM.system.nominal[None], PROBLEM.system.step, 3000, traced=1)
         squares = ((flown.trace[0, :, :2] - [4.0, 4.0]) ** 2).sum(axis=1)
         i = int(squares.argmin())
         a, b, c = squares[i - 1 : i + 2]
@@ -182,7 +184,7 @@ class TestClosedForms:
         assert cost(problem) == pytest.approx(math.hypot(1.7, 0.9) - 1.0, abs=1e-9)
 
     def test_power_of_the_force_is_the_rate_of_kinetic_energy(self) -> None:
-        trace = PROBLEM.system.loop.fly(PROBLEM.system.nominal[None], 0.005, 3000, traced=1).trace[0]
+        trace = PROBLEM.system.loop.simulate(PROBLEM.system.nominal[None], 0.005, 3000, traced=1).trace[0]
         seen = PROBLEM.system.loop.observe(trace, PROBLEM.system.nominal, 0.005)
         names = [s.name for s in PROBLEM.system.loop.signals]
         force, torque = seen[:, names.index("force")], seen[:, names.index("torque")]
@@ -234,18 +236,18 @@ class TestFailures:
         ],
     )
     def test_ends_as_failed_with_a_reason(self, values: dict[str, float]) -> None:
-        batch, reasons = PROBLEM.system.fly_vectors(PROBLEM.vector(values)[None])
+        batch, reasons = PROBLEM.system.simulate_vectors(PROBLEM.vector(values)[None])
         assert batch.status[0] == FAILED
         assert math.isnan(batch.costs[0, 0])
         assert "at t = " in reasons[0]
 
     def test_a_limit_of_the_envelope_is_named(self) -> None:
-        batch, reasons = PROBLEM.system.fly_vectors(PROBLEM.vector({"start.v": 2000.0})[None])
+        batch, reasons = PROBLEM.system.simulate_vectors(PROBLEM.vector({"start.v": 2000.0})[None])
         assert batch.status[0] == FAILED
         assert reasons[0] == "the vehicle left the model's envelope at t = 0 s: the speed exceeds 1000 m/s"
 
     def test_a_start_inside_the_threshold_is_excluded(self) -> None:
-        batch, reasons = PROBLEM.system.fly_vectors(PROBLEM.vector({"start.x": 4.0, "start.y": 4.3})[None])
+        batch, reasons = PROBLEM.system.simulate_vectors(PROBLEM.vector({"start.x": 4.0, "start.y": 4.3})[None])
         assert batch.status[0] == EXCLUDED
         assert math.isnan(batch.costs[0, 0])
         assert "threshold of 0.5 m" in reasons[0]

@@ -7,13 +7,13 @@ from typing import Any, TypeVar
 
 from campaigns import Campaign
 from campaigns.claims.say import say
-from campaigns.flown import Flown
 from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, ValidateResult, Verdict
 from campaigns.results.base import MethodKind, Result, Stop
 from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost, Validation
 from campaigns.results.sample import QuantileBound, Sample
 from campaigns.results.search import Best
 from campaigns.results.validate import Compared, Encounter, Gathered, SpotChecks, Spread, Unseen, Violations
+from campaigns.versions import Versions
 from tests.problems import Problem
 from tests.unit.cases import case1
 from worker.stages.parts.claims import bound
@@ -197,13 +197,13 @@ def _row(position: int, search: SearchResult, basin: str | None) -> Compared:
     )
 
 
-FLOWN = Flown(clearance="test")
+VERSIONS = Versions(clearance="test")
 
 
 def concluded(asked: Campaign | None = None, **changes: Any) -> Verdict:
     """The verdict over this evidence."""
     problem = case1() if asked is None else Problem(asked)
-    return conclude(problem, evidence(**changes), FLOWN)
+    return conclude(problem, evidence(**changes), VERSIONS)
 
 
 def barred(name: str, asked: Campaign | None = None, **changes: Any) -> str:

@@ -271,7 +271,7 @@ def test_the_arrows_are_held() -> None:
     assert circles({"a": ["b"], "b": ["c"], "c": ["b", "d"], "d": []}) == {frozenset("bc")}
 
 
-def test_every_module_says_what_it_is() -> None:
+def test_every_module_has_a_docstring() -> None:
     silent = [
         str(path.relative_to(REPOSITORY))
         for path in modules(*OURS, "tests")

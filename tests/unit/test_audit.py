@@ -167,7 +167,7 @@ def test_what_is_not_stored_is_not_auditable_and_never_agrees(tmp_path: Path) ->
     assert sentence.endswith(f"; {len(unknown)} of {len(items)} items could not be audited")
 
 
-def test_a_cleared_verdict_whose_evidence_is_not_stored_is_not_known_to_follow(
+def test_a_cleared_verdict_whose_evidence_is_not_stored_cannot_be_recomputed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = written(tmp_path / "out", "cleared")
@@ -179,7 +179,9 @@ def test_a_cleared_verdict_whose_evidence_is_not_stored_is_not_known_to_follow(
     assert {i["agrees"] for i in told["items"]} == {True, None}
 
 
-def test_the_command_tells_given_and_recomputed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_the_given_and_the_recomputed_verdict(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = Folder(written(tmp_path / "out", "cleared"))
     assert invoke(["audit", str(folder.path)]) == 0
     assert "disagree" not in capsys.readouterr().out

@@ -49,12 +49,12 @@ def test_two_symmetric_wells_are_two() -> None:
     assert found[0].cost == pytest.approx(found[1].cost, abs=1e-12)
 
 
-def test_a_shallow_well_beside_two_deep_ones_is_the_third() -> None:
+def test_a_shallow_well_next_to_two_deep_ones_is_the_third() -> None:
     found = told(wells((0.2, 0.2, 1), (0.8, 0.8, 1), (0.8, 0.2, 0.3)), 2, 2000)
     assert [round(b.cost, 2) for b in found] == [-1.0, -1.0, -0.3]
 
 
-def test_the_deepest_are_kept_where_fewer_are_asked_for() -> None:
+def test_the_deepest_are_retained_where_fewer_are_requested() -> None:
     found = told(wells((0.2, 0.2, 1), (0.8, 0.8, 0.9), (0.8, 0.2, 0.3)), 2, 2000, Rules(0.03, 0.05, 2))
     assert [round(b.cost, 2) for b in found] == [-1.0, -0.9]
 

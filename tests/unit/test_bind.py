@@ -349,7 +349,7 @@ def doubled(x: float) -> float:
 
 
 @pytest.mark.parametrize("error", [ModuleNotFoundError("moved"), AttributeError("renamed"), EOFError("cut off")])
-def test_what_was_kept_and_cannot_be_loaded_is_compiled_again(
+def test_a_cached_kernel_that_cannot_be_loaded_is_compiled_again(
     error: Exception, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     asked = []

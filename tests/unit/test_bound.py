@@ -33,7 +33,7 @@ def test_the_bound_is_where_so_few_violations_would_be_improbable(violations: in
     assert stats.binom.cdf(violations, samples, upper) == pytest.approx(0.05, rel=1e-9)
 
 
-def test_the_bound_says_nothing_of_nothing() -> None:
+def test_the_bound_of_an_empty_sample_is_one() -> None:
     assert bound(0, 0, 0.95) == bound(5, 5, 0.95) == 1.0
     values = [bound(k, 30, 0.95) for k in range(31)]
     assert np.all(np.diff(values) >= 0)

@@ -172,7 +172,7 @@ def test_what_does_not_fit_the_catalogue(name: str) -> None:
     assert found(**changes) == [problem]
 
 
-def test_every_problem_is_told() -> None:
+def test_every_problem_is_reported() -> None:
     changes = {"scenario__vehicle__parameters__m": -1, "scenario__goal": {}, **one_search(method="nothing")}
     assert {field for field, _, _ in found(**changes)} == {
         "scenario.vehicle.parameters.m",
@@ -208,7 +208,7 @@ def altered(component: str, **changes: Any) -> Catalogue:
     return known.model_copy(update={"components": entries})
 
 
-def test_a_controller_flies_what_it_fits() -> None:
+def test_a_controller_is_accepted_only_for_vehicles_it_fits() -> None:
     problems = check(campaign(), altered("pid_speed", fits=["quadrotor", "blimp"]))
     assert [(p.field, p.given, p.message) for p in problems] == [
         ("scenario.controller.component", "pid_speed", "this controller controls quadrotor, blimp, not unicycle")

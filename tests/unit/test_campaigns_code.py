@@ -30,7 +30,7 @@ GIVEN: dict[str, tuple[Any, str]] = {
 
 
 @pytest.mark.parametrize("case", GIVEN)
-def test_a_simulator_given_as_code_is_refused_with_the_way_to_install_one(case: str) -> None:
+def test_a_simulator_given_as_code_is_refused_with_how_to_install_one(case: str) -> None:
     given, field = GIVEN[case]
     with pytest.raises(CampaignError) as refused:
         load_document(package.campaign(simulator=given))
@@ -51,7 +51,7 @@ def test_another_unknown_key_is_only_unknown() -> None:
     assert WAY not in str(refused.value)
 
 
-def test_the_command_line_says_it(tmp_path: Path) -> None:
+def test_the_command_line_prints_the_refusal(tmp_path: Path) -> None:
     file = tmp_path / "campaign.yaml"
     file.write_text("name: x\nsimulator: {command: [sh, -c, 'touch made']}\n", encoding="utf-8")
     done = subprocess.run(

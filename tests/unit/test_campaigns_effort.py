@@ -92,7 +92,7 @@ def test_of_a_large_value_only_the_beginning_is_written_out() -> None:
     assert time.process_time() - began < 0.1
 
 
-def test_places_are_spelled_out_only_where_something_is_wrong() -> None:
+def test_locations_are_built_only_where_there_is_a_problem() -> None:
     """Half a million values below fifteen long keys: their places alone would take 1.5 GB."""
     inner: object = [1] * 50_000 + ["\ud800"]
     for _ in range(15):

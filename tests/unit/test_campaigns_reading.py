@@ -194,7 +194,7 @@ SHARE = "expected a number or a percentage such as 20%, above 0"
         (1e13, "expected a finite number of at most 1e+12 in magnitude; give a number or a percentage such as 20%"),
     ],
 )  # fmt: skip
-def test_shares(value: Any, message: str | None) -> None:
+def test_fractions(value: Any, message: str | None) -> None:
     changes = {"uncertain__vehicle.m": {"plus_minus": value}}
     if message is None:
         assert campaign(**changes).uncertain["vehicle.m"].plus_minus == 20.0

@@ -94,7 +94,7 @@ def test_two_of_one_name_are_an_error(tmp_path: Path) -> None:
     )
 
 
-def test_the_campaigns_know_nothing_of_the_physics() -> None:
+def test_the_campaigns_do_not_import_the_physics() -> None:
     code = "import sys, campaigns; print(json.dumps(sorted(m for m in sys.modules if '.' not in m)))"
     done = in_a_new_process(f"import json; {code}", Path.cwd())
     loaded = json.loads(done.stdout)

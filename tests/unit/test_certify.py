@@ -64,7 +64,7 @@ def test_the_distribution_function_is_that_of_the_sample() -> None:
     assert np.abs(true - found.shares)[below].max() < found.band == pytest.approx(0.0248, abs=1e-4)
 
 
-def test_the_bounds_hold_as_often_as_they_say() -> None:
+def test_the_bounds_have_their_stated_coverage() -> None:
     held = np.zeros(2)
     for seed in range(REPETITIONS):
         found = ran_quickly(seed)
@@ -111,7 +111,7 @@ def test_a_quantile_among_failed_flights_has_no_bound() -> None:
 
 
 @pytest.mark.parametrize("samples", [1, 58])
-def test_a_sample_that_is_too_small_says_so(samples: int) -> None:
+def test_a_sample_that_is_too_small_is_reported_as_such(samples: int) -> None:
     found = ran({"samples": samples})
     assert quantile_of(found.sample).bound is None
     assert f"{samples} samples are too few for a bound on the 5 % quantile, which needs 59" in found.text
@@ -129,7 +129,7 @@ def test_excluded_draws_are_drawn_again_and_counted() -> None:
     assert drawn.lowest == costs(kept[:500]).min()
 
 
-def test_a_scenario_that_hardly_ever_holds_is_given_up() -> None:
+def test_sampling_stops_where_the_precondition_hardly_ever_holds() -> None:
     found = ran({"samples": 100}, evaluate(excluded=lambda x: x[:, 0] < 0.99))
     assert found.evaluations == 2000
     assert found.sample.samples < 100
@@ -141,7 +141,7 @@ def test_a_scenario_that_hardly_ever_holds_is_given_up() -> None:
     assert nothing.sample.distribution.values == []
 
 
-def test_what_lies_beyond_the_bounds_is_added() -> None:
+def test_the_probability_beyond_the_bounds_is_added() -> None:
     normal = {"low": 4, "high": 6, "distribution": {"kind": "normal", "mean": 5, "deviation": 0.4}}
     given: Any = {"uncertain__vehicle.m": normal}
     outside = 0.0124193  # beyond 2.5 deviations
@@ -181,7 +181,7 @@ def test_a_longer_sample_begins_as_the_shorter_one() -> None:
 # Grid
 
 
-def test_the_grid_tells_its_lowest_and_its_spacing() -> None:
+def test_the_grid_reports_its_lowest_value_and_its_spacing() -> None:
     run = context(asked({"certify": {"samples": 100, "grid": {"points": 11}}}))
     found = certify.run(run, 0).result
     columns = run.store.evaluations(0)
@@ -202,7 +202,7 @@ def test_the_grid_tells_its_lowest_and_its_spacing() -> None:
     assert found.sample.samples == 100  # no point of the grid is in the sample
 
 
-def test_a_grid_of_which_nothing_is_flown() -> None:
+def test_a_grid_of_which_every_evaluation_fails() -> None:
     grid = ran({"samples": 5, "grid": {"points": 3}}, evaluate(failing=lambda x: x[:, 0] >= 0)).grid
     assert grid is not None
     assert (grid.lowest, grid.failed, grid.violations) == (None, 9, 9)

@@ -122,7 +122,7 @@ def test_earlier_results_are_read_with_symbols_and_units() -> None:
     assert earlier.spoken(nested, terms)["stop"]["said"] == [{"kind": "text", "text": "ended"}]
 
 
-def test_an_earlier_verdict_says_the_same() -> None:
+def test_an_earlier_verdict_states_the_same() -> None:
     stored = {
         "verdict": "cleared",
         "sentence": "d_min stayed above 0.5 m.",

@@ -28,7 +28,7 @@ from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
         (["worker", "--database", "sqlite://"], "sqlite:///path/to/file"),
     ],
 )
-def test_wrong_usage_is_3_and_says_what_is_wrong(
+def test_wrong_usage_exits_with_3_and_names_the_mistake(
     arguments: list[str], said: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -61,7 +61,7 @@ class _Nothing:
     def __exit__(self, *_: object) -> None: ...
 
 
-def test_a_token_is_shown_once_and_kept_as_its_hash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_token_is_shown_once_and_stored_as_its_hash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     data = ["--data", str(tmp_path)]
     assert invoke(["token", "create", "ci", *data]) == 0
     secret = capsys.readouterr().out.strip()

@@ -79,7 +79,7 @@ def test_without_confirmation_nothing_is_deleted(
     assert left(data) == [1, 2, 3]
 
 
-def test_what_is_old_enough_goes_and_the_space_comes_back(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_old_runs_are_purged_and_their_space_is_freed(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = data / "clearance.sqlite3"
     assert invoke(["purge", "--yes", "--data", str(data)]) == 0
     said = capsys.readouterr().out

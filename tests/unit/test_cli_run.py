@@ -140,7 +140,7 @@ def test_wrong_usage_is_3(capsys: pytest.CaptureFixture[str], arguments: list[st
 def test_a_failure_of_clearance_itself_is_4(
     file: Write, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Problem, "fly", lambda *_: 1 / 0)
+    monkeypatch.setattr(Problem, "evaluate", lambda *_: 1 / 0)
     assert invoke(["run", file(searching(DIRECT)), "--json"]) == INTERNAL == 4
     out, err = capsys.readouterr()
     assert out == ""
@@ -220,7 +220,7 @@ def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_pa
     assert list(rows[0]) == ["stage", "kind", "method", "index", "status", "cost", "vehicle.m", "vehicle.J"]
     problem = opened.problem(asked)
     vectors = np.array([problem.vector({p: float(r[p]) for p in ("vehicle.m", "vehicle.J")}) for r in rows])
-    again = problem.system.fly_vectors(vectors)[0].costs[:, 0]
+    again = problem.system.simulate_vectors(vectors)[0].costs[:, 0]
     assert [float(r["cost"]) for r in rows] == again.tolist()  # full precision: a repeated simulation is bit-identical
 
 

@@ -24,7 +24,7 @@ class Limits:
     quantity, unit, threshold, decimals = "d_min", "m", 1.0, 3
 
 
-def test_places_are_shares_of_the_ranges() -> None:
+def test_positions_are_fractions_of_the_ranges() -> None:
     cloud = Cloud([one(4.0, 0.5), one(5.5, 1.5), one(6.0, None, "failed")], {}, 3, 1, 0)
     assert places(cloud, [MASS, None, VALUE]).tolist() == [
         [0.0, 0.5, 0.0],
@@ -71,7 +71,7 @@ def test_a_click_meets_the_point_nearest_on_the_screen() -> None:
         (one(5.0, None, "failed"), {"cost": 0.7, "status": "ok", "reason": ""}, "Not identical."),
     ],
 )
-def test_what_was_stored_and_what_was_flown_again_stand_side_by_side(
+def test_stored_and_repeated_values_are_shown_side_by_side(
     stored: Evaluation, answer: dict[str, Any], said: str
 ) -> None:
     words = cloud_words.outcome(stored, answer, Limits())  # type: ignore[arg-type]

@@ -30,7 +30,7 @@ def test_it_follows_a_narrow_valley_to_the_last_digits() -> None:
 
 
 @pytest.mark.parametrize("restarts", ["ipop", "bipop"])
-def test_it_goes_on_with_restarts_and_reports_the_end_of_each(restarts: str) -> None:
+def test_it_restarts_and_reports_the_end_of_each_run(restarts: str) -> None:
     found = run(method, lambda x: ((x - 0.4) ** 2).sum(axis=1), 2, 6000, options={"restarts": restarts})
     sizes = list(dict.fromkeys(map(len, found.batches)))
     assert found.text is None
@@ -43,7 +43,7 @@ def test_it_goes_on_with_restarts_and_reports_the_end_of_each(restarts: str) -> 
         assert sizes[:4] == [6, 12, 24, 48][: len(sizes)]
 
 
-def test_a_minimum_on_the_bound_is_found_and_no_point_lies_outside() -> None:
+def test_a_minimum_on_the_bound_is_found_and_no_point_is_outside() -> None:
     found = run(method, lambda x: x.sum(axis=1), 3, 2000)
     assert found.lowest < 1e-6
     assert found.points.min() >= 0.0

@@ -41,7 +41,7 @@ def test_equations(entry: ComponentEntry) -> None:
 
 
 @pytest.mark.parametrize("entry", CATALOGUE.components, ids=named)
-def test_every_parameter_says_what_it_is(entry: ComponentEntry) -> None:
+def test_every_parameter_is_described(entry: ComponentEntry) -> None:
     parameters = [*entry.parameters, *entry.starts, *entry.goals]
     for p in parameters:
         assert p.symbol, p.name

@@ -90,7 +90,7 @@ def test_searches_that_can_go_on_get_more_and_keep_their_options() -> None:
     assert after[1] == before[1]
 
 
-def test_a_folder_goes_on_without_repeating_an_evaluation(
+def test_a_folder_is_extended_without_repeating_an_evaluation(
     first: Path, tmp_path: Path, flown: list[bytes], capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
@@ -147,7 +147,9 @@ def test_what_cannot_be_asked(arguments: list[str], why: str, capsys: pytest.Cap
     assert why in capsys.readouterr().err
 
 
-def test_a_run_without_a_search_that_can_go_on_says_which_can(capsys: pytest.CaptureFixture[str]) -> None:
+def test_extending_a_run_without_an_extendable_search_names_the_methods_that_can(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     only = searching(SEARCHES[1], **SHORT)
     with pytest.raises(CannotContinue, match=r"SQP multistart.*can be extended: .*DIRECT"):
         continued(only, Budget(10, more=True))
@@ -177,7 +179,7 @@ def data(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_a_stored_run_goes_on_as_a_new_stored_run(
+def test_a_stored_run_is_extended_as_a_new_stored_run(
     data: Path, flown: list[bytes], capsys: pytest.CaptureFixture[str]
 ) -> None:
     flown.clear()
@@ -203,7 +205,7 @@ def test_a_stored_run_goes_on_as_a_new_stored_run(
     engine.dispose()
 
 
-def test_what_other_code_flew_is_not_continued(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_of_other_code_is_not_extended(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
     engine = connect(default_url(data))
     with read(engine) as connection:
         flown = connection.execute(sa.select(Run.flown)).scalar_one()
@@ -222,7 +224,7 @@ def test_what_other_code_flew_is_not_continued(data: Path, capsys: pytest.Captur
     engine.dispose()
 
 
-def test_a_folder_that_other_code_flew_is_not_continued(
+def test_a_folder_of_other_code_is_not_extended(
     first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "flown"
@@ -235,7 +237,7 @@ def test_a_folder_that_other_code_flew_is_not_continued(
     assert "the code digest was eeeeeeeeeeee" in capsys.readouterr().err
 
 
-def test_only_a_run_that_has_ended_goes_on(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_only_a_run_that_has_ended_can_be_extended(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
     engine = connect(default_url(data))
     with engine.begin() as connection:
         submit(connection, asked(), name="waiting", tags=[], owner="", planned=1)
@@ -245,7 +247,7 @@ def test_only_a_run_that_has_ended_goes_on(data: Path, capsys: pytest.CaptureFix
         assert why in capsys.readouterr().err
 
 
-def test_any_worker_goes_on_with_it_when_this_process_is_gone(data: Path) -> None:
+def test_any_worker_resumes_it_when_this_process_is_gone(data: Path) -> None:
     engine = connect(default_url(data))
     with read(engine) as connection:
         columns = stored.evaluations(connection, 1)

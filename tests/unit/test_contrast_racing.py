@@ -159,7 +159,7 @@ def test_a_search_cut_short_reports_what_it_has() -> None:
     assert {m.text for m in minima} == {"the search ended before it was polished"}
 
 
-def test_it_goes_on_when_asked_for_more_than_its_budget() -> None:
+def test_it_continues_when_given_more_than_its_budget() -> None:
     search = method.search(space(3, 500), method.options())
     asked, points = 0, next(search)
     while asked < 3000:

@@ -20,7 +20,7 @@ def test_history_is_extended() -> None:
 
 
 @pytest.mark.parametrize("chunk", [1, 7, 1000])
-def test_many_improvements_are_thinned_and_both_ends_kept(chunk: int) -> None:
+def test_many_improvements_are_thinned_and_both_ends_are_retained(chunk: int) -> None:
     costs = 100.0 / np.arange(1.0, 1001.0)
     history: list[list[float]] = []
     for first in range(0, 1000, chunk):

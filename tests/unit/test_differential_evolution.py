@@ -52,7 +52,7 @@ def test_options_reach_it() -> None:
     assert len(still.batches) == 2
 
 
-def test_it_goes_on_beyond_its_end_with_the_same_points_first() -> None:
+def test_extended_it_repeats_its_first_points() -> None:
     short = run(method, bowl, 2, 100_000)
     assert method.extend is not None
     extended = method.extend(method.options(), 1000)

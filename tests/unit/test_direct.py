@@ -84,7 +84,7 @@ def test_an_optimum_at_the_edge_of_a_region_without_values_is_found(status: int)
     assert np.isnan(values).mean() < 0.6  # it does not drown in the region
 
 
-def test_holes_where_the_centre_lies() -> None:
+def test_points_without_a_value_at_the_centre() -> None:
     def holed(x: Floats) -> Floats:
         return np.where(np.abs(x - 0.5).max(axis=1) < 0.1, np.nan, bowl(x))
 
@@ -108,7 +108,7 @@ def test_a_failed_centre_takes_the_lowest_value_nearby() -> None:
     assert boxes.value[:3] == pytest.approx([4.0, 4.0 + 4e-6, 4.0 + 4e-6], abs=1e-12)
 
 
-def test_what_is_kept_between_iterations_is_what_a_fresh_look_would_give() -> None:
+def test_values_carried_between_iterations_equal_recomputed_ones() -> None:
     chance = np.random.default_rng(1)
     boxes = direct.Boxes(2)
     boxes.add(np.array([[0.5, 0.5]]), np.zeros((1, 2), dtype=np.int64), np.array([1.0]))
@@ -139,7 +139,7 @@ def test_rules_by_which_it_stops() -> None:
 
 @pytest.mark.parametrize("end", [{"iterations": 12}, {"smallest": 0.01}, {}])
 @pytest.mark.parametrize("variant", [method, direct_l.method], ids=lambda m: m.name)
-def test_a_finished_search_goes_on_without_repeating_an_evaluation(variant: Method, end: dict[str, Any]) -> None:
+def test_a_finished_search_is_extended_without_repeating_an_evaluation(variant: Method, end: dict[str, Any]) -> None:
     """Stored evaluations are reused; further ones equal those of one long search."""
     options = direct.Options(**end)
     assert variant.extend is not None

@@ -75,7 +75,7 @@ def test_a_size_is_the_longest_side() -> None:
     assert direct.promising(boxes, 1e-4, biased=True).tolist() == [1, 2]
 
 
-def test_it_finds_its_way_round_points_without_a_value() -> None:
+def test_it_gets_around_points_without_a_value() -> None:
     f = on_unit_cube("excluded region", 4)
     found = run(method, f, 3, 2000, status=f.status)
     assert f.gap(found.lowest) < 0.01

@@ -127,12 +127,12 @@ def test_repeated_points_are_answered_from_memory_and_not_counted() -> None:
     assert (driven.tally.evaluations, driven.tally.failed, evaluate.count) == (4, 1, 4)
 
 
-def test_a_repeated_point_is_flown_again_for_a_method_that_does_not_repeat() -> None:
+def test_a_repeated_point_is_evaluated_again_for_a_method_that_does_not_repeat() -> None:
     driven = drive(context(Counting()), 0, repeating([]), 100)
     assert driven.tally.evaluations == 12
 
 
-def test_the_budget_counts_what_is_flown_not_what_is_asked() -> None:
+def test_the_budget_counts_evaluations_and_not_requests() -> None:
     seen: list[Batch] = []
     driven = drive(context(Counting()), 0, repeating(seen), 4, repeats=True)
     assert (driven.tally.evaluations, driven.stop) == (4, "budget")
@@ -186,7 +186,7 @@ def test_results_are_stored_as_they_arise(monkeypatch: pytest.MonkeyPatch) -> No
     assert (np.diff(seconds.seconds) >= 0).all()
 
 
-def test_long_requests_are_flown_in_pieces_so_that_they_are_stored_and_cancelled() -> None:
+def test_long_requests_are_evaluated_in_pieces_so_that_they_are_stored_and_can_be_cancelled() -> None:
     evaluate = Counting()
     made = context(evaluate, cancelled=lambda: evaluate.count >= 2000)
     with pytest.raises(Cancelled):
@@ -218,7 +218,7 @@ def failing_at_4(points: Floats) -> Any:
 
 
 @pytest.mark.parametrize("count", [0, 1, 3, 4, 8, 12, 18, 20])
-def test_a_resumed_stage_flies_only_what_is_missing(count: int) -> None:
+def test_a_resumed_stage_evaluates_only_what_is_missing(count: int) -> None:
     whole = drive(context(Counting(failing_at_4)), 0, in_batches([3, 5, 10, 2]), 100)
     evaluate, seen, store = Counting(failing_at_4), [], stored(count)
     driven = drive(context(evaluate, store), 0, in_batches([3, 5, 10, 2], seen), 100)

@@ -40,7 +40,7 @@ def test_an_unknown_option_is_refused(option: str) -> None:
         evaluator(f"dask://node1:8786?{option}")
 
 
-def test_without_the_extra_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_extra_the_message_names_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(BadEvaluator, match=r"dask.distributed is not installed: install clearance\[cluster\]"):
         evaluator("local:2")

@@ -50,7 +50,7 @@ def test_a_threshold_below_the_reach_is_refused(obstacles: list[Any], threshold:
     assert found == ([] if ok else ["criterion.threshold"])
 
 
-def test_the_sentence_says_what_to_use_and_what_it_names_is_accepted() -> None:
+def test_the_sentence_proposes_a_value_and_that_value_is_accepted() -> None:
     (problem,) = check(campaign(scenario__obstacles=[circle(0.5), WALL]), catalogue())
     assert "obstacles.1 and 1 more" not in problem.message
     assert "the surface of obstacles.1 extends to 8.00063 m" in problem.message
@@ -131,7 +131,7 @@ def test_stored_campaigns_that_are_refused_now_can_be_shown_but_not_asked_for_ag
 ) -> None:
     earlier = campaign(scenario__obstacles=[WALL], scenario__horizon=0.1)
     assert flyable(earlier, catalogue()) == []
-    batch, _ = (problem := Problem(earlier, compiled=False)).fly(problem.nominal_point[None])
+    batch, _ = (problem := Problem(earlier, compiled=False)).evaluate(problem.nominal_point[None])
     assert batch.status.tolist() == [0]
     with pytest.raises(CannotContinue, match="surface_separation"):
         continued(earlier, Budget(10_000, more=True))

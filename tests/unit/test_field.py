@@ -132,7 +132,7 @@ def test_values_change_the_field_and_unknown_ones_are_refused(case1: Problem) ->
         simulate(case1.system, {"avoider.nothing": 1.0})
 
 
-def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:
+def test_it_is_answered_live_between_simulations(live: Live, case1: Problem) -> None:
     places = [[1.0, 2.0], [4.5, 4.5]]
     answer = live.ask(id=1, kind="field", campaign=CASE1, parameters={"vehicle.m": 6.0}, time=3.0, places=places)
     found: Field = field(case1.system, simulate(case1.system, {"vehicle.m": 6.0}), 3.0, np.array(places))
@@ -158,7 +158,7 @@ def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:
         ({"parameters": {"vehicle.n": 1.0}}, "the scenario has no parameter 'vehicle.n'"),
     ],
 )
-def test_requests_that_are_none(live: Live, changes: dict[str, Any], said: str) -> None:
+def test_invalid_requests_are_refused(live: Live, changes: dict[str, Any], said: str) -> None:
     request: dict[str, Any] = {"kind": "field", "campaign": CASE1, "time": 1.0, "places": [[0.0, 0.0]]}
     answer = live.ask(id=2, **(request | changes))
     assert set(answer) == {"id", "error"}

@@ -182,7 +182,7 @@ def test_without_any_cost_there_is_no_finding() -> None:
     assert driven.text == "no evaluation succeeded"
 
 
-def test_a_spent_budget_keeps_what_is_known_and_says_so() -> None:
+def test_a_spent_budget_retains_the_basins_found_and_is_reported() -> None:
     asked = searching({"method": "direct", "evaluations": 500})
     made, found, driven = found_by(asked, two_failures, budget=60)
     assert driven.stop == "budget"

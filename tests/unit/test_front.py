@@ -29,7 +29,7 @@ TABLES = arrays(np.float64, st.tuples(st.integers(0, 30), st.integers(1, 4)), el
 
 
 @given(TABLES)
-def test_it_is_what_the_definition_says(costs: Any) -> None:
+def test_it_agrees_with_the_definition(costs: Any) -> None:
     found = front.undominated(costs)
     kept = costs[found]
     for i, row in enumerate(costs):
@@ -74,7 +74,7 @@ def test_values_have_their_own_sign_and_failures_are_omitted() -> None:
     assert [(c.unit, c.worse) for c in criteria(problem)] == [("m", "low"), ("m", "high")]
 
 
-def test_nothing_flown_has_an_empty_front() -> None:
+def test_without_a_completed_evaluation_the_front_is_empty() -> None:
     problem = several("goal_miss")
     assert front.of_stage(problem, None)[0] is None
     assert front.of_stage(problem, columns([[float("nan")] * 2], [FAILED]))[0] == []
@@ -88,7 +88,7 @@ def test_the_same_component_twice_has_two_names() -> None:
     assert names == ["separation", "time_to_goal", "time_to_goal#2", "time_to_goal#3"]
 
 
-def test_a_large_front_is_thinned_and_says_how_large_it_is() -> None:
+def test_a_large_front_is_thinned_and_states_its_full_size() -> None:
     m = 3 * front.MOST
     line = np.linspace(1.0, 2.0, m)
     points, size = front.of_stage(several("goal_miss"), columns(np.column_stack([line, -line]).tolist(), [OK] * m))

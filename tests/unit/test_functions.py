@@ -84,7 +84,7 @@ def test_the_shift_moves_the_optimum_off_the_centre_and_keeps_it_inside(name: st
     assert np.array_equal(on_unit_cube(name, 3).shift, on_unit_cube(name, 3).shift)
 
 
-def test_gaps_are_shares_of_the_minimum_or_the_difference_where_it_is_zero() -> None:
+def test_gaps_are_fractions_of_the_minimum_or_the_difference_where_it_is_zero() -> None:
     assert FUNCTIONS["Shubert"].gap(-186.7309088310239 * 0.99) == pytest.approx(0.01)
     assert FUNCTIONS["Rastrigin 5"].gap(0.25) == 0.25
     assert on_unit_cube("narrow basin").gap(-0.5) == 0.5

@@ -38,7 +38,7 @@ def test_of_a_plane_it_is_exact(method: Method) -> None:
         assert found.lower_bound == pytest.approx(0.5)
 
 
-def test_of_a_bowl_it_lies_below_the_minimum_and_closes_in() -> None:
+def test_of_a_bowl_it_is_below_the_minimum_and_approaches_it() -> None:
     def bowl(x: Floats) -> Floats:
         return np.asarray(((x - 0.3) ** 2).sum(axis=1))
 
@@ -61,7 +61,7 @@ def test_the_rectangles_are_those_of_the_search() -> None:
     assert (3.0 ** -boxes.depth[:whole].astype(float)).prod(axis=1).sum() == pytest.approx(1.0)
 
 
-def test_rectangles_without_a_value_are_left_out_and_told() -> None:
+def test_rectangles_without_a_value_are_ignored_and_reported() -> None:
     columns = stored(lambda x: np.where(x[:, 0] > 0.6, np.nan, plane(x)), 300)
     found = gap.estimate(case1(), "direct", direct.Options(), columns)
     assert found is not None
@@ -79,7 +79,7 @@ def test_where_there_is_nothing_to_estimate() -> None:
     assert one.gap == 0.0
 
 
-def test_a_search_stage_tells_it_as_an_estimate() -> None:
+def test_a_search_stage_reports_it_as_an_estimate() -> None:
     found = search.run(context(asked({"search": [{"method": "direct", "evaluations": 200}]}), evaluate()), 0).result.gap
     assert found is not None
     assert found.lower_bound == pytest.approx(0.3)

@@ -58,7 +58,7 @@ def test_better_ones_become_parents_more_often(name: str) -> None:
         assert got[1] == pytest.approx(1 - 0.75**4, abs=0.01)
 
 
-def test_stochastic_uniform_gives_every_share_its_parents() -> None:
+def test_stochastic_uniform_selects_parents_in_proportion() -> None:
     share = np.array([0.5, 0.25, 0.15, 0.1])
     for seed in range(20):
         counts = np.bincount(breeding.stochastic_uniform(chance(seed), share, 100, 4), minlength=4)
@@ -117,7 +117,7 @@ def test_adaptive_steps_grow_and_shrink_fourfold() -> None:
     assert genetic._adapted(1e-6, False, options) == 1e-6
 
 
-def test_a_generation_is_one_batch_and_copies_of_a_parent_are_not_flown_again() -> None:
+def test_a_generation_is_one_batch_and_copies_of_a_parent_are_not_evaluated_again() -> None:
     found = run(method, bowl, 8, 100_000)
     assert len(found.batches[0]) == 20
     assert len(found.batches) <= 101
@@ -136,7 +136,7 @@ def test_the_elite_lives_on() -> None:
     assert len(np.unique(found.points, axis=0)) == len(found.points)
 
 
-def test_starts_take_the_first_places() -> None:
+def test_starts_are_the_first_points() -> None:
     starts = np.array([[0.25, 0.75], [0.0, 1.0]])
     found = run(method, bowl, 2, 100, starts=starts)
     assert found.batches[0][:2].tolist() == starts.tolist()
@@ -172,7 +172,7 @@ def test_nothing_that_failed_counts_as_a_change_or_as_none() -> None:
 
 
 @pytest.mark.parametrize("status", [FAILED, EXCLUDED])
-def test_points_without_a_value_rank_last_and_the_search_finds_its_way_round(status: int) -> None:
+def test_points_without_a_value_rank_last_and_the_search_gets_around_them(status: int) -> None:
     f = on_unit_cube("excluded region", 3)
     found = run(method, f, 3, 3000, status=status, options={"schedules": 3})
     assert f.gap(found.lowest) < 0.31  # at least the edge of the region
@@ -196,7 +196,7 @@ def test_every_operator_descends(option: dict[str, Any]) -> None:
     assert np.median(gains) < 0.3
 
 
-def test_it_goes_on_from_where_it_ended() -> None:
+def test_it_resumes_from_where_it_ended() -> None:
     short, long = run(method, bowl, 3, 10**6), run(method, bowl, 3, 10**6, options={"schedules": 3})
     count = len(short.points)
     assert np.array_equal(long.points[:count], short.points)

@@ -110,7 +110,7 @@ def test_unirandi_asks_for_one_point_at_a_time() -> None:
 
 @pytest.mark.parametrize("options", [{}, {"local": "bfgs"}, {"at_once": True}, {"local": "bfgs", "at_once": True}])
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_it_tells_both_of_two_basins(options: dict[str, Any], seed: int) -> None:
+def test_it_reports_both_of_two_basins(options: dict[str, Any], seed: int) -> None:
     found = run(method, two_bowls, 2, 5000, seed=seed, options={"samples": 100, "selected": 10, **options})
     assert len(found.minima) == 2
     for centre in (0.25, 0.75):

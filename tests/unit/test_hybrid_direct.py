@@ -60,7 +60,7 @@ def test_it_reaches_a_corner_exactly() -> None:
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
-def test_direct_uses_no_more_than_its_share(share: float) -> None:
+def test_direct_uses_no_more_than_its_share_of_the_budget(share: float) -> None:
     f = on_unit_cube("Hartman 6", 1)
     hybrid = run(method, f, 6, 2000, options={"share": share, "centres": 1})
     plain = run(direct.method, f, 6, 2000)
@@ -72,7 +72,7 @@ def test_direct_uses_no_more_than_its_share(share: float) -> None:
     assert len(hybrid.batches[same]) == 13
 
 
-def test_both_of_two_symmetric_basins_are_told() -> None:
+def test_both_of_two_symmetric_basins_are_reported() -> None:
     def two(x: Floats) -> Floats:
         return np.asarray(np.minimum(((x - 0.25) ** 2).sum(axis=1), ((x - 0.75) ** 2).sum(axis=1)))
 
@@ -92,7 +92,7 @@ def test_it_never_descends_from_a_point_without_a_value(status: int) -> None:
     assert f.gap(hybrid.lowest) < 1e-6
 
 
-def test_it_says_when_nothing_has_a_value() -> None:
+def test_it_reports_that_no_centre_has_a_value() -> None:
     hybrid = run(method, lambda x: np.full(len(x), np.nan), 2, 10_000, options={"iterations": 5})
     assert hybrid.text == "DIRECT: completed the 5 iterations; no centre had a value"
     assert hybrid.minima == []

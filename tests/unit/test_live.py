@@ -74,7 +74,7 @@ def test_an_excluded_flight_has_a_reason(live: Live) -> None:
         ([5.0], "invalid request"),
     ],
 )
-def test_parameters_that_cannot_be_flown(live: Live, parameters: Any, said: str) -> None:
+def test_parameters_that_cannot_be_simulated(live: Live, parameters: Any, said: str) -> None:
     answer = live.ask(id=3, campaign=CASE1, parameters=parameters)
     assert set(answer) == {"id", "error"}
     assert answer["id"] == 3
@@ -97,7 +97,7 @@ def test_parameters_that_cannot_be_flown(live: Live, parameters: Any, said: str)
         (b'{"id": 1, "campaign": {}}', "scenario: this key is required"),
     ],
 )
-def test_requests_that_are_none(live: Live, request_: bytes, said: str) -> None:
+def test_invalid_requests_are_refused(live: Live, request_: bytes, said: str) -> None:
     live.say(request_)
     answer = live.hear()
     assert set(answer) == {"id", "error"}
@@ -110,7 +110,7 @@ def test_odd_numbers_of_rows_do_no_harm(live: Live, rows: Any) -> None:
     assert "error" in answer or len(answer["data"]["t"]) <= 3001
 
 
-def test_a_campaign_that_this_installation_cannot_fly(live: Live) -> None:
+def test_a_campaign_that_this_installation_cannot_simulate(live: Live) -> None:
     answer = live.ask(id=1, campaign=document(scenario__vehicle__component="car"))
     assert "scenario.vehicle.component: no such vehicle; " in answer["error"]
 
@@ -134,7 +134,7 @@ def test_it_ends_with_its_input_even_in_the_middle_of_a_line() -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")
-def test_a_flight_that_needs_more_memory_than_it_may_take_is_an_error_and_the_next_is_flown() -> None:
+def test_a_simulation_beyond_its_memory_limit_is_an_error_and_the_next_one_runs() -> None:
     small = Live(CLEARANCE_CHILD_MEMORY="0.25", CLEARANCE_THREADS="1")
     assert small.hear() == {"ready": True}
     long = document(scenario__horizon=2000, scenario__step=0.001)
@@ -161,7 +161,7 @@ def test_a_flight_has_its_own_noise(live: Live) -> None:
     stated = live.ask(id=1, campaign=noisy)
     by_seed = live.ask(id=2, campaign=noisy, seed=drawn)
     by_draw = live.ask(id=3, campaign=noisy, draw=3)
-    own, _ = problem.under(drawn).fly(problem.nominal_point[None, :])
+    own, _ = problem.under(drawn).evaluate(problem.nominal_point[None, :])
     assert by_seed["cost"] == by_draw["cost"] == own.costs[0, 0] != stated["cost"]
     assert by_draw["meta"]["realisation"]["seed"] == drawn
     assert stated["meta"]["realisation"]["seeds"] == len(campaign.scenario.realisations.seeds)

@@ -62,7 +62,7 @@ def test_a_generation_is_evaluated_in_growing_parts() -> None:
     assert np.mean(list(map(len, alone.batches[20:]))) < 1.5, "the model of a bowl is trusted"
 
 
-def test_requests_fill_the_places_side_by_side() -> None:
+def test_requests_are_multiples_of_the_number_of_slots() -> None:
     found = run(method, bowl, 6, 90, options={"at_once": 3, "population": 12})
     assert {len(b) % 3 for b in found.batches} == {0}
     assert found.lowest < 1e-3

@@ -60,7 +60,7 @@ def test_angle_of_nothing_is_zero() -> None:
     assert out[0] == 0.0
 
 
-def test_nan_is_kept() -> None:
+def test_nan_is_propagated() -> None:
     nan = np.array([math.nan, math.nan, 1.0])
     sines, angles = np.empty((3, 2)), np.empty(3)
     all_sincos(nan, sines)

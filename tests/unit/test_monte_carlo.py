@@ -54,14 +54,14 @@ def test_scrambled_sobol_points_are_balanced() -> None:
 
 
 @pytest.mark.parametrize("sampling", ["plain", "sobol"])
-def test_a_longer_sample_begins_as_the_shorter_one_whatever_the_looks(sampling: str) -> None:
+def test_a_longer_sample_begins_as_the_shorter_one_whatever_the_interim_analyses(sampling: str) -> None:
     whole = drawn(sampling, 9000)
     assert np.array_equal(drawn(sampling, 700), whole[:700])
     assert np.array_equal(drawn(sampling, 9000, interval=1e-9), whole)
     assert len(np.unique(whole, axis=0)) == 9000
 
 
-def test_how_a_sample_goes_on() -> None:
+def test_how_a_sample_is_extended() -> None:
     for sampling in ("plain", "sobol"):
         options = monte_carlo.Options(sampling=sampling)  # type: ignore[arg-type]
         assert monte_carlo.extend(options, 500) == replace(options, continued=True)
@@ -74,7 +74,7 @@ def test_how_a_sample_goes_on() -> None:
 # Stopping early
 
 
-def test_the_looks_spend_the_error_and_no_more() -> None:
+def test_the_interim_analyses_spend_the_error_and_no_more() -> None:
     spent = []
     for looks in range(1, 40):
         size = int(np.ceil(100 * 1.5 ** (looks - 1)))
@@ -98,7 +98,7 @@ STOPPING = asked(
 )
 
 
-def test_it_stops_at_the_first_look_at_which_the_interval_is_narrow() -> None:
+def test_it_stops_at_the_first_interim_analysis_with_a_narrow_interval() -> None:
     run = context(STOPPING)
     found = search.run(run, 0).result
     assert found.stop is not None
@@ -124,7 +124,7 @@ def test_it_stops_at_the_first_look_at_which_the_interval_is_narrow() -> None:
     assert "early stopping spends the error over interim analyses (alpha spending)" in told.text
 
 
-def test_the_bound_of_a_sample_that_stops_early_holds_as_often_as_it_says() -> None:
+def test_the_bound_of_a_sample_that_stops_early_has_its_stated_coverage() -> None:
     held, naive, stopped = 0, 0, []
     for seed in range(400):
         found = search.run(context(STOPPING, seed=seed), 0).result.sample
@@ -138,7 +138,7 @@ def test_the_bound_of_a_sample_that_stops_early_holds_as_often_as_it_says() -> N
     assert naive < held
 
 
-def test_what_ends_by_its_budget_was_looked_at_all_the_same() -> None:
+def test_a_sample_that_ends_by_its_budget_has_spent_its_interim_analyses() -> None:
     given = asked({"search": [{"method": "monte_carlo", "evaluations": 300, "options": {"interval": 0.001}}]})
     told = search.run(context(given), 0).result.sample
     assert told is not None
@@ -146,7 +146,7 @@ def test_what_ends_by_its_budget_was_looked_at_all_the_same() -> None:
     assert told.upper_bound == bound(told.violations, 300, 1 - 0.05 / 20)
 
 
-def test_failed_and_excluded_flights_while_it_looks() -> None:
+def test_failed_and_excluded_evaluations_with_interim_analyses() -> None:
     given = asked({"search": [{"method": "monte_carlo", "evaluations": 20_000, "options": {"interval": 0.2}}]})
     flown = evaluate(failing=lambda x: x[:, 0] > 0.9, excluded=lambda x: x[:, 1] > 0.5)
     told = search.run(context(given, flown), 0).result.sample

@@ -81,14 +81,14 @@ def test_with_one_criterion_it_finds_the_minimum() -> None:
     assert points[costs[:, 0].argmin()] == pytest.approx([0.3] * 3, abs=0.01)
 
 
-def test_what_fails_dies_out_and_its_number_is_never_looked_at() -> None:
+def test_failed_points_die_out_and_their_costs_are_never_read() -> None:
     forbidden: Several = lambda x: x[:, 0] > 0.4  # noqa: E731
     points, costs, _ = run(zdt1, 4, 5000, failing=forbidden)
     assert np.isnan(costs[:, 0]).sum() == (points[:, 0] > 0.4).sum()
     assert (points[:500, 0] > 0.4).mean() > 3 * (points[-500:, 0] > 0.4).mean()
 
 
-def test_where_all_fails_it_goes_on() -> None:
+def test_it_continues_where_every_evaluation_fails() -> None:
     points, costs, _ = run(zdt1, 4, 1000, failing=lambda x: np.ones(len(x)))
     assert np.isnan(costs).all()
     assert len(points) >= 1000

@@ -51,7 +51,7 @@ def counted(parts: list[tuple[str, Floats, Floats]]) -> Counter[str]:
     return count
 
 
-def test_points_are_attributed_and_every_member_has_its_share() -> None:
+def test_points_are_attributed_and_every_member_gets_its_share_of_the_budget() -> None:
     count = counted(shared(on_unit_cube("Levy 8", 1), 8, 3000))
     assert set(count) == set(NAMES)
     assert min(count.values()) > 60
@@ -100,7 +100,7 @@ def test_the_known_minimum_is_found(name: str) -> None:
         assert function.gap(run(method, function, function.dimension, 5000, seed=seed, status=3).lowest) < 0.01
 
 
-def test_a_member_that_ends_begins_anew_unless_it_would_do_the_same_again() -> None:
+def test_a_member_that_ends_restarts_unless_it_would_repeat_itself() -> None:
     record, given = Record(2), space(2, 1000)
     once = Part(direct.method, direct.Options(iterations=1), 0.1, again=False)
     for part, anew in ((once, False), (replace(once, again=True), True)):

@@ -71,6 +71,6 @@ def test_every_parameter_may_be_uncertain() -> None:
 
 
 def test_a_context_of_nothing_has_nothing() -> None:
-    made = Context(campaign(), case1(), case1().fly, MemoryStore())
+    made = Context(campaign(), case1(), case1().evaluate, MemoryStore())
     assert (made.columns, made.results) == ({}, {})
     assert made.cancelled() is False

@@ -55,7 +55,7 @@ def test_titles_are_those_of_the_methods() -> None:
     assert {name: methods()[name].title for name in TITLES} == TITLES
 
 
-def test_where_two_methods_do_not_fit_the_sentence_says_what_is_missing() -> None:
+def test_where_two_methods_do_not_fit_the_sentence_names_what_is_missing() -> None:
     found = proposed(60.0, 5, patience=1800.0)
     assert [(s.method, s.evaluations) for s in found.searches] == [("turbo", 30)]
     assert found.sentence.endswith("a second method, without which nothing is cleared, fits if you allow 4.2 h")

@@ -59,13 +59,13 @@ def test_the_campaign_can_be_run() -> None:
     assert check(campaign, catalogue()) == []
     problem = Problem(campaign)
     corners = np.zeros(problem.dimension), np.ones(problem.dimension)
-    batch, reasons = problem.fly(np.array([problem.nominal_point, *corners]))
+    batch, reasons = problem.evaluate(np.array([problem.nominal_point, *corners]))
     assert reasons == {}
     assert (batch.costs[:, 0] > 0.5).all()
     assert batch.costs.shape == (3, 3)
 
 
-def test_the_component_flies(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_component_can_be_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     module = types.ModuleType("post")
     monkeypatch.setitem(sys.modules, "post", module)
     exec(compile(block("python", "your-own-component.md"), "post.py", "exec", dont_inherit=True), module.__dict__)
@@ -84,7 +84,7 @@ def test_the_component_flies(monkeypatch: pytest.MonkeyPatch) -> None:
     vector = np.array(
         [given.get(f"{s.prefix}.{p.name}", p.default) for s in loop.sections for p in s.parameters], dtype=np.float64
     )
-    flown = loop.fly(vector[None], 0.005, 1000)
+    flown = loop.simulate(vector[None], 0.005, 1000)
     assert flown.status[0] == 0.0
     assert 0.3 < flown.costs[0, 0] < 1.5
 

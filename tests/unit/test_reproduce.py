@@ -72,12 +72,16 @@ class TestRows:
         assert all(set(row) >= KEYS for row in document["rows"])
         assert document["counts"]["rows"] == len(document["rows"]) == 1 + 1 + 4 + (2 + 1) + 3
 
-    def test_nominal_is_held_to_the_model_and_shown_beside_the_published(self, made: Reproduction) -> None:
+    def test_nominal_is_checked_against_the_model_and_shown_next_to_the_published_value(
+        self, made: Reproduction
+    ) -> None:
         row = _row(made, "section 3.2.4", "nominal")
         assert (row.published, row.model, row.tolerance, row.agrees) == (0.9436, 0.9435642, 2e-6, True)
         assert row.difference == pytest.approx(row.ours - 0.9436)
 
-    def test_a_published_local_minimum_that_is_none_does_not_agree_and_says_why(self, made: Reproduction) -> None:
+    def test_a_published_local_minimum_that_does_not_exist_is_a_disagreement_with_a_reason(
+        self, made: Reproduction
+    ) -> None:
         row = _row(made, "4.1", "fmincon, case 1")
         assert row.agrees is False
         assert not row.broken
@@ -92,7 +96,7 @@ class TestRows:
         assert row.place == PLACE
         assert row.ours_spent.evaluations is not None
 
-    def test_a_curve_says_where_it_goes(self, made: Reproduction) -> None:
+    def test_a_curve_has_a_direction(self, made: Reproduction) -> None:
         row = _row(made, "figure 3.8", "d_min over J")
         assert (row.published, row.ours, row.agrees) == ("falls", "falls", True)
 
@@ -137,12 +141,12 @@ class TestHeld:
         assert row.agrees is False
         assert row.broken
 
-    def test_right_value_at_the_wrong_place_breaks(self) -> None:
+    def test_the_right_value_at_the_wrong_point_breaks(self) -> None:
         model = Model(0.9417, 0.01, (4.0, 0.04), PLACE)
         [row] = reproduce(published=[Result("5.3", "DIRECT", UNICYCLE, direct(20, 500), 0.9, model=model)]).rows
         assert row.agrees is False
 
-    def test_a_flight_that_fails_is_no_value(self) -> None:
+    def test_a_failed_simulation_has_no_value(self) -> None:
         # The flight starts at the obstacle: excluded.
         asked = at(UNICYCLE, (5.0, 0.05))
         asked = Fly((*asked.values, ("start.x", 4.0), ("start.y", 4.1)))
@@ -236,7 +240,7 @@ class TestSteps:
 
 
 @pytest.mark.parametrize("name", dict.fromkeys(r.case.campaign for r in RESULTS))
-def test_what_the_library_says_was_published_is_what_the_tables_say(name: str) -> None:
+def test_published_values_in_the_library_equal_those_in_the_tables(name: str) -> None:
     values = {round(r.published, 4) for r in RESULTS if r.campaign == name and isinstance(r.published, float)}
     told = load_file(library()[name]).published
     assert told

@@ -53,13 +53,13 @@ def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
 ) -> None:
     monkeypatch.setattr(driver, "FLUSH_ROWS", 7)
     flown: list[int] = []
-    fly = Problem.fly
+    fly = Problem.evaluate
 
     def counted(problem: Problem, points: Floats, seeds: Any = None) -> Any:
         flown.append(len(points))
         return fly(problem, points, seeds)
 
-    monkeypatch.setattr(Problem, "fly", counted)
+    monkeypatch.setattr(Problem, "evaluate", counted)
     store = Unreliable(k)
     with pytest.raises(Interrupted):
         execute(QUICK, store, threads=1)
@@ -70,10 +70,12 @@ def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
     assert sum(flown) == sum(len(c.status) for chunks in store.chunks.values() for c in chunks)
 
 
-def test_a_finished_run_that_was_not_concluded_flies_nothing(whole: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finished_run_without_a_verdict_is_concluded_without_new_evaluations(
+    whole: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     store = MemoryStore()
     execute(QUICK, store, threads=1)
-    monkeypatch.setattr(Problem, "fly", lambda *_: pytest.fail("everything is stored"))
+    monkeypatch.setattr(Problem, "evaluate", lambda *_: pytest.fail("everything is stored"))
     assert outcome(store, execute(QUICK, store, threads=1)) == whole
 
 
@@ -90,7 +92,7 @@ def test_a_run_is_cancelled_between_any_two_requests() -> None:
     assert store.stages[2].state == "running"
 
 
-def test_progress_is_told() -> None:
+def test_progress_is_reported() -> None:
     told: dict[int, Tally] = {}
     store = MemoryStore()
     execute(QUICK, store, progress=lambda position, tally: told.update({position: replace(tally)}), threads=1)
@@ -103,14 +105,14 @@ def test_progress_is_told() -> None:
 def test_bits_do_not_depend_on_the_batch(count: int) -> None:
     problem = opened.problem(QUICK)
     points = np.random.default_rng(1).random((100, 2))
-    alone = problem.fly(points[:1])[0].costs
+    alone = problem.evaluate(points[:1])[0].costs
     evaluate = InProcess(problem, 3)
     try:
         batch, reasons = evaluate(points[:count])
     finally:
         evaluate.close()
     assert batch.costs[:1].tobytes() == alone.tobytes()
-    assert batch.costs.tobytes() == problem.fly(points)[0].costs[:count].tobytes()
+    assert batch.costs.tobytes() == problem.evaluate(points)[0].costs[:count].tobytes()
     assert reasons == {}
 
 

@@ -78,11 +78,11 @@ def test_the_sample_draws_a_realisation_with_every_flight() -> None:
     assert result.sample.noise == "drawn"
     assert "each with its own noise realisation" in result.sample.text
     own = seeds.of_draws(problem.campaign.seed, 0, 120)
-    again = problem.fly(columns.points, own)[0]
+    again = problem.evaluate(columns.points, own)[0]
     assert np.array_equal(again.costs, columns.costs, equal_nan=True)
-    stated = problem.fly(columns.points)[0]
+    stated = problem.evaluate(columns.points)[0]
     assert not np.array_equal(stated.costs, columns.costs)
-    one = problem.under(int(own[3])).fly(columns.points[3:4])[0]
+    one = problem.under(int(own[3])).evaluate(columns.points[3:4])[0]
     assert one.costs[0, 0] == columns.costs[3, 0]
 
 
@@ -110,7 +110,7 @@ def test_a_finding_under_its_own_noise_has_its_seed_and_its_flight() -> None:
 def test_evaluations_under_their_own_noise_are_apart_from_those_under_the_stated() -> None:
     store, _, problem = ran()
     position, result = certified()
-    context = Context(problem.campaign, problem, problem.fly, store)
+    context = Context(problem.campaign, problem, problem.evaluate, store)
     context.results[position] = result
     stages = range(len(store.stages))
     assert position not in [at for at, _ in seeds.stated(context, stages)]

@@ -59,7 +59,7 @@ def ishigami(u: Floats) -> Floats:
     return np.asarray(np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0]))
 
 
-def test_the_shares_of_ishigami() -> None:
+def test_the_sobol_indices_of_ishigami() -> None:
     # Closed form with a = 7, b = 0.1: Sobol and Levitan (1999).
     found = shares_of(ran(ishigami, {"sobol": {"samples": 4096}}))
     assert found.indices is not None
@@ -87,7 +87,7 @@ def test_the_effects_of_a_plane_and_of_a_product() -> None:
     assert rows[2].mu_star == 0
 
 
-def test_the_distributions_weigh_the_shares() -> None:
+def test_the_distributions_weight_the_indices() -> None:
     narrow = {"low": 4, "high": 6, "distribution": {"kind": "truncated_normal", "mean": 5, "deviation": 0.05}}
     uncertain = THREE | {"vehicle.m": narrow}
     found = shares_of(ran(lambda u: u.sum(axis=1), {"sobol": {"samples": 1024}}, uncertain=uncertain))
@@ -97,7 +97,7 @@ def test_the_distributions_weigh_the_shares() -> None:
     assert shares["vehicle.J"] == pytest.approx(0.5, abs=0.03)
 
 
-def test_correlations_are_left_out_and_that_is_said() -> None:
+def test_correlations_are_ignored_and_the_result_states_it() -> None:
     given = [{"between": ["vehicle.m", "vehicle.J"], "value": 0.9}]
     found = shares_of(ran(lambda u: u.sum(axis=1), {"sobol": {"samples": 1024}}, correlations=given))
     assert found.indices is not None
@@ -105,7 +105,7 @@ def test_correlations_are_left_out_and_that_is_said() -> None:
     assert found.text.endswith("; correlations are ignored")
 
 
-def test_what_is_the_same_everywhere_has_no_shares() -> None:
+def test_a_constant_has_no_indices() -> None:
     found = ran(lambda u: np.full(len(u), 0.7), {"sobol": {"samples": 8}, "morris": {"trajectories": 4}})
     assert shares_of(found).indices is None
     assert "there is no variance to explain" in shares_of(found).text

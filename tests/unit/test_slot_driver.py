@@ -46,7 +46,7 @@ def test_a_batch_has_the_order_of_its_request(problem: Problem) -> None:
     parts, seen = np.split(grid(60), [20, 23]), list[Batch]()
     driven = drive(context(problem), 0, in_batches(parts, seen), 1000)
     for part, batch in zip(parts, seen, strict=True):
-        expected, _ = problem.fly(part)
+        expected, _ = problem.evaluate(part)
         assert batch.costs.tobytes() == expected.costs.tobytes()
         assert batch.status.tolist() == expected.status.tolist()
     assert driven.columns is not None
@@ -65,7 +65,7 @@ def test_all_slots_are_used() -> None:
     pytest.fail("the slots never had work at the same time")
 
 
-def test_the_times_tell_the_order_of_arrival(problem: Problem) -> None:
+def test_the_times_record_the_order_of_arrival(problem: Problem) -> None:
     columns = drive(context(problem), 0, in_batches([grid(50)], []), 1000).columns
     assert columns is not None
     assert len(set(columns.seconds.tolist())) == 50
@@ -112,7 +112,7 @@ def taken(columns: Columns, rows: Any) -> Columns:
 
 
 @pytest.mark.parametrize("name", ["sqp", "portfolio", "global_clustering", "hybrid_direct", "differential_evolution"])
-def test_a_search_interrupted_at_any_moment_goes_on_with_the_same_order(name: str) -> None:
+def test_a_search_interrupted_at_any_moment_resumes_in_the_same_order(name: str) -> None:
     """All that had ended is used, nothing is evaluated twice, and what is requested follows from what had ended."""
     with threaded(2) as problem:
         whole = searched(problem, name).columns

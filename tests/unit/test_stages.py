@@ -92,11 +92,11 @@ def test_sensitivity_over_a_region_that_is_excluded() -> None:
     assert conclusion.verdict == "inconclusive"
 
 
-def test_a_search_tells_its_best_in_the_parameters_units() -> None:
+def test_a_search_reports_its_best_point_in_the_units_of_the_parameters() -> None:
     problem, found = case1(), result(2, SearchResult)
     best = found.best
     assert best is not None
-    assert best.cost == problem.system.loop.fly(problem.vector(best.parameters)[None, :], 0.005, 3000).costs[0]
+    assert best.cost == problem.system.loop.simulate(problem.vector(best.parameters)[None, :], 0.005, 3000).costs[0]
     assert best.margin == best.cost - 0.5
     store = ran()[0]
     columns = store.evaluations(2)
@@ -108,7 +108,7 @@ def test_a_search_tells_its_best_in_the_parameters_units() -> None:
     assert (found.stop.text, found.stop.values) == ("used its budget of 200 evaluations", {"budget": 200})
 
 
-def test_a_local_search_tells_its_minima() -> None:
+def test_a_local_search_reports_its_minima() -> None:
     found = result(3, SearchResult)
     (minimum,) = found.minima
     assert found.best is not None
@@ -190,7 +190,7 @@ def test_a_run_in_which_every_flight_fails_has_no_verdict() -> None:
     assert "could not be evaluated" in stop.text
 
 
-def test_validation_flies_again_by_other_means() -> None:
+def test_validation_repeats_evaluations_by_independent_means() -> None:
     found = result(5, ValidateResult)
     nominal, (worst,) = found.nominal, [f.validation for f in ran()[0].findings]
     assert found.ok
@@ -272,9 +272,9 @@ def test_validation_catches_a_step_that_is_too_long() -> None:
     )
 
 
-def test_the_other_integrator_says_why_it_could_not_fly() -> None:
+def test_the_reference_integrator_reports_why_it_failed() -> None:
     problem = case1()
-    flight = Reference(problem.system).fly(problem.vector({"vehicle.J": 1e-300}))
+    flight = Reference(problem.system).simulate(problem.vector({"vehicle.J": 1e-300}))
     assert flight.cost is None
     assert "DOP853" in flight.reason
 

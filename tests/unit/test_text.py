@@ -39,7 +39,7 @@ def test_the_library(name: str) -> None:
     check(loop.text)
     point = np.random.default_rng(7).random((1, problem.dimension))
     vector = problem.realisations.flights(problem.vectors(point))[:1]
-    flown = loop.fly(vector, problem.system.step, 25, problem.system.counts(problem.system.step)[1], traced=1)
+    flown = loop.simulate(vector, problem.system.step, 25, problem.system.counts(problem.system.step)[1], traced=1)
     assert flown.trace[0, -1] == pytest.approx(np.array(EARLIER[name]["state"]), rel=1e-9, abs=1e-12)
     seen = loop.observe(flown.trace[0], vector[0], problem.system.step)[-1]
     assert seen == pytest.approx(np.array(EARLIER[name]["seen"]), rel=1e-9, abs=1e-12)
@@ -68,7 +68,7 @@ def test_guidance_is_asked_once_for_what_a_trace_holds(avoider: str) -> None:
     found: Any = components()["avoider", avoider]
     loop = Loop(parts(avoider=found), lanes=1, compiled=False)
     given = vector(loop)
-    held = loop.fly(given[None], 0.005, 3, traced=1).trace[0, :, loop.n_state :]
+    held = loop.simulate(given[None], 0.005, 3, traced=1).trace[0, :, loop.n_state :]
     p = loop.extend(given)
     x = loop.part("initial")(p)
     _, q, v, seen = loop.part("measurements")(0.0, x, p)

@@ -77,7 +77,7 @@ def test_a_module_named_like_something_of_the_text(name: str, module: Any) -> No
     assert loop.part("bodies")(0.0, (), (0.0, 0.0), loop.extend(vector(loop)))[0].radius == 0.5
 
 
-def test_modules_are_named_apart() -> None:
+def test_modules_have_distinct_names() -> None:
     names = Names(frozenset({"goal"}))
     given = ("a.b", "c.b", "c_b", "goal", "a.goal", "x.c_b", "c.b")
     assert len({names.module(full) for full in given}) == len(set(given))
@@ -127,7 +127,7 @@ from tests.unit.assembled import parts, vector
 from worker.systems.closed_loop.assemble import Loop
 
 loop = Loop(parts(obstacles=(post.component,)))
-flown = loop.fly(vector(loop)[None], 0.005, 800)
+flown = loop.simulate(vector(loop)[None], 0.005, 800)
 stats = loop._fly.stats
 print(json.dumps({"digest": loop.digest, "cost": flown.costs[0, 0], "hits": sum(stats.cache_hits.values())}))
 """

@@ -51,7 +51,7 @@ def test_the_meta() -> None:
 def test_it_is_the_flight_that_was_counted(values: dict[str, float]) -> None:
     problem = case1()
     shown = trace(problem.system, "flight", values)
-    cost = problem.system.fly_vectors(problem.vector(values)[None, :])[0].costs[0, 0]
+    cost = problem.system.simulate_vectors(problem.vector(values)[None, :])[0].costs[0, 0]
     assert shown.meta.cost == cost
     closest, separation = shown.meta.closest, column(shown, "separation")
     assert closest is not None
@@ -102,7 +102,7 @@ def test_a_failed_flight_is_shown_up_to_its_failure() -> None:
     assert shown.meta.closest.value == pytest.approx(32**0.5, abs=1e-3)
 
 
-def test_an_excluded_flight_says_so() -> None:
+def test_an_excluded_simulation_is_reported_as_excluded() -> None:
     shown = trace(case1().system, "F1", {"start.x": 4.1, "start.y": 4.0})
     assert (shown.meta.status, shown.meta.cost) == ("excluded", None)
     assert shown.meta.closest is not None

@@ -72,7 +72,7 @@ def test_violated_when_a_validated_finding_violates() -> None:
     assert "It was confirmed by validation" in conclusion.reason
 
 
-def test_a_violation_that_does_not_repeat_says_so() -> None:
+def test_a_violation_that_does_not_repeat_is_reported_as_such() -> None:
     again = Repeated(name="a fresh evaluation", cost=0.45, difference=-0.04)
     apart = {"half_step": None, "integrator": None, "again": again, "agrees": False, "violates": True}
     found = finding(0.49)
@@ -158,7 +158,7 @@ def test_failed_evaluations_bar_cleared() -> None:
     assert barred("evaluations", failed=1) == "1 of 3\u202f343 evaluations failed"
 
 
-def test_excluded_evaluations_do_not_but_are_told() -> None:
+def test_excluded_evaluations_do_not_bar_cleared_but_are_reported() -> None:
     conclusion = concluded(excluded=40)
     assert conclusion.verdict == "cleared"
     assert said_by("evaluations", conclusion) == "none of 3\u202f343 evaluations failed, 40 excluded"
@@ -221,7 +221,7 @@ def test_a_global_method_without_a_flight_is_named() -> None:
     assert "inf" not in conclusion.reason
 
 
-def test_the_worst_of_the_sample_holds_against_the_global_methods() -> None:
+def test_the_worst_of_the_sample_is_compared_with_the_global_methods() -> None:
     searches = [
         search("direct", WORST + 0.05),
         search("sqp", WORST + 0.05),
@@ -231,7 +231,7 @@ def test_the_worst_of_the_sample_holds_against_the_global_methods() -> None:
     assert said == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
 
 
-def test_agreement_is_a_share_of_nominal_minus_worst() -> None:
+def test_agreement_is_a_fraction_of_nominal_minus_worst() -> None:
     searches = [search("direct"), search("ga", WORST + 0.015)]
     barred("agreement", searches=searches)
     assert concluded(campaign(agreement=0.2), searches=searches).verdict == "cleared"
@@ -252,7 +252,7 @@ def test_a_flat_campaign_agrees_up_to_rounding() -> None:
     assert "No uncertain parameter changes d_min, which the author states is intended: a drill." in conclusion.reason
 
 
-def test_only_parameters_with_slices_are_said_to_have_no_effect() -> None:
+def test_only_parameters_with_slices_are_reported_as_without_effect() -> None:
     def curve(path: str, *costs: float | None) -> Curve:
         values = [float(k) for k in range(len(costs))]
         return Curve(path=path, values=values, costs=list(costs), status=["ok"] * len(costs))
@@ -278,7 +278,7 @@ def test_a_target_without_a_sample() -> None:
     assert said == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
 
 
-def test_the_first_sample_counts_whatever_a_second_says() -> None:
+def test_the_first_sample_counts_whatever_the_second_gives() -> None:
     searches = [
         search("direct"), search("sqp"),
         search("monte_carlo", sample=sample(samples=100)), search("monte_carlo", sample=sample(samples=10_000)),
@@ -303,7 +303,7 @@ def test_more_samples_are_not_advised_where_too_many_violate() -> None:
     assert said.endswith("above the required 5 %; 76 of its 100 samples violate the criterion")
 
 
-def test_the_certify_stage_speaks_instead_of_a_search() -> None:
+def test_the_certify_stage_replaces_the_sample_of_a_search() -> None:
     stands = concluded(certificate=certificate()).statistics
     assert stands is not None
     assert (stands.samples, stands.source, stands.quantile) == (3000, "certify", QUANTILE)

@@ -13,8 +13,8 @@ from campaigns.results.validate import Spread, Unseen, Violations
 from tests.problems import Problem
 from tests.unit.cases import campaign
 from tests.unit.evidence import (
-    FLOWN,
     NOMINAL,
+    VERSIONS,
     WORST,
     barred,
     case,
@@ -86,7 +86,7 @@ def test_methods_that_found_nothing_below_nominal_do_not_agree() -> None:
     assert said.startswith("no method found a value below the nominal case")
 
 
-def test_agreement_needs_the_place_as_well_as_the_cost() -> None:
+def test_agreement_requires_the_same_point_as_well_as_the_same_cost() -> None:
     assert concluded(basins={"sqp": "F2"}).verdict == "cleared", "mirrored worst cases agree"
     said = barred("agreement", basins={"direct": None})
     assert said == "the best of DIRECT is not in the basin of any listed finding"
@@ -125,7 +125,7 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
         (met(unseen=unseen(None, "a stall")), "avoidance", "without it the nominal case fails (a stall)"),
     ],
 )  # fmt: skip
-def test_an_encounter_that_did_not_take_place_bars_cleared(given: dict[str, Any], name: str, said: str) -> None:
+def test_an_encounter_that_did_not_occur_bars_cleared(given: dict[str, Any], name: str, said: str) -> None:
     assert said in barred(name, **given)
     intended = campaign(encounter={"intended": {name.replace(" ", "_"): "a baseline"}})
     conclusion = concluded(intended, **given)
@@ -155,22 +155,22 @@ def drawn(**changes: Any) -> CertifyResult:
 
 def test_a_noisy_scenario_needs_a_sample_that_draws_its_noise() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(noise="stated"))]
-    conclusion = conclude(noisy(), evidence(searches=searches), FLOWN)
+    conclusion = conclude(noisy(), evidence(searches=searches), VERSIONS)
     assert conclusion.verdict == "inconclusive"
     assert "only the realisations with seeds 0 were simulated; add a certify stage" in said_by("noise", conclusion)
-    assert conclude(noisy(), evidence(certificate=drawn()), FLOWN).verdict == "cleared"
+    assert conclude(noisy(), evidence(certificate=drawn()), VERSIONS).verdict == "cleared"
 
 
 def test_a_target_is_not_met_by_stated_realisations() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", sample=sample(noise="stated"))]
-    conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), FLOWN)
+    conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), VERSIONS)
     assert "holds only for the stated noise realisations" in said_by("target", conclusion)
     assert conclusion.verdict == "inconclusive"
 
 
 def test_a_mean_over_realisations_never_clears() -> None:
     mean = noisy(scenario__realisations={"seeds": [1, 2], "combine": "mean"})
-    conclusion = conclude(mean, evidence(certificate=drawn()), FLOWN)
+    conclusion = conclude(mean, evidence(certificate=drawn()), VERSIONS)
     assert conclusion.verdict == "inconclusive"
     assert "set combine to worst" in said_by("noise", conclusion)
 
@@ -189,7 +189,7 @@ def test_a_violation_is_confirmed_by_every_integration_and_by_nothing_less() -> 
     assert concluded(**violation(finding=apart, violating=1)).verdict == "violated"
 
 
-def test_a_violation_whose_integrations_are_apart_says_how_far() -> None:
+def test_a_violation_whose_integrations_differ_states_by_how_much() -> None:
     half = HalfStep(step=0.0025, cost=0.48, difference=0.17)
     other = ReferenceCost(name="DOP853", cost=0.49, difference=0.18)
     apart = finding(0.31, validation=case(cost=0.31, agrees=False, half_step=half, integrator=other))

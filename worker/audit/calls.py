@@ -45,12 +45,12 @@ class Calls:
         enough = len(values) == self.campaign.stages.validate_.repeats
         return {"repeats": found, "agrees": agrees, "violates": violates, "ok": enough and (agrees or violates)}
 
-    def checks(self, noise: str, flaky: Any) -> dict[str, Any]:
+    def checks(self, noise: str, flaky: Any) -> dict[str, bool]:
         """The checks that the rules require of a simulator's calls, by name; noise: that of the claimed sample."""
         asked = self.campaign.simulator
         if not self.measures or asked is None:
             return {}
-        found: dict[str, Any] = {}
+        found: dict[str, bool] = {}
         if asked.retries:
             found["retries"] = flaky if flaky is MISSING else flaky == 0
         found["noise of calls"] = self._several(noise) if self.number > 1 else self.repeats and self._later()

@@ -105,7 +105,7 @@ def findings(run: Run) -> Compared:
         yield f"F{k}.margin", given["margin"], cost - run.threshold
 
 
-def measured(run: Run) -> dict[str, Any]:
+def measured(run: Run) -> dict[str, float]:
     """Does a simulator repeat? Its first stage evaluates each point several times, the last time in a fresh process."""
     groups = dict[bytes, list[tuple[int, float]]]()
     for k in np.flatnonzero(run.stage == 0):
@@ -118,7 +118,7 @@ def measured(run: Run) -> dict[str, Any]:
     return {"identical": identical, "by_process": used and not identical, "deviation": deviation}
 
 
-def case(run: Run, given: Any) -> dict[str, Any]:
+def case(run: Run, given: Any) -> dict[str, float]:
     """A case evaluated again is a violation if every value violates, and clear if all are clear and within tolerance.
     Where results do not repeat, one violating call is a violation, and clear means that no call violates or fails."""
     asked, threshold, simulator = run.campaign.stages.validate_, run.threshold, run.campaign.simulator

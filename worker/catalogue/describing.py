@@ -10,7 +10,6 @@ import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from worker.catalogue.function import declared_in, in_units, loaded
 
@@ -22,7 +21,7 @@ def main(file: str) -> None:
     try:
         functions = declared_in(loaded(Path(file)))
         found = [{"name": name, "declaration": asdict(in_units(f.declaration))} for name, f in functions.items()]
-        answer: dict[str, Any] = {"found": found}
+        answer: dict[str, object] = {"found": found}
     except SystemExit as error:
         answer = {"error": f"it calls sys.exit({error.code!r:.60}) when it is loaded"}
     except Exception as error:

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from campaigns.documents import JsonObject
 from worker.catalogue import describing
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import folders, listed
@@ -183,7 +184,7 @@ def _described(file: str, digest: str) -> tuple[PythonFunction, ...] | str:
     return tuple(PythonFunction(_restored(d["declaration"]), {"file": file, "name": d["name"]}) for d in given["found"])
 
 
-def _restored(given: dict[str, Any]) -> Declaration:
+def _restored(given: JsonObject) -> Declaration:
     return Declaration(
         given["name"],
         given["title"],

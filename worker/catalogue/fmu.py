@@ -11,12 +11,13 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from campaigns.documents import JsonObject
 from worker.catalogue.described import Basics, Described, Finite
 from worker.catalogue.fmu_model import REALS, Model, Unusable, Variable, model
 
@@ -120,7 +121,7 @@ class DescribedFmu(Described):
         )
 
 
-def read(folder: Path, document: dict[str, Any]) -> DescribedFmu:
+def read(folder: Path, document: JsonObject) -> DescribedFmu:
     """The described FMU of a folder; raises ValidationError and Unusable."""
     if "command" in document:
         raise Unusable("command: not together with fmu; give one of the two")

@@ -24,13 +24,13 @@ from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
 from campaigns.checked.snapshot import values_changed
 from campaigns.documents import JsonObject
-from campaigns.flown import Flown
 from campaigns.results import Verdict
 from campaigns.runs import ENDED, run_name
 from campaigns.stages.plan import plan
+from campaigns.versions import Versions
 from worker.catalogue.installed import catalogue
 from worker.cli import WrongInputError
-from worker.cli._results import flown_of, read_folder
+from worker.cli._results import read_folder, versions_of
 from worker.cli._where import existing_url_of, stored_run
 from worker.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
 from worker.runs.runner import Cancelled, ReplayMismatch
@@ -54,17 +54,17 @@ class _Earlier:
     run: str
     campaign: Campaign
     store: MemoryStore
-    flown: Flown
+    versions: Versions
     modules: dict[str, str]
 
     def onward(self, budget: Budget) -> tuple[Campaign, dict[int, Columns]]:
         campaign = continued(self.campaign, budget)
-        refuse_other_code(campaign, self.flown, self.modules)
+        refuse_other_code(campaign, self.versions, self.modules)
         return campaign, carried(self.campaign, campaign, self.store)
 
     @property
     def cited(self) -> JsonObject:
-        unknown = {} if self.flown.code else {"code": None}
+        unknown = {} if self.versions.code else {"code": None}
         return {"run": self.run, "digest": self.campaign.digest} | unknown
 
 
@@ -82,7 +82,7 @@ def execute_continued(run: str, budget: str, data: Path, database: str, execute:
 
 def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
     campaign, store = read_folder(folder)
-    earlier = _Earlier(str(folder), campaign, store, flown_of(folder), {})
+    earlier = _Earlier(str(folder), campaign, store, versions_of(folder), {})
     onward, columns = earlier.onward(budget)
     memory = preloaded(onward, columns)
     return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)
@@ -96,10 +96,10 @@ def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Con
         onward, columns = earlier.onward(budget)
         planned = [StagePlan(*p) for p in plan(onward)]
         named: JsonObject = {"worker": "clearance run", "lease": LEASE, "catalogue": catalogue()}
-        flew = earlier.flown if earlier.flown.code else None
+        versions = earlier.versions if earlier.versions.code else None
 
         def begin(connection: sa.Connection) -> Claim:
-            return stored.begin(connection, run_id, onward, planned, columns, **named, flown=flew)
+            return stored.begin(connection, run_id, onward, planned, columns, **named, versions=versions)
 
         claim = write(engine, begin, PATIENCE)
         verdict = _held(engine, claim, onward, execute)
@@ -124,13 +124,17 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
             campaign = load_document(document, run_name(run_id))
         except CampaignError as error:
             raise CannotContinue(f"its campaign was written for another version of Clearance: {error}") from None
-        flown = snapshots.of_run(connection, run_id)
-        others = [] if flown is None else values_changed(campaign, flown, catalogue())
+        snapshot = snapshots.of_run(connection, run_id)
+        others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue())
         if others:
             raise CannotContinue(f"its evaluations used different components: {'; '.join(others)}")
-        flew = stored.flown(connection, run_id)
+        versions = stored.versions(connection, run_id)
         return _Earlier(
-            run_name(run_id), campaign, _snapshot(connection, run_id), flew, codes.modules(connection, flew.code)
+            run_name(run_id),
+            campaign,
+            _snapshot(connection, run_id),
+            versions,
+            codes.modules(connection, versions.code),
         )
 
 

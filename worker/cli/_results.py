@@ -13,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from backend.db.store import plain
+from backend.db.rows import plain
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.checked.snapshot import snapshot
 from campaigns.documents import JsonObject
-from campaigns.flown import Flown
 from campaigns.results.base import OK, STATUS
 from campaigns.stages.plan import plan
+from campaigns.versions import Versions
 from worker.catalogue.installed import catalogue
 from worker.opening import opened
 from worker.problem.criteria import criteria
@@ -77,12 +77,12 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     return campaign, MemoryStore(stages=stages, chunks={at: [columns] for at, columns in chunks.items()})
 
 
-def flown_of(folder: Path) -> Flown:
+def versions_of(folder: Path) -> Versions:
     """The versions behind the run of a folder, as far as stored there."""
     try:
-        return Flown.of(json.loads((folder / "result.json").read_text(encoding="utf-8"))["versions"])
+        return Versions.of(json.loads((folder / "result.json").read_text(encoding="utf-8"))["versions"])
     except (OSError, ValueError, KeyError, TypeError):
-        return Flown()
+        return Versions()
 
 
 def _write_bits(path: Path, store: MemoryStore) -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from worker.runs.store import MemoryStore
     from worker.stages.parts.store import Store
 
-Fly: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Verdict]"
+Execute: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Verdict]"
 
 
 def run(
@@ -57,14 +57,14 @@ def run(
     _asked_right(file, onward, budget)
     writable(out)
     evaluators.use(evaluator)
-    fly = _flying(threads or None, quiet=as_json, evaluator=evaluator)
+    execute = _executing(threads or None, quiet=as_json, evaluator=evaluator)
     if onward:
         from worker.cli._continue import execute_continued
 
-        campaign, store, verdict, cites = execute_continued(onward, budget, data, database, fly)
+        campaign, store, verdict, cites = execute_continued(onward, budget, data, database, execute)
     else:
         assert file is not None
-        campaign, store, verdict = _fresh(file, fly)
+        campaign, store, verdict = _fresh(file, execute)
         cites = None
     result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {})
     if out is not None:
@@ -90,7 +90,7 @@ def _asked_right(file: Path | None, onward: str, budget: str) -> None:
         raise WrongInputError("--continue RUN and --budget +N belong together: give both")
 
 
-def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Verdict]:
+def _fresh(file: Path, execute: Execute) -> tuple[Campaign, MemoryStore, Verdict]:
     from campaigns import CampaignError, check
     from worker.catalogue.installed import catalogue
     from worker.cli._campaign import read_campaign
@@ -104,7 +104,7 @@ def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Verdict]:
         raise CampaignError(str(file), problems)
     store = MemoryStore()
     try:
-        return campaign, store, fly(campaign, store, lambda: False)
+        return campaign, store, execute(campaign, store, lambda: False)
     except CampaignUnusable as error:
         raise CampaignError(str(file), error.problems) from None
 
@@ -169,7 +169,7 @@ def _stage(store: MemoryStore, position: int) -> JsonObject:
     }
 
 
-def _flying(threads: int | None, quiet: bool, evaluator: str = "") -> Fly:
+def _executing(threads: int | None, quiet: bool, evaluator: str = "") -> Execute:
     """A function that runs a campaign into a store, with progress on the terminal unless quiet."""
     from worker.processes import memory
     from worker.runs.runner import execute
@@ -180,7 +180,7 @@ def _flying(threads: int | None, quiet: bool, evaluator: str = "") -> Fly:
     except ValueError as error:
         raise WrongInputError(str(error)) from None
 
-    def fly(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
+    def executed(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
         evaluators.refuse_other(evaluator, campaign)
         try:
             with memory.bounded(threads):
@@ -199,4 +199,4 @@ def _flying(threads: int | None, quiet: bool, evaluator: str = "") -> Fly:
             with Progress(campaign) as shown:
                 return execute(campaign, store, asked, progress=shown.show, threads=threads)
 
-    return fly
+    return executed

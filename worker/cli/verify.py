@@ -19,6 +19,7 @@ from worker.cli._where import DATA, Data, Database, loaded_run
 if TYPE_CHECKING:
     import sqlalchemy as sa
 
+    from campaigns.documents import JsonObject
     from worker.audit.verify import Run
 
 
@@ -77,7 +78,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Run:
 
     tables = sa.MetaData()
 
-    def rows(table: str, order: str, **of: Any) -> list[dict[str, Any]]:
+    def rows(table: str, order: str, **of: Any) -> list[JsonObject]:
         found = sa.select(sa.Table(table, tables, autoload_with=connection)).filter_by(**of)
         return [dict(row) for row in connection.execute(found.order_by(*map(sa.column, order.split()))).mappings()]
 

@@ -30,7 +30,7 @@ def compile_loop(bound: Function, name: str, flags: Mapping[str, Any] = FLAGS) -
     return cached(bound, nogil=True, **flags)
 
 
-def filled(template: Function, slots: dict[str, Any]) -> types.FunctionType:
+def filled(template: Function, slots: Mapping[str, object]) -> types.FunctionType:
     """A copy of a plain function with some of its globals replaced."""
     source = _python(template)
     unknown = [name for name in slots if name not in source.__globals__]

@@ -12,7 +12,7 @@ from typing import Any
 from campaigns import Campaign, Catalogue
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.asked.spec import Simulator
-from campaigns.checked.check import flyable, parameters
+from campaigns.checked.check import parameters, simulation_problems
 from worker.catalogue.described import BadDescriptor
 from worker.catalogue.descriptor import read
 from worker.catalogue.files import BadFile, PythonFunction, digest_of, read_file
@@ -50,7 +50,7 @@ def closed_loop(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -
 def _simulator(campaign: Campaign, asked: Simulator) -> System:
     """Open a simulator of this installation and check it against its declaration."""
     known = catalogue()
-    problems = flyable(campaign, known)
+    problems = simulation_problems(campaign, known)
     if problems:
         raise CampaignUnusable(problems)
     return simulated(campaign, simulators()[asked.name], known)

@@ -37,12 +37,12 @@ class InProcess:
     def __call__(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, dict[int, str]]:
         block = self.problem.system.block
         if self._pool is None or len(points) <= block:
-            return self.problem.fly(points, seeds)
+            return self.problem.evaluate(points, seeds)
         blocks = -(-len(points) // block)
         size = -(-blocks // self.threads) * block
         rows = [slice(i, i + size) for i in range(0, len(points), size)]
         drawn = [None if seeds is None else seeds[r] for r in rows]
-        parts = list(self._pool.map(self.problem.fly, [points[r] for r in rows], drawn))
+        parts = list(self._pool.map(self.problem.evaluate, [points[r] for r in rows], drawn))
         reasons = {i * size + row: why for i, (_, given) in enumerate(parts) for row, why in given.items()}
         costs = np.concatenate([batch.costs for batch, _ in parts])
         return Batch(costs, np.concatenate([batch.status for batch, _ in parts])), reasons

@@ -95,7 +95,7 @@ class Problem:
         """The index in a vector of every parameter of the system, by path."""
         return self.system.names
 
-    def fly(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
+    def evaluate(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         """Evaluate points (m, n) in this thread; the batch, and the reasons by row of failed or excluded evaluations.
 
         By default under the campaign's realisations; with seeds (m,), each point under its own realisation.

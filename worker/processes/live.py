@@ -111,15 +111,15 @@ def _whole(request: JsonObject, name: str, most: int) -> int | None:
 
 
 def _flight(flights: Flights, values: dict[str, float], rows: int) -> JsonObject:
-    flown = trace(flights, "live", values, rows)
-    head = flown.meta
+    simulated = trace(flights, "live", values, rows)
+    head = simulated.meta
     return {
         "status": head.status,
         "reason": head.reason,
         "cost": head.cost,
         "margin": None if head.cost is None or head.threshold is None else head.cost - head.threshold,
-        "columns": [column.model_dump() for column in flown.columns],
-        "data": {column.name: _plain(flown.data[:, k]) for k, column in enumerate(flown.columns)},
+        "columns": [column.model_dump() for column in simulated.columns],
+        "data": {column.name: _plain(simulated.data[:, k]) for k, column in enumerate(simulated.columns)},
         "meta": _finite(head.model_dump()),
     }
 

@@ -7,6 +7,6 @@ the deciding criterion. Start reading at `Reference`.
 
 from __future__ import annotations
 
-from worker.reference.flown import NAME, Flight, Reference
+from worker.reference.reference import NAME, Flight, Reference
 
 __all__ = ["NAME", "Flight", "Reference"]

@@ -21,7 +21,7 @@ from worker.kernels.lanes import lane_ops
 from worker.reference import closed, flight, stepper
 from worker.systems.closed_loop.assemble import LIBRARY, Loop
 
-STRICT: dict[str, Any] = {"error_model": "numpy"}
+STRICT: dict[str, str] = {"error_model": "numpy"}
 """A division by zero gives infinity, which ends the simulation as not finite."""
 
 BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **STRICT}

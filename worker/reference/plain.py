@@ -96,21 +96,21 @@ class _Plain:
             return self.closed_loop(min(t, last), tuple(y.tolist()), self.g, self.p)[0]
 
         relative, floor = tolerances
-        flown: Any = solve_ivp(
+        solution: Any = solve_ivp(
             slope, (start, end), self.x, method="DOP853", rtol=relative, atol=floor, dense_output=True
         )
-        for t, x in zip(flown.t, flown.y.T, strict=True):
+        for t, x in zip(solution.t, solution.y.T, strict=True):
             self.judge(min(float(t), last), x.tolist())
-        if not flown.success:
-            raise _Ended(SHORT, float(flown.t[-1]))
+        if not solution.success:
+            raise _Ended(SHORT, float(solution.t[-1]))
         samples = max(8, round(READINGS * (end - start) / self.horizon))
 
         def read(t: float) -> Any:
-            return self.seen(min(t, last), flown.sol(t).tolist())[self.deciding]
+            return self.seen(min(t, last), solution.sol(t).tolist())[self.deciding]
 
         found = _lowest(read, np.linspace(start, end, samples + 1))
         self.lowest[self.deciding] = np.minimum(self.lowest[self.deciding], found)
-        self.x = tuple(flown.y[:, -1].tolist())
+        self.x = tuple(solution.y[:, -1].tolist())
 
 
 def fly(flights: Flights, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
@@ -118,9 +118,9 @@ def fly(flights: Flights, p: tuple[float, ...], stretches: Stretches, found: Flo
     found[1], found[2] = OK, 0.0
     try:
         with np.errstate(all="ignore"):
-            flown = _Plain(flights, p, stretches)
-            _fly(flights, flown, found)
-            found[0] = flights.loop.part("cost", library=True)(tuple(flown.lowest.tolist()), p)
+            simulation = _Plain(flights, p, stretches)
+            _fly(flights, simulation, found)
+            found[0] = flights.loop.part("cost", library=True)(tuple(simulation.lowest.tolist()), p)
     except _Ended as ended:
         found[1], found[2] = ended.code, ended.when
     except (ArithmeticError, ValueError):
@@ -128,28 +128,28 @@ def fly(flights: Flights, p: tuple[float, ...], stretches: Stretches, found: Flo
         found[1] = NOT_FINITE
 
 
-def _fly(flights: Flights, flown: _Plain, found: Floats) -> None:
+def _fly(flights: Flights, simulation: _Plain, found: Floats) -> None:
     tolerances = RELATIVE, ABSOLUTE
     for (start, end), asks in zip(
-        pairwise(flown.stretches.instants.tolist()), flown.stretches.asks.tolist(), strict=True
+        pairwise(simulation.stretches.instants.tolist()), simulation.stretches.asks.tolist(), strict=True
     ):
         if asks:
-            flown.g = flown.guide(start, flown.x, flown.g, flown.p)
+            simulation.g = simulation.guide(start, simulation.x, simulation.g, simulation.p)
         if start == 0.0:
-            flown.judge(start, flown.x)
-            if flights.loop.part("excluded", library=True)(flown.seen(start, flown.x), flown.p):
+            simulation.judge(start, simulation.x)
+            if flights.loop.part("excluded", library=True)(simulation.seen(start, simulation.x), simulation.p):
                 raise _Ended(EXCLUDED, start)
         found[2] = start
         try:
-            flown.stretch(start, end, tolerances)
+            simulation.stretch(start, end, tolerances)
         except _Ended as ended:
             if ended.code > OK or tolerances[0] == COARSE:
                 raise
             tolerances = COARSE, COARSE
             found[3], found[4], found[5] = start, ended.code, ended.when
-            flown.headway.relax(start)
-            flown.stretch(start, end, tolerances)
-    found[2] = flown.horizon
+            simulation.headway.relax(start)
+            simulation.stretch(start, end, tolerances)
+    found[2] = simulation.horizon
 
 
 def _lowest(read: Callable[[float], Any], times: Floats) -> Floats:

@@ -155,10 +155,10 @@ def _flights(flights: Flights, shown: Shown) -> tuple[list[str], Rows]:
             values = dict(how.values)
         else:
             values = flights.computed(shown.case.campaign, shown.case, how).at or {}
-        flown = flights.traced(shown.variant or shown.case.campaign, name, values)
-        kept = [i for i, c in enumerate(flown.columns) if _shows(shown.what, c)]
-        headings = ["flight", *(f"{flown.columns[i].name} [{flown.columns[i].unit}]" for i in kept)]
-        rows += [[name, *row] for row in flown.data[:, kept].tolist()]
+        simulated = flights.traced(shown.variant or shown.case.campaign, name, values)
+        kept = [i for i, c in enumerate(simulated.columns) if _shows(shown.what, c)]
+        headings = ["flight", *(f"{simulated.columns[i].name} [{simulated.columns[i].unit}]" for i in kept)]
+        rows += [[name, *row] for row in simulated.data[:, kept].tolist()]
     return headings, rows
 
 

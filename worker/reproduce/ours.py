@@ -79,7 +79,7 @@ class Flights:
             opened = self.open(name)
             opened.require(path for _, path in case.paths)
             if isinstance(how, Fly):
-                found = opened.fly(dict(how.values))
+                found = opened.simulate(dict(how.values))
             elif isinstance(how, Corners):
                 found = opened.corners()
             elif isinstance(how, Sweep):
@@ -147,12 +147,12 @@ class _Opened:
         """Every corner of the unit cube (2^n, n)."""
         return np.array(list(itertools.product((0.0, 1.0), repeat=self.problem.dimension)))
 
-    def fly(self, values: dict[str, float]) -> Found:
+    def simulate(self, values: dict[str, float]) -> Found:
         try:
             vector = self.problem.vector(values)
         except KeyError as error:
             raise NotAvailable(f"the campaign {self.campaign.name!r} has no parameter {error.args[0]}") from None
-        batch, reasons = self.loop.fly_vectors(vector[None, :])
+        batch, reasons = self.loop.simulate_vectors(vector[None, :])
         if batch.status[0] != OK:
             return Found(None, note=reasons[0])
         return Found(float(batch.costs[0, 0]), evaluations=1)

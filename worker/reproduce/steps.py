@@ -60,7 +60,7 @@ def adequacy(name: str, loop: ClosedLoop, points: int = POINTS) -> Adequacy:
     random = np.random.default_rng(np.random.SeedSequence(campaign.seed, spawn_key=(SEED,)))
     unit = random.random((points, problem.dimension))
     vectors = problem.vectors(unit)
-    whole, half = (loop.fly_vectors(vectors, step)[0] for step in (loop.step, loop.step / 2))
+    whole, half = (loop.simulate_vectors(vectors, step)[0] for step in (loop.step, loop.step / 2))
     both = (whole.status == OK) & (half.status == OK)
     costs = whole.costs[:, 0]
     apart = np.where(both, np.abs(half.costs[:, 0] - costs), 0.0)

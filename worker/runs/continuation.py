@@ -18,12 +18,13 @@ from campaigns.asked.spec import MAX_EVALUATIONS, Search
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
-from campaigns.flown import Flown, differences, differing, other_code
+from campaigns.documents import JsonObject
 from campaigns.stages.plan import plan
+from campaigns.versions import Versions, differences, differing, other_code
 from worker.catalogue.installed import catalogue, methods
 from worker.opening import opened
 from worker.runs import sources
-from worker.runs.provenance import flown
+from worker.runs.provenance import versions
 from worker.runs.store import MemoryStore
 from worker.stages.parts.store import Columns, StagePlan, StageRecord
 
@@ -73,7 +74,7 @@ def continued(campaign: Campaign, budget: Budget) -> Campaign:
     return larger
 
 
-def _raised(search: Search, budget: Budget) -> dict[str, Any] | None:
+def _raised(search: Search, budget: Budget) -> JsonObject | None:
     method = methods()[search.method]
     evaluations = budget.after(search.evaluations)
     if method.extend is None or evaluations <= search.evaluations:
@@ -103,12 +104,12 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
     return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
 
 
-def refuse_other_code(new: Campaign, then: Flown, modules: dict[str, str] | None = None) -> None:
+def refuse_other_code(new: Campaign, then: Versions, modules: dict[str, str] | None = None) -> None:
     """Raises `CannotContinue` if the code or packages of the run differ from this installation.
 
     `modules` are the digests of its modules, if stored. Fields that were not stored are not compared.
     """
-    here, code = flown(opened.system(new)), sources.code()
+    here, code = versions(opened.system(new)), sources.code()
     others = differences(then, here, differing(modules, code.modules) if modules else None)
     if others:
         raise CannotContinue(other_code("it", others))

@@ -12,7 +12,7 @@ from pathlib import Path
 from llvmlite import binding
 from numba.core.codegen import get_host_cpu_features
 
-from campaigns.flown import Flown, Processor
+from campaigns.versions import Processor, Versions
 from worker.runs import sources
 from worker.stages.parts.store import Store
 from worker.systems.base import System
@@ -20,12 +20,12 @@ from worker.systems.base import System
 
 def begin(store: Store, system: System) -> None:
     """Store the present versions; raises `backend.db.store.OtherCode` if the run was begun by other code."""
-    store.flies(flown(system), sources.code())
+    store.record_versions(versions(system), sources.code())
 
 
-def flown(system: System) -> Flown:
+def versions(system: System) -> Versions:
     """The versions of the code and packages of this process, the processor, the system."""
-    return Flown(
+    return Versions(
         clearance=version("clearance"),
         python=platform.python_version(),
         code=sources.code().digest,

@@ -18,7 +18,7 @@ from campaigns.stages.plan import plan
 from worker.opening import opened
 from worker.problem.evaluate import InProcess
 from worker.problem.problem import Problem
-from worker.runs.provenance import begin, flown
+from worker.runs.provenance import begin, versions
 from worker.stages.found import stages
 from worker.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
 from worker.stages.parts.noise import flaky
@@ -60,7 +60,7 @@ def execute(
                 context.results[position] = record.result
             else:
                 _carry_out(context, position, record)
-        verdict = conclude(problem, _evidence(context), flown(problem.system))
+        verdict = conclude(problem, _evidence(context), versions(problem.system))
         store.conclude(verdict)
         return verdict
     finally:

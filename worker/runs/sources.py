@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # no module is loaded before its files are recorded
-    from campaigns.flown import Code
+    from campaigns.versions import Code
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "pymoo", "SALib")
 """Third-party packages that can change a number."""
@@ -81,7 +81,7 @@ def stale() -> bool:
 @cache
 def code() -> Code:
     """The loaded code that can change a number, without documentation."""
-    from campaigns.flown import Code
+    from campaigns.versions import Code
 
     modules = {
         name: _meaning(content)

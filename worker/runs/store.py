@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from campaigns.flown import Code, Flown
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.runs import StageState
+from campaigns.versions import Code, Versions
 from worker.stages.parts.store import Ahead, Columns, StagePlan, StageRecord, Trace, join
 
 
@@ -22,7 +22,7 @@ class MemoryStore:
     findings: list[Finding] = field(default_factory=list)
     traces: dict[str, Trace] = field(default_factory=dict)
     verdict: Verdict | None = None
-    flown: Flown | None = None
+    versions: Versions | None = None
     waiting: dict[int, list[Ahead]] = field(default_factory=dict)
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
@@ -30,8 +30,8 @@ class MemoryStore:
             self.stages = [StageRecord(plan) for plan in stages]
         return list(self.stages)
 
-    def flies(self, flown: Flown, code: Code) -> None:
-        self.flown = flown
+    def record_versions(self, versions: Versions, code: Code) -> None:
+        self.versions = versions
 
     def begin(self, position: int) -> None:
         stage = self.stages[position]

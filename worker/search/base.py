@@ -86,9 +86,9 @@ class Ended(str):
 
     code: str
     template: str
-    values: dict[str, Any]
+    values: dict[str, object]
 
-    def __new__(cls, code: str, template: str, **values: Any) -> Ended:
+    def __new__(cls, code: str, template: str, **values: object) -> Ended:
         made = super().__new__(cls, template.format(**values))
         made.code, made.template, made.values = code, template, values
         return made

@@ -39,7 +39,7 @@ MOST_DRAWS = 20
 @dataclass
 class _Drawn:
     draws: int = 0
-    flown: int = 0
+    evaluated: int = 0
 
 
 def run(context: Context, position: int) -> Outcome[CertifyResult]:
@@ -79,8 +79,8 @@ def _search(
     problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn, single: System | None
 ) -> Asking[str]:
     most = MOST_DRAWS * asked.samples
-    while drawn.flown < asked.samples and drawn.draws < most:
-        draws = min(BLOCK, asked.samples - drawn.flown, most - drawn.draws)
+    while drawn.evaluated < asked.samples and drawn.draws < most:
+        draws = min(BLOCK, asked.samples - drawn.evaluated, most - drawn.draws)
         drawn_points = problem.quantile(random.random((draws, problem.dimension)))
         own = seeds.of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
         if single is not None:
@@ -88,15 +88,15 @@ def _search(
         else:
             batch = yield drawn_points if own is None else Seeded(drawn_points, own)
         drawn.draws += draws
-        drawn.flown += int(np.count_nonzero(batch.status != EXCLUDED))
+        drawn.evaluated += int(np.count_nonzero(batch.status != EXCLUDED))
     if asked.grid is None:
-        return Ended("drawn", "drew {flights} samples", flights=drawn.flown)
+        return Ended("drawn", "drew {flights} samples", flights=drawn.evaluated)
     points = asked.grid.points
     total = points**problem.dimension
     for first in range(0, total, BLOCK):
         yield _of_grid(np.arange(first, min(first + BLOCK, total)), points, problem.dimension)
     ended = "drew {flights} samples and evaluated a grid of {grid}"
-    return Ended("drawn", ended, flights=drawn.flown, grid=total)
+    return Ended("drawn", ended, flights=drawn.evaluated, grid=total)
 
 
 def _of_grid(index: Any, points: int, dimension: int) -> Floats:
@@ -113,26 +113,26 @@ def _rows(columns: Columns, first: int, last: int) -> Columns:
 def _grid(context: Context, points: int, columns: Columns, first: int) -> GridResult:
     """The lowest point of the grid and its spacing; nothing is known between its points."""
     problem = context.problem
-    flown = _rows(columns, first, len(columns.status))
-    sample = Sample.of(flown, problem, context.campaign.confidence)
+    rows = _rows(columns, first, len(columns.status))
+    sample = Sample.of(rows, problem, context.campaign.confidence)
     lowest = None
     if len(sample.costs):
-        row = int(np.nanargmin(flown.costs[:, 0]))
-        cost = float(flown.costs[row, 0])
-        lowest = GridPoint(cost=cost, margin=cost - problem.threshold, parameters=problem.named(flown.points[row]))
+        row = int(np.nanargmin(rows.costs[:, 0]))
+        cost = float(rows.costs[row, 0])
+        lowest = GridPoint(cost=cost, margin=cost - problem.threshold, parameters=problem.named(rows.points[row]))
     found = say("none of them could be evaluated")
     if lowest is not None:
         found = say("lowest ", symbol(problem.quantity), " ", number(lowest.cost, problem.unit))
     return GridResult(
         points=points,
-        total=len(flown.status),
+        total=len(rows.status),
         spacing={r.path: (r.high - r.low) / (points - 1) for r in problem.ranges},
         lowest=lowest,
         violations=sample.violations,
         failed=sample.failed,
         excluded=sample.excluded,
         said=say(
-            *("full grid of ", count(points), " points on every axis, ", count(len(flown.status)), " in all: ", found),
+            *("full grid of ", count(points), " points on every axis, ", count(len(rows.status)), " in all: ", found),
             *(", ", count(sample.violations), " violate the criterion", sample.failures()),
             "; nothing is claimed between these points",
         ),

@@ -73,8 +73,8 @@ def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, n
     if len({s.method for s in counted}) < 2:
         return _check(False, "only ", reached, " reached the worst case; a second method must confirm it")
     if not varies(evidence):
-        flown = count(evidence.encounter.spread.evaluations, "evaluations")
-        return _check(True, reached, " agree: the criterion does not vary over ", flown, " evaluations")
+        evaluations = count(evidence.encounter.spread.evaluations, "evaluations")
+        return _check(True, reached, " agree: the criterion does not vary over ", evaluations, " evaluations")
     if not worst < nominal:
         return _check(
             False,

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from campaigns.flown import Flown
 from campaigns.results import Verdict
 from campaigns.results.verdict import Check, Counts, NominalCost, Provenance, VerdictWord, Worst
+from campaigns.versions import Versions
 from worker.problem.problem import Problem
 from worker.verdicts.checks import checks
 from worker.verdicts.evidence import Evidence
@@ -19,7 +19,7 @@ from worker.verdicts.probability import statistics
 from worker.verdicts.sentence import method_of, scope, sentence
 
 
-def conclude(problem: Problem, evidence: Evidence, flown: Flown) -> Verdict:
+def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdict:
     """The verdict on the evidence, with everything that supports it."""
     campaign = problem.campaign
     found, stated = checks(problem, evidence), statistics(evidence)
@@ -43,7 +43,7 @@ def conclude(problem: Problem, evidence: Evidence, flown: Flown) -> Verdict:
         ),
         quantity=problem.quantity,
         unit=problem.unit,
-        provenance=Provenance(**flown.model_dump(), digest=campaign.digest, seed=campaign.seed),
+        provenance=Provenance(**versions.model_dump(), digest=campaign.digest, seed=campaign.seed),
     )
 
 

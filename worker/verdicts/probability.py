@@ -67,11 +67,11 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
 
 def _excluded(evidence: Evidence) -> list[Check]:
     drawn = 0.0 if evidence.sample is None else evidence.sample.excluded_fraction
-    flown = evidence.excluded / max(evidence.evaluations, 1)
+    evaluated = evidence.excluded / max(evidence.evaluations, 1)
     if not evidence.excluded:
         return []
-    much = max(drawn, flown)
-    of = "draws of the sample" if drawn >= flown else "evaluations"
+    much = max(drawn, evaluated)
+    of = "draws of the sample" if drawn >= evaluated else "evaluations"
     excluded = f" of the {of} start at or below the threshold and were excluded: nothing is known about them"
     said = say(percent(much, name="excluded"), excluded)
     if much > EXCLUDED:

@@ -163,8 +163,8 @@ def _moving(asked: Campaign, catalogue: Catalogue | None) -> list[bool]:
 
 def _axes(reader: sa.Connection, run_id: int, vehicle: ComponentEntry | None) -> Axes:
     """The axes of a stored trace; before there is one, those of the vehicle in the current catalogue."""
-    flown = reader.scalar(sa.select(Trace.meta).where(Trace.run_id == run_id).limit(1))
-    return axes_of((flown or {}).get("frame") or (vehicle.frame if vehicle else None))
+    stored = reader.scalar(sa.select(Trace.meta).where(Trace.run_id == run_id).limit(1))
+    return axes_of((stored or {}).get("frame") or (vehicle.frame if vehicle else None))
 
 
 def _place(values: Mapping[str, float], prefix: str, axes: Axes) -> Floats | None:
@@ -254,8 +254,8 @@ class Progress:
         rows = sorted(reader.execute(found).all(), key=lambda row: (len(row.label), row.label))
         self.findings = {row.label: row.parameters for row in rows}
         self.seeds = seeds(reader, self._run_id)
-        flown = sa.select(Stage.position, Stage.evaluations).where(Stage.run_id == self._run_id)
-        for position, evaluations in reader.execute(flown).all():
+        stored = sa.select(Stage.position, Stage.evaluations).where(Stage.run_id == self._run_id)
+        for position, evaluations in reader.execute(stored).all():
             if position in self.curves and evaluations > self.curves[position].read:
                 self.curves[position].catch_up(reader, self._run_id, position)
         return before != self._state()

@@ -196,16 +196,16 @@ class CloudTab(Part):
                 return
             one = self._picked = cloud.drawn[found]
             self._drawn.pick(one, self._along)
-            self._result.content = words.flying(one)
+            self._result.content = words.simulating(one)
             self._go.disabled = True
         self._flies.ask(one)
 
     def _fly(self, one: Evaluation) -> None:
         """Simulate it with the bit-identical stored parameters, and compare with the stored result."""
         try:
-            answer = self._live.fly(self._setting.document, self._setting.digest, one.parameters, ROWS, one.noise)
+            answer = self._live.simulate(self._setting.document, self._setting.digest, one.parameters, ROWS, one.noise)
         except LiveError as error:
-            self._say(words.flying(one) + tables.note(str(error), strong=True), None, one)
+            self._say(words.simulating(one) + tables.note(str(error), strong=True), None, one)
             return
         self._say(words.outcome(one, answer, self._setting), from_live(answer), one)
 

@@ -60,7 +60,7 @@ def _scale(cloud: Cloud, setting: Setting, quantity: str, dark: bool) -> str:
     )
 
 
-def flying(one: Evaluation) -> str:
+def simulating(one: Evaluation) -> str:
     """The text while the clicked evaluation is simulated."""
     return _head(one) + note("Simulating it again …")
 

@@ -178,9 +178,7 @@ class Drawn:
         across = closest.obstacle - closest.position
         away: Literal["left", "right"] = "right" if across[0] >= 0 else "left"
         if self.style.label == "beyond":
-            beyond = across / max(float(np.linalg.norm(across)), 1e-9)
-            place = closest.obstacle + 1.4 * self._setting.threshold * beyond
-            return place, "center-left" if away == "right" else "center-right"
+            return beyond(closest, self._setting.threshold, self._setting.planar)
         # Away from the vehicle, and separate if two flights are closest at the same position.
         side = (1.0 if self.style.label == "bottom" else -1.0) * self._world.frame.unit
         place = (
@@ -195,6 +193,15 @@ class Drawn:
             "top-right": "top-right",
         }
         return place, sides[f"{self.style.label}-{away}"]
+
+
+def beyond(closest: Closest, threshold: float, planar: bool) -> tuple[Floats, Anchor]:
+    """Position and anchor of a label on the far side of the obstacle, never below it: there it has its own label."""
+    across = closest.obstacle - closest.position
+    way = across / max(float(np.linalg.norm(across)), 1e-9)
+    upwards = 1 if planar else 2
+    way[upwards] = abs(way[upwards])
+    return closest.obstacle + 1.4 * threshold * way, "center-left" if across[0] >= 0 else "center-right"
 
 
 def ruler(closest: Closest, bodies: Sequence[Body], radius: float | None) -> tuple[Floats, Floats]:

@@ -61,7 +61,7 @@ class Flights(Part):
         if not self.stored():
             self.obstacles.update(self.every, self.time)
 
-    def fly(self, flight: Flight | None) -> None:
+    def show_what_if(self, flight: Flight | None) -> None:
         """Show this what-if flight, or none."""
         if flight is None:
             self.what_if.clear()
@@ -96,8 +96,8 @@ class Flights(Part):
     @property
     def lead(self) -> Drawn | None:
         """The flight that cameras follow: the finding, else the nominal one; a visible one if there is any."""
-        flown = [drawn for drawn in (self.chosen, self.nominal, self.what_if) if drawn.flight is not None]
-        return next((drawn for drawn in flown if drawn.visible), flown[0] if flown else None)
+        shown = [drawn for drawn in (self.chosen, self.nominal, self.what_if) if drawn.flight is not None]
+        return next((drawn for drawn in shown if drawn.visible), shown[0] if shown else None)
 
     def sight(self, time: float) -> Sight | None:
         """The state of that flight at a time [s]."""

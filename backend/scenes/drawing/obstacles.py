@@ -112,13 +112,13 @@ class Obstacles:
         self.show()
         self.move(time)
 
-    def _grouped(self, flown: Sequence[Drawn]) -> list[_Group]:
+    def _grouped(self, shown: Sequence[Drawn]) -> list[_Group]:
         found: list[_Group] = []
         for number, moving in enumerate(self._setting.moving):
             same: list[_Group] = []
-            if not flown and not moving:  # the track of a moving obstacle is part of a flight
+            if not shown and not moving:  # the track of a moving obstacle is part of a flight
                 same = [_Group(f"/obstacles/{number}", self._body(number, None))]
-            for one in flown:
+            for one in shown:
                 body = self._body(number, one)
                 group = next((g for g in same if g.body.like(body, self._world.frame.span)), None)
                 if group is None:

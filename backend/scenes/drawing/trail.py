@@ -59,13 +59,13 @@ class Trail:
         """End the emphasised part at that time [s] and position."""
         if not self._pieces:
             return
-        flown = int(np.searchsorted(self._time, time, side="right"))
+        past = int(np.searchsorted(self._time, time, side="right"))
         length = self._length
-        whole = max(flown - 1, 0) // length
+        whole = max(past - 1, 0) // length
         for number, piece in enumerate(self._pieces):
             if piece.visible != (number < whole):
                 piece.visible = number < whole
-        rest = np.vstack([self._points[whole * length : max(flown, 1)], place])
+        rest = np.vstack([self._points[whole * length : max(past, 1)], place])
         self._last.points = shapes.polyline(rest).astype(np.float32)
 
     @property

@@ -1,7 +1,7 @@
 """Live simulations in a child process, one case at a time, so that none runs in the service itself.
 
 One process serves all viewers. It starts with the first request and restarts after a failure; requests and responses
-are one line of JSON each (`worker/processes/live.py`). Start reading at `Live.fly`.
+are one line of JSON each (`worker/processes/live.py`). Start reading at `Live.simulate`.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Live:
         self._child: _Child | None = None
         self._closed = False
 
-    def fly(
+    def simulate(
         self,
         campaign: Mapping[str, Any],
         digest: str,
@@ -114,7 +114,7 @@ class Live:
             if self._child is None or self._child.over:
                 self._child = _Child(self._command)
             child = self._child
-            limit = self._limit if digest in child.flown else self._first_limit
+            limit = self._limit if digest in child.simulated else self._first_limit
             asked = child.ask(request, _Asked(digest, limit))
         return child.wait(asked)
 
@@ -136,7 +136,7 @@ class _Child:
     def __init__(self, command: Sequence[str]) -> None:
         self.over, self._why = False, ""
         self._failure: type[LiveError] = LiveError
-        self.flown: set[str] = set()
+        self.simulated: set[str] = set()
         self._command = command
         self._numbers = itertools.count(1)
         self._asked: dict[int, _Asked] = {}
@@ -238,7 +238,7 @@ class _Child:
         if "error" in message:
             asked.answer.set_exception(FlightRefusedError(str(message["error"])))
         else:
-            self.flown.add(asked.campaign)
+            self.simulated.add(asked.campaign)
             asked.answer.set_result(message)
         return True
 

@@ -87,19 +87,19 @@ class Sampled(Part):
         self._forget()
         failed = 0
         for begin in range(0, len(drawn), TOGETHER):
-            flown = []
+            simulated = []
             for values, noise in drawn[begin : begin + TOGETHER]:
                 if self._stopped or not self.on:
                     return
                 try:
-                    answer = self._live.fly(self._setting.document, self._setting.digest, values, ROWS, noise)
+                    answer = self._live.simulate(self._setting.document, self._setting.digest, values, ROWS, noise)
                 except LiveError as error:
                     self._note.content = tables.note(str(error), strong=True)
                     return
                 failed += answer["status"] != "ok"
                 flight = from_live(answer)
-                flown += [] if flight is None else [shapes.polyline(flight.position)]
-            self._add(flown)
+                simulated += [] if flight is None else [shapes.polyline(flight.position)]
+            self._add(simulated)
         self._whole = True
         lost = f" {failed} of them failed, and end at the failure." if failed else ""
         words = f"Thin: the first {len(drawn)} flights of the sample of {stage}, as drawn.{lost}"
@@ -112,10 +112,10 @@ class Sampled(Part):
                 node.remove()
             self._lines, self._nodes = [], []
 
-    def _add(self, flown: list[Floats]) -> None:
-        if flown:
+    def _add(self, simulated: list[Floats]) -> None:
+        if simulated:
             with self._driver.drawing():
-                self._lines.append(np.concatenate(flown))
+                self._lines.append(np.concatenate(simulated))
                 self._nodes.append(self._line(len(self._nodes), self._lines[-1]))
 
     def _line(self, n: int, segments: Floats) -> Any:

@@ -146,7 +146,7 @@ class Viewer:
             self._following.set(camera)
 
     def _fly(self, flight: Flight | None) -> None:
-        self._flights.fly(flight)
+        self._flights.show_what_if(flight)
         self.changed()
 
     def _take(self, flight: Flight, seed: int | None) -> None:
@@ -195,7 +195,7 @@ class Viewer:
             if change.panel is not None:
                 self._unfold(change.panel)
             if change.what_if is not None:
-                self._what_if.fly(change.what_if, change.what_if_seed)
+                self._what_if.simulate(change.what_if, change.what_if_seed)
             layers = change.layers or LayersChange()
             self._panel.have(layers)
             self._replay.have(layers)

@@ -67,7 +67,7 @@ class WhatIf(Part):
             self.seed, self.source = seed, source
             self._show(flight)
 
-    def fly(self, parameters: Mapping[str, float], seed: int | None) -> None:
+    def simulate(self, parameters: Mapping[str, float], seed: int | None) -> None:
         """Simulate and show the case with these parameters, the others nominal, with this noise seed or the campaign's.
 
         Raises `UnknownParameterError`.
@@ -92,7 +92,7 @@ class WhatIf(Part):
     def _simulate(self, asked: _Asked) -> None:
         setting, noise = self._setting, Noise(seed=asked.seed)
         try:
-            answer = self._live.fly(setting.document, setting.digest, asked.parameters, ROWS, noise)
+            answer = self._live.simulate(setting.document, setting.digest, asked.parameters, ROWS, noise)
         except LiveError as error:
             _log.info("the what-if flight of a view of %s could not be simulated: %s", setting.run, error)
             return

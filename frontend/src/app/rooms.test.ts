@@ -62,7 +62,7 @@ test('no folder imports another in a circle', () => {
   expect(circles(arrowsOf(IMPORTS, (from, to) => [dirname(from), dirname(to)]))).toEqual([])
 })
 
-test('no folder with all that is in it imports one beside it in a circle', () => {
+test('no folder imports a sibling folder in a circle', () => {
   const between = IMPORTS.filter(([from, to]) => apart(from, to).every((one) => !MODULES.includes(one)))
   expect(circles(arrowsOf(between, apart))).toEqual([])
 })

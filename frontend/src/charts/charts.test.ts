@@ -15,7 +15,7 @@ describe('ticks', () => {
     expect(logTicks(1, 2000)).toEqual([1, 10, 100, 1000])
     expect(logTicks(1, 30)).toEqual([1, 2, 5, 10, 20])
   })
-  it('are told apart by their decimals', () => {
+  it('are distinguished by their decimals', () => {
     expect(tickDecimals([0.942, 0.9425, 0.943])).toBe(4)
     expect(tickDecimals([0, 2.5, 5])).toBe(1)
     expect(tickDecimals([0, 10, 20])).toBe(0)
@@ -51,7 +51,7 @@ it('CSV quotes what needs it and keeps every digit', () => {
 })
 
 describe('isFar', () => {
-  it('tells a criterion that would flatten the values, below or above them', () => {
+  it('detects a criterion that would flatten the values, below or above them', () => {
     const values = [10, 11, 12]
     expect([-2.1, -2, 9, 24, 24.1].map((value) => isFar(values, value))).toEqual([true, false, false, false, true])
     expect(isFar([], 5)).toBe(false)

@@ -1,9 +1,9 @@
 // When two runs of one campaign are reported as run by different code.
 import { describe, expect, it } from 'vitest'
-import type { Flown } from '../client'
+import type { Versions } from '../client'
 import { codeRows, sameCampaignOtherCode } from './code'
 
-const flown: Flown = {
+const flown: Versions = {
   system: 'Linux x86_64',
   lanes: 8,
   step: 0.005,
@@ -15,7 +15,7 @@ const flown: Flown = {
   python: '3.11.7',
   cpu: { model: 'A CPU', target: 'znver4', features: '' },
 }
-const run = (changes: Partial<Flown> | null = {}, campaign = 'one') => ({
+const run = (changes: Partial<Versions> | null = {}, campaign = 'one') => ({
   campaign_digest: campaign,
   flown: changes && { ...flown, ...changes },
 })
@@ -24,8 +24,8 @@ const differing = (...runs: ReturnType<typeof run>[]) =>
     .filter((row) => row.differs)
     .map((row) => [row.key, ...row.values])
 
-describe('what flew', () => {
-  it('is told row by row, and what differs is marked', () => {
+describe('the versions', () => {
+  it('are listed row by row, and differences are marked', () => {
     const other = run({ code: 'b'.repeat(64), packages: { numpy: '2.5.0', scipy: '1.17.1' } })
     expect(differing(run(), other)).toEqual([
       ['code', 'a'.repeat(64), 'b'.repeat(64)],

@@ -1,7 +1,7 @@
 // The code versions of the compared runs, as table rows. Start reading at `codeRows`.
-import type { Flown, RunDetail } from '../client'
+import type { RunDetail, Versions } from '../client'
 
-type Versions = Pick<RunDetail, 'campaign_digest' | 'flown'>
+type Compared = Pick<RunDetail, 'campaign_digest' | 'flown'>
 
 export interface CodeRow {
   key: string
@@ -13,7 +13,7 @@ export interface CodeRow {
   digest: boolean
 }
 
-const ROWS: { key: string; name: string; digest?: boolean; of: (flown: Flown) => string | null | undefined }[] = [
+const ROWS: { key: string; name: string; digest?: boolean; of: (flown: Versions) => string | null | undefined }[] = [
   { key: 'code', name: 'Code digest', digest: true, of: (flown) => flown.code },
   { key: 'loop', name: 'Simulation kernel', digest: true, of: (flown) => flown.loop },
   { key: 'simulator', name: 'Simulator digest', digest: true, of: (flown) => flown.simulator },
@@ -24,14 +24,14 @@ const ROWS: { key: string; name: string; digest?: boolean; of: (flown: Flown) =>
 /** The rows that can change results: a different version of Clearance or processor alone is not different code. */
 const CODE = new Set(['code', 'loop', 'simulator', 'python'])
 
-export function codeRows(runs: readonly Versions[]): CodeRow[] {
+export function codeRows(runs: readonly Compared[]): CodeRow[] {
   const flown = runs.map((run) => run.flown ?? null)
   const packages = [...new Set(flown.flatMap((one) => Object.keys(one?.packages ?? {})))]
   const simulated = flown.filter((one) => one?.simulator).length
   const meant = { loop: simulated < flown.length, simulator: simulated > 0 }
   const all = [
     ...ROWS.filter(({ key }) => !(key in meant) || meant[key as keyof typeof meant]),
-    ...packages.map((name) => ({ key: `packages.${name}`, name, digest: false, of: (one: Flown) => one.packages?.[name] })),
+    ...packages.map((name) => ({ key: `packages.${name}`, name, digest: false, of: (one: Versions) => one.packages?.[name] })),
   ]
   return all.map(({ key, name, digest = false, of }) => {
     const values = flown.map((one) => (one ? of(one) || undefined : undefined))
@@ -41,7 +41,7 @@ export function codeRows(runs: readonly Versions[]): CodeRow[] {
 }
 
 /** Whether runs of one campaign used different code or packages. */
-export function sameCampaignOtherCode(runs: readonly Versions[]): boolean {
+export function sameCampaignOtherCode(runs: readonly Compared[]): boolean {
   const campaigns = [...new Set(runs.map((run) => run.campaign_digest))]
   return campaigns.some((campaign) =>
     codeRows(runs.filter((run) => run.campaign_digest === campaign)).some(({ key, differs }) => differs && (CODE.has(key) || key.startsWith('packages.'))),

@@ -29,7 +29,7 @@ it('shows what failed and what was excluded, each by itself', () => {
   expect(row('excluded')).toEqual(['Excluded', '0', '25', '+25'])
 })
 
-it('says of a sample which flights failed and which draws were excluded', () => {
+it('states how many evaluations of a sample failed and how many draws were excluded', () => {
   expect(violatedOf({ samples: 300, violations: 4, failed: 0, excluded: 0 })).toBe('4 of 300 violate')
   const lossy = { samples: 300, violations: 4, failed: 4, excluded: 20 }
   expect(violatedOf(lossy)).toBe('4 of 300 violate, 4 of them failed; 20 draws excluded')

@@ -53,7 +53,7 @@ const differing = (...runs: RunDetail[]) =>
     .map((row) => [row.path, ...row.values])
 
 describe('differences', () => {
-  it('gives each run the default values that it was flown with', () => {
+  it('gives each run the default values that it was simulated with', () => {
     const later = structuredClone(catalogue)
     const changed = later.components.flatMap((c) => c.parameters).find((p) => p.name === 'k')
     Object.assign(changed ?? {}, { default: 3 })
@@ -76,7 +76,7 @@ describe('differences', () => {
     expect(found.map((row) => row.path)).toEqual(['vehicle.m', 'uncertain.vehicle.m.low', 'uncertain.vehicle.m.high'])
     expect(found[0]).toMatchObject({ values: [5, 6], unit: 'kg', text: 'The m', group: 'Scenario' })
   })
-  it('tells searches apart by method, whatever their order', () => {
+  it('distinguishes searches by method, whatever their order', () => {
     const other = run((copy) => copy.stages.search.reverse())
     expect(differing(run(() => undefined), other)).toEqual([])
     const larger = run((copy) => (copy.stages.search = [{ method: 'direct', evaluations: 300 }]))

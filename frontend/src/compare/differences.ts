@@ -24,6 +24,7 @@ const GROUPS: Record<string, string> = {
   controller: 'Scenario',
   avoider: 'Scenario',
   scenario: 'Scenario',
+  simulator: 'Simulator',
   start: 'Scenario',
   goal: 'Scenario',
   obstacles: 'Scenario',

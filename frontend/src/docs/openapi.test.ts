@@ -28,7 +28,7 @@ it('names types that the document has', () => {
   for (const name of schemas.flatMap(partsOf)) expect(DOCUMENT.components.schemas).toHaveProperty(name)
 })
 
-it('says types and limits in words', () => {
+it('describes types and limits in words', () => {
   expect(typeOf({ type: 'array', items: { $ref: '#/components/schemas/RunSummary' } })).toBe('list of RunSummary')
   expect(typeOf({ anyOf: [{ type: 'number' }, { type: 'null' }] })).toBe('number or null')
   expect(typeOf({ enum: ['low', 'high'] })).toBe('"low" | "high"')

@@ -27,7 +27,7 @@ describe('decimals', () => {
     expect(decimalsFor([1000])).toBe(0)
     expect(decimalsFor([0, null])).toBe(3)
   })
-  it('tells near values apart', () => {
+  it('distinguishes close values', () => {
     expect(decimalsApart([57.185, 57.186, 59.4])).toBe(3)
     expect(decimalsApart([0.94174, 0.94356])).toBe(4)
     expect(decimalsApart([1, 1 + 1e-8])).toBe(6)

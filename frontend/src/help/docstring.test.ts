@@ -15,7 +15,7 @@ and 3.2. Start reading at \`step\`.
 side   -1 left, 1 right
 gate   0 acts on every intruder`
 
-it('tells title, equations, paragraphs, sources and tables of words apart', () => {
+it('distinguishes title, equations, paragraphs, sources and tables of words', () => {
   expect(partsOf(TEXT)).toEqual({
     title: 'Unicycle: a point with a heading.',
     parts: [

@@ -24,7 +24,7 @@ it('finds those that are live no more', () => {
   expect(notify.endedOf(new Set(), live)).toEqual([])
 })
 
-it('says what came of it', () => {
+it('states the outcome', () => {
   const run = { name: 'Release', margin: -2.3, unit: 'm', error: null, verdict: 'violated' as const }
   expect(notify.bodyOf(run)).toBe('Release: margin \u22122.300 m')
   expect(notify.bodyOf({ ...run, verdict: null, error: 'diverged' })).toBe('Release: diverged')

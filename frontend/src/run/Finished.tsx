@@ -1,7 +1,7 @@
 // A run that has ended: the verdict and its evidence, by sections.
 import { clsx } from 'clsx'
 import { lazy, Suspense, useCallback, useDeferredValue, useMemo } from 'react'
-import { caseWord, hasScenario } from '../api/campaign'
+import { hasScenario } from '../api/campaign'
 import { resultOf } from '../api/stages'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { useCalm } from '../ui/useCalm'
@@ -116,7 +116,7 @@ export function Finished({ data }: { data: RunData }) {
         {flown && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
         {!flies && <Untraced data={data} className="c12" />}
         {shown && (
-          <div className={flown ? clsx('stack', styles.pair, 'c4') : clsx('stack', styles.pair, 'c6')}>
+          <div className={flown ? clsx('stack', styles.pair, 'c4') : clsx(raised ? styles.two : 'stack', 'c12')}>
             {flown && <WhatIfCard data={data} state={whatIf} className="" />}
             <NominalWorst
               data={data}
@@ -200,8 +200,8 @@ export function Finished({ data }: { data: RunData }) {
   )
 }
 
-function titleOf({ campaign, chosen, finding }: RunData): string {
-  if (chosen === NOMINAL) return `Nominal ${caseWord(campaign)}`
+function titleOf({ chosen, finding }: RunData): string {
+  if (chosen === NOMINAL) return 'Nominal case'
   return finding ? `Nominal against ${chosen === 'F1' ? 'worst' : chosen}` : 'Nominal and lowest evaluation'
 }
 

@@ -31,14 +31,14 @@ export function FlightPage() {
 function NoTrace({ run }: { run: RunDetail }) {
   return (
     <div className="card centre">
-      <h1>There is no flight to show</h1>
+      <h1>There is no 3D view</h1>
       <p>
-        This run evaluates a simulator, of which Clearance knows no positions: there is no 3D view and no what-if. Its
+        This run evaluates a simulator, of which Clearance knows no positions; there is no what-if either. Its
         results, and its trace over time if it returns one, are on the page of the run.
       </p>
       <div className="acts">
         <Link to="/runs/$id" params={{ id: run.id }} className="btn">
-          {run.id}
+          Open {run.id}
         </Link>
       </div>
     </div>

@@ -1,11 +1,11 @@
 // Provenance of a run, from its verdict and from what was stored at its start.
 import { expect, it } from 'vitest'
 import { verdict } from '../api/fixtures'
-import type { Flown } from '../client'
+import type { Versions } from '../client'
 import { originOf } from './provenance/Provenance'
 
 const { provenance: NOTHING } = verdict()
-const FLOWN: Flown = { ...NOTHING, code: 'c0de', loop: 'abcd', packages: { numpy: '2.4.6' }, lanes: 8 }
+const FLOWN: Versions = { ...NOTHING, code: 'c0de', loop: 'abcd', packages: { numpy: '2.4.6' }, lanes: 8 }
 
 it('takes what the verdict does not state from what was stored as the run began', () => {
   const summary = verdict({ provenance: { ...NOTHING, seed: 7, loop: 'beef', packages: { numpy: '2.5.0' } } })
@@ -14,7 +14,7 @@ it('takes what the verdict does not state from what was stored as the run began'
   expect(origin.packages).toEqual({ numpy: '2.5.0' })
 })
 
-it('has what flew a run without a verdict, and nothing where nothing was stored', () => {
+it('has the versions of a run without a verdict, and nothing where nothing was stored', () => {
   expect(originOf({ summary: null, flown: FLOWN })).toMatchObject({ code: 'c0de', seed: null, cpu: null })
   expect(originOf({ summary: null, flown: null })).toEqual(NOTHING)
 })

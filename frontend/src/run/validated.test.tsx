@@ -25,7 +25,7 @@ it('lists the nominal case, then every finding by its own validation', () => {
   expect(shown).toContain('200 neighbours of the worst case were simulated: the lowest is 0.1 m lower')
 })
 
-it('leaves out what an earlier version did not store, and says where nothing is left', () => {
+it('omits what an earlier version did not store, and states where nothing is left', () => {
   const bare = finding('F1', { validation: null })
   expect(casesOf(validated(), [bare, SECOND]).map(({ name }) => name)).toEqual(['nominal', 'F2'])
   expect(card(validated({ nominal: null }), [bare])).toContain('The cases are not stored.')
@@ -49,7 +49,7 @@ it('shows in how many independent calls a case of a noisy simulator violates', (
   expect(shown).toContain('As searched')
 })
 
-it('says that no finding holds a best only where basins were stored', () => {
+it('states that no finding contains a best value only where basins were stored', () => {
   expect(basinText({ basin: 'F2' }, true)).toBe('F2')
   expect(basinText({ basin: null }, true)).toBe('no finding')
   expect([basinText({ basin: null }, false), basinText(undefined, true)]).toEqual([NONE, NONE])

@@ -48,7 +48,7 @@ export function NoRuns() {
         </li>
         <li>
           <h3>Read the verdict</h3>
-          <p>Cleared, violated or inconclusive, with the worst case, its flight and the effort of the search.</p>
+          <p>Cleared, violated or inconclusive, with the worst case, its trajectory and the effort of the search.</p>
         </li>
       </ol>
     </div>

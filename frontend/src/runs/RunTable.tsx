@@ -114,8 +114,8 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMar
       </div>
       <p className="small mut" style={{ marginTop: 10 }} role="status">
         {loading ? 'Loading further runs … ' : ''}
-        Margin bars span ±30 % of the criterion. A search can miss a worse case: open a run for the evidence behind its verdict
-        on.
+        Margin bars span ±30 % of the criterion. A search can miss a worse case: the page of a run shows the evidence behind
+        its verdict.
       </p>
     </div>
   )

@@ -85,7 +85,13 @@ def sobol(
     return study(rows, say("largest total indices: ", leading, apart))
 
 
-def _box(problem: Problem) -> dict[str, Any]:
+class _Box(TypedDict):
+    num_vars: int
+    names: list[str]
+    bounds: list[list[float]]
+
+
+def _box(problem: Problem) -> _Box:
     """The unit cube as SALib's problem definition."""
     names = [r.path for r in problem.ranges]
     return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}

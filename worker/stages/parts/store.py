@@ -19,8 +19,8 @@ from backend.db.records import (
     Trace,
     join,
 )
-from campaigns.flown import Code, Flown
 from campaigns.results import Finding, StageResult, Verdict
+from campaigns.versions import Code, Versions
 
 __all__ = [
     "Ahead",
@@ -40,7 +40,7 @@ class Store(Protocol):
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
         """Write the plan of a new run; return the state of every stage (a resumed run finds its earlier state)."""
 
-    def flies(self, flown: Flown, code: Code) -> None:
+    def record_versions(self, versions: Versions, code: Code) -> None:
         """Store the versions of the code when the first stage begins; raises `OtherCode` if other code has run
         already."""
 

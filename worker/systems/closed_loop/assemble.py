@@ -38,7 +38,7 @@ SLOTS = ("extend", "initial", "initial_guidance", "guide", "closed_loop", "settl
 
 
 class Simulations:
-    """The output of `Loop.fly`: costs (n, k) of k criteria, the deciding one first, NaN unless ok; status (n,) and
+    """The output of `Loop.simulate`: costs (n, k) of k criteria, the deciding one first, NaN unless ok; status (n,) and
     when (n,) [s] as in `loop.fly`; trace."""
 
     def __init__(self, n: int, k: int, trace: Floats) -> None:
@@ -88,7 +88,7 @@ class Loop:
         channels = [Signal(f"channel.{i}", f"y{i}", "") for i in range(self.channels.total)]
         return (*pose, *self.parts.vehicle.inputs, *self.parts.controller.signals, *centres, *channels)
 
-    def fly(self, params: Floats, step: float, steps: int, every: int = 1, traced: int = 0) -> Simulations:
+    def simulate(self, params: Floats, step: float, steps: int, every: int = 1, traced: int = 0) -> Simulations:
         """Simulate every row of params (n, size); the first `traced` ones store their states. Thread-safe.
 
         step [s]; every: steps per guidance sample, for sampled guidance.
@@ -101,7 +101,7 @@ class Loop:
         # Comparisons inside components may lose a NaN, so rows with non-finite parameters are not simulated at all.
         finite: NDArray[np.bool_] = np.asarray(np.isfinite(params).all(axis=1))
         if not finite.all():
-            fine = self.fly(params[finite], step, steps, every, int(np.count_nonzero(finite[:traced])))
+            fine = self.simulate(params[finite], step, steps, every, int(np.count_nonzero(finite[:traced])))
             result.costs[:], result.status[:], result.when[:] = np.nan, loop.NOT_FINITE, 0.0
             result.costs[finite], result.status[finite], result.when[finite] = fine.costs, fine.status, fine.when
             trace[finite[:traced]] = fine.trace
@@ -112,7 +112,7 @@ class Loop:
 
     def warm(self) -> None:
         """Compile, or load from the disk cache, so that this time is not counted as evaluation time."""
-        self.fly(np.zeros((1, self.size)), 1.0, 1, traced=1)
+        self.simulate(np.zeros((1, self.size)), 1.0, 1, traced=1)
 
     def observe(self, states: Floats, params: Floats, step: float) -> Floats:
         """The columns of `signals` for traced states (rows, ...) of one simulation with params (size,)."""
@@ -165,7 +165,7 @@ class Loop:
         return filled(template, {name: self.kernel(name) for name in names} | _layout(self))
 
 
-def _layout(made: Loop) -> dict[str, Any]:
+def _layout(made: Loop) -> dict[str, object]:
     lanes, n_x, n_p, n_g, n_y = made.lanes, made.n_state, made.size, made.n_held, made.channels.total
     n_k = len(made.parts.criteria)
     rows = {
@@ -173,7 +173,7 @@ def _layout(made: Loop) -> dict[str, Any]:
         "Y0": n_y, "Y1": n_y, "Y2": n_y, "LOW": n_y, "K": n_k, "STATUS": 1, "WHEN": 1,
     }  # fmt: skip
     n_e = made.size_extended
-    slots: dict[str, Any] = {"N_X": n_x, "N_P": n_p, "N_E": n_e, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
+    slots: dict[str, object] = {"N_X": n_x, "N_P": n_p, "N_E": n_e, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
     slots |= {"N_R": made.channels.refined, "N_S": made.channels.steps, "N_K": n_k}
     slots["SETTLES"] = made.parts.vehicle.settle is not None
     offset = 0

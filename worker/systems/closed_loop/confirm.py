@@ -32,7 +32,7 @@ class Integrator(Protocol):
 
     name: str
 
-    def fly_all(
+    def simulate_all(
         self, vectors: Floats, cancelled: Callable[[], bool], counts: Sequence[int | None] | None
     ) -> Sequence[ReferenceFlight]:
         """Simulate vectors (m, size); counts: each vector's deciding seed, if known. Fewer results if cancelled."""
@@ -79,7 +79,7 @@ def compared(
 ) -> list[Comparison]:
     """Every vector with the reference integrator; empty if cancelled.
 
-    counts: the deciding seeds, as in `Integrator.fly_all`, in the rows of these vectors.
+    counts: the deciding seeds, as in `Integrator.simulate_all`, in the rows of these vectors.
     """
     counting = [None] * len(vectors) if counts is None or rows is None else [counts[i] for i in rows]
     by_seed: dict[int | None, list[int]] = {}
@@ -88,10 +88,10 @@ def compared(
     found: dict[int, Comparison] = {}
     for seed, indices in by_seed.items():
         integrator = integrating(flights.under(seed))
-        flown = integrator.fly_all(vectors[indices], cancelled, [counting[i] for i in indices])
-        if len(flown) < len(indices):
+        simulated = integrator.simulate_all(vectors[indices], cancelled, [counting[i] for i in indices])
+        if len(simulated) < len(indices):
             return []
-        for i, flight in zip(indices, flown, strict=True):
+        for i, flight in zip(indices, simulated, strict=True):
             found[i] = Comparison("integrator", integrator.name, flight.cost, flight.reason)
     return [found[i] for i in range(len(vectors))]
 
@@ -107,9 +107,9 @@ def _costs(
         if rows:
             if own:
                 drawn = np.array([seeds[i] for i in rows], dtype=np.int64)
-                batch, _ = flights.fly_vectors(vectors[rows], step, drawn)
+                batch, _ = flights.simulate_vectors(vectors[rows], step, drawn)
             else:
-                batch, _, worst = flights.fly_realised(vectors[rows], step)
+                batch, _, worst = flights.simulate_realised(vectors[rows], step)
                 for i, seed in zip(rows, worst or (), strict=worst is not None):
                     counts[i] = seed
             for i, cost, status in zip(rows, batch.costs[:, 0], batch.status, strict=True):

@@ -9,7 +9,7 @@ import numpy as np
 
 from backend.db.records import Trace
 from campaigns import Campaign
-from campaigns.asked.spec import FaultPart
+from campaigns.asked.scenario import FaultPart
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.validate import Unseen
 from worker.systems.base import Condition, Shown

@@ -1,6 +1,6 @@
 """Simulates a campaign's closed loop: flat parameter vectors in, costs, status and reasons out.
 
-Start reading at `Flights.fly_vectors`; the loop itself is `worker.kernels.loop`.
+Start reading at `Flights.simulate_vectors`; the loop itself is `worker.kernels.loop`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns import Campaign
-from campaigns.checked.check import flyable
+from campaigns.checked.check import simulation_problems
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.catalogue.installed import catalogue
 from worker.kernels import loop as closed_loop
@@ -29,7 +29,7 @@ class Flights:
     """The closed loop of one campaign, ready to simulate; in plain Python if `compiled` is False."""
 
     def __init__(self, campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> None:
-        problems = flyable(campaign, catalogue())
+        problems = simulation_problems(campaign, catalogue())
         if problems:
             raise CampaignUnusable(problems)
         self.campaign = campaign
@@ -65,7 +65,7 @@ class Flights:
         one.realisations = self.realisations.only(seed)
         return one
 
-    def fly_vectors(
+    def simulate_vectors(
         self, vectors: Floats, step: float | None = None, seeds: Seeds | None = None
     ) -> tuple[Batch, Reasons]:
         """Simulate flat parameter vectors (m, size), by default at the campaign's step [s].
@@ -74,18 +74,18 @@ class Flights:
         """
         if seeds is not None:
             step = self.step if step is None else step
-            flown = self.loop.fly(self.realisations.flight(vectors, seeds), step, *self.counts(step))
-            status, reasons = self.judge(flown.status, flown.when)
-            return Batch(flown.costs, status), {i: f"with seed {seeds[i]}: {why}" for i, why in reasons.items()}
-        return self.fly_realised(vectors, step)[:2]
+            made = self.loop.simulate(self.realisations.flight(vectors, seeds), step, *self.counts(step))
+            status, reasons = self.judge(made.status, made.when)
+            return Batch(made.costs, status), {i: f"with seed {seeds[i]}: {why}" for i, why in reasons.items()}
+        return self.simulate_realised(vectors, step)[:2]
 
-    def fly_realised(self, vectors: Floats, step: float | None = None) -> tuple[Batch, Reasons, list[int] | None]:
-        """As `fly_vectors`, and the deciding realisation's seed by row; None if the mean of several counts."""
+    def simulate_realised(self, vectors: Floats, step: float | None = None) -> tuple[Batch, Reasons, list[int] | None]:
+        """As `simulate_vectors`, and the deciding realisation's seed by row; None if the mean of several counts."""
         step, realised = self.step if step is None else step, self.realisations
-        flown = self.loop.fly(realised.flights(vectors), step, *self.counts(step))
-        status, reasons = self.judge(flown.status, flown.when)
-        seeds = realised.counting(flown.costs, status) if realised.combine == "worst" or not realised.several else None
-        return *realised.combined(flown.costs, status, reasons), seeds
+        made = self.loop.simulate(realised.flights(vectors), step, *self.counts(step))
+        status, reasons = self.judge(made.status, made.when)
+        seeds = realised.counting(made.costs, status) if realised.combine == "worst" or not realised.several else None
+        return *realised.combined(made.costs, status, reasons), seeds
 
     def counts(self, step: float) -> tuple[int, int]:
         """The numbers of steps in the horizon and per guidance sample."""

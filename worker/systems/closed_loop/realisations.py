@@ -54,11 +54,11 @@ class Realisations(Realised):
 
     def flight(self, vectors: Floats, seed: int | Seeds) -> Floats:
         """The vectors (m, size) under one realisation, or each under its own: seeds (m,)."""
-        flown = vectors.copy()
+        realised = vectors.copy()
         for number, index in enumerate(self.seed_indices):
             own = np.clip(np.floor(vectors[:, index]), 0.0, OWN - 1.0)
-            flown[:, index] = (np.asarray(seed, dtype=np.float64) * INDEX + number) * OWN + own
-        return flown
+            realised[:, index] = (np.asarray(seed, dtype=np.float64) * INDEX + number) * OWN + own
+        return realised
 
     def only(self, seed: int) -> Realisations:
         """The same components under a single realisation."""

@@ -64,7 +64,7 @@ class ClosedLoop(Flights, System):
         return wording.words(self._integrating(self).name)
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
-        return self.fly_vectors(vectors, seeds=seeds)
+        return self.simulate_vectors(vectors, seeds=seeds)
 
     def confirm(
         self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False

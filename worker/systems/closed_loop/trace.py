@@ -69,7 +69,7 @@ def simulate(flights: Flights, values: Mapping[str, float]) -> SimulatedCase:
     """Simulate one case; values: parameters by path, missing ones are nominal. Raises KeyError for an unknown path."""
     vectors = flights.realisations.flights(flights.vector(values)[None, :])
     several = len(vectors) > 1
-    result = flights.loop.fly(vectors, flights.step, *flights.counts(flights.step), traced=0 if several else 1)
+    result = flights.loop.simulate(vectors, flights.step, *flights.counts(flights.step), traced=0 if several else 1)
     codes, said = flights.judge(result.status, result.when)
     batch, reasons = flights.realisations.combined(result.costs, codes, said)
     shown = flights.realisations.worst(result.costs, codes)
@@ -94,7 +94,7 @@ def _again(flights: Flights, vector: Floats) -> Floats:
 
     Results depend only on the vector, so this is bit for bit the simulation that gave the cost.
     """
-    result = flights.loop.fly(vector[None, :], flights.step, *flights.counts(flights.step), traced=1)
+    result = flights.loop.simulate(vector[None, :], flights.step, *flights.counts(flights.step), traced=1)
     states: Floats = result.trace[0]
     return states
 

@@ -16,7 +16,7 @@ import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 FUNCTION = "CLEARANCE_FUNCTION"
 """Set in the process of a slot that calls a function: which one, and where it is."""
@@ -24,7 +24,14 @@ LONGEST = 300
 """Of a message are kept so many characters."""
 
 
-def evaluate(**parameters: float) -> dict[str, Any]:
+class Answer(TypedDict, total=False):
+    """Either the numbers by name, or the reason why there are none."""
+
+    results: dict[str, float]
+    failed: str
+
+
+def evaluate(**parameters: float) -> Answer:
     """The results of the function that the environment names, for one set of parameters."""
     call, names, vectorized = _named()
     return called(call, parameters, names, vectorized)
@@ -32,7 +39,7 @@ def evaluate(**parameters: float) -> dict[str, Any]:
 
 def called(
     call: Callable[..., Any], parameters: Mapping[str, float], names: Sequence[str], vectorized: bool = False
-) -> dict[str, Any]:
+) -> Answer:
     """`{"results": numbers by name}` or `{"failed": sentence}`; whatever the function raises, except an interrupt."""
     try:
         if not vectorized:
@@ -51,7 +58,7 @@ def called(
         return {"failed": failure(error, call)}
 
 
-def read(value: Any, names: Sequence[str]) -> dict[str, Any]:
+def read(value: Any, names: Sequence[str]) -> Answer:
     """What a function returned, as numbers by name; the first that is no finite number is the reason."""
     if isinstance(value, float) and math.isfinite(value) and len(names) == 1:
         return {"results": {names[0]: float(value)}}

@@ -49,13 +49,13 @@ export const STAGES: Group[] = [
     title: 'Certify',
     field: 'stages.certify',
     digest: ({ stages: { certify } }) =>
-      certify ? `${words(certify.samples ?? 3000, 'random flights')}${certify.grid ? ', full grid' : ''}` : 'left out',
+      certify ? `${words(certify.samples ?? 3000, 'random samples')}${certify.grid ? ', full grid' : ''}` : 'omitted',
     settings: [
       {
         at: ['stages', 'certify', 'samples'],
         label: 'Certify samples',
         text: 'Independent samples for statements on probabilities; empty omits the stage',
-        empty: 'left out',
+        empty: 'omitted',
       },
       {
         at: ['stages', 'certify', 'quantile'],
@@ -66,7 +66,7 @@ export const STAGES: Group[] = [
         at: ['stages', 'certify', 'grid', 'points'],
         label: 'Grid points per axis',
         text: 'A full grid, for few parameters; empty omits it',
-        empty: 'left out',
+        empty: 'omitted',
       },
     ],
   },
@@ -82,26 +82,26 @@ export const STAGES: Group[] = [
           ]
             .filter(Boolean)
             .join(', ')
-        : 'left out',
+        : 'omitted',
     settings: [
       {
         at: ['stages', 'sensitivity', 'points'],
         label: 'Sensitivity points',
         text: 'Per parameter, one at a time; empty omits the stage',
-        empty: 'left out',
+        empty: 'omitted',
       },
       {
         at: ['stages', 'sensitivity', 'morris', 'trajectories'],
         label: 'Morris trajectories',
         text: 'Elementary effects over the whole box; empty omits them',
-        empty: 'left out',
+        empty: 'omitted',
       },
       { at: ['stages', 'sensitivity', 'morris', 'levels'], label: 'Morris levels', text: 'Of the grid; an even number' },
       {
         at: ['stages', 'sensitivity', 'sobol', 'samples'],
         label: 'Sobol samples',
         text: 'Fractions of the variance; a power of two; empty omits them',
-        empty: 'left out',
+        empty: 'omitted',
       },
     ],
   },

@@ -50,7 +50,7 @@ it('offers keys, components, parameters and methods where they may stand', () =>
   expect(offered('Unicycle, static', 'Uni|')).toEqual([])
 })
 
-it('tells of a field what the catalogue knows, with unit and bounds', () => {
+it('describes a field from the catalogue, with unit and bounds', () => {
   const at = (...steps: (string | number)[]) => hintOf(known(text), steps)
   const mass = catalogue.components.find(({ name }) => name === 'unicycle')?.parameters.find(({ name }) => name === 'm')
   const told = at('scenario', 'vehicle', 'parameters', 'm')

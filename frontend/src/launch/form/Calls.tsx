@@ -12,11 +12,13 @@ const RETRIES = 'simulator.retries'
 /** Of a new quantile. */
 const LOW = 0.1
 
-/** A short summary: one call; 5 calls, the worst counts; retries. */
+/** A short summary: one call, or 5 calls of which the worst counts; retries. */
 export function callsOf(campaign: Campaign): string {
   const { repeats, retries } = campaign.simulator ?? {}
-  const calls = repeats ? `${repeats.count ?? 5} calls, ${HOW[repeats.combine ?? 'worst'] ?? repeats.combine ?? ''}` : 'one call'
-  return `${calls} for every evaluation${retries ? `; a failed call is tried again up to ${retries} times` : ''}`
+  const calls = repeats
+    ? `${repeats.count ?? 5} calls for every evaluation, ${HOW[repeats.combine ?? 'worst'] ?? repeats.combine ?? ''}`
+    : 'one call for every evaluation'
+  return `${calls}${retries ? `; a failed call is tried again ${retries === 1 ? 'once' : `up to ${retries} times`}` : ''}`
 }
 
 const HOW: Record<string, string> = { worst: 'the worst counts', mean: 'their average counts', quantile: 'a quantile counts' }

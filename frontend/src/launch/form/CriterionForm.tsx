@@ -26,7 +26,7 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
   const told = further.map((section) => section.component?.title ?? section.part.component).join(', ')
   const none = 'none; they do not affect the verdict, and NSGA-II searches for the Pareto front of all of them'
   return (
-    <Card title="Criterion" note="The flight is clear while its value stays above the threshold." id="section-criterion">
+    <Card title="Criterion" note="An evaluation is clear while its value stays above the threshold." id="section-criterion">
       <div style={{ display: 'grid', gap: 10 }}>
         {decides && (
           <div style={{ maxWidth: 480 }}>

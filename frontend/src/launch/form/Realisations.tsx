@@ -25,7 +25,7 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
     .filter(({ role }) => role === 'environment' || role === 'fault')
     .some(({ parameters }) => parameters.some(({ entry }) => entry.name === SEED))
   if (!random && seeds.length < 2) return null
-  const digest = `${seeds.length} ${seeds.length === 1 ? 'flight' : 'flights'} for every evaluation`
+  const digest = `${seeds.length} ${seeds.length === 1 ? 'simulation' : 'simulations'} for every evaluation`
   return (
     <div className="card">
       <div className="bd">

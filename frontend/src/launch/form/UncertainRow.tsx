@@ -70,11 +70,11 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
           />
         </td>
         <td>
-          <Sign text={parameter?.entry.symbol ?? path} />
+          <Sign text={parameter?.entry.symbol || (path.split('.').at(-1) ?? path)} />
         </td>
         <td title={path}>
           {name}
-          {parameter && parameter.group !== 'Vehicle' && (
+          {parameter && parameter.group !== 'Vehicle' && !path.startsWith('simulator.') && (
             <span className="mut"> · {parameter.group.toLowerCase()}</span>
           )}
         </td>

@@ -68,7 +68,7 @@ describe('a plan of robots', () => {
     expect(one(obstacle({ ...way, speed: 1 })).track).toMatchObject([{ x: 0, y: 0, t: 0 }, { x: 6, y: 8, t: 10 }])
     expect(one(obstacle({ ...way, speed: 9 })).track).toMatchObject([{ x: 0, y: 0 }, { x: 30, y: 40 }])
   })
-  it('goes along as many waypoints as are flown to', () => {
+  it('includes only the waypoints that are used', () => {
     const way = { 'position.x': 0, 'position.y': 0, 'waypoint1.x': 4, 'waypoint1.y': 0, 'waypoint2.x': 4, 'waypoint2.y': 4 }
     expect(one(obstacle({ ...way, legs: 1, speed: 9 })).track).toHaveLength(2)
     expect(one(obstacle({ ...way, legs: 2, speed: 0.5 })).track).toMatchObject([{ x: 0, y: 0 }, { x: 4, y: 0 }, { x: 4, y: 1, t: 10 }])
@@ -127,7 +127,7 @@ describe('heights', () => {
   })
 })
 
-it('draws what a campaign says where its components are unknown', () => {
+it('draws what a campaign states where its components are unknown', () => {
   const plan = planOf(campaign('robot', [obstacle({ 'position.x': 4, 'position.y': -3, radius: 1 })], { x: -6, y: 7 }), undefined)
   expect(plan.bodies[0]).toMatchObject({ at: { x: 4, y: -3 }, radius: 1 })
   expect(plan.goal).toMatchObject({ x: -6, y: 7 })

@@ -66,7 +66,7 @@ it.each(['enu', 'ned'] as const)('is drawn as it flies under a vehicle with axes
   }
 })
 
-it('leaves out a climb that nobody knows the sense of', () => {
+it('omits a climb of unknown direction', () => {
   const values = { speed: 10, heading: 0, climb: 0.5 }
   const from = { x: 0, y: 0, up: 7, t: 0 }
   const up = (writtenIn: string | undefined, ned: boolean) =>

@@ -1,6 +1,6 @@
 // The edited scenario in plan and side view, and its nominal flight on request, with the numbers as text.
 // Start reading at `PreviewCard`.
-import { IconAlertTriangle, IconCircleCheck, IconCircleX, IconLoader, IconPlaneDeparture } from '@tabler/icons-react'
+import { IconAlertTriangle, IconCircleCheck, IconCircleX, IconLoader, IconRoute } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { useMemo } from 'react'
 import type { Campaign } from '../../api/campaign'
@@ -75,7 +75,7 @@ function Legend({ flown, moving, reach, from, ranges }: LegendProps) {
   )
   return (
     <p className={clsx(styles.legend, 'micro mut')}>
-      {flown && <span>{key('M0 4h18', 'var(--c-nom)')} Nominal flight</span>}
+      {flown && <span>{key('M0 4h18', 'var(--c-nom)')} Nominal path</span>}
       {moving && <span>{key('M0 4h18', 'var(--c-obs)', '5 3')} {flown ? 'Path of the obstacle' : 'Intended path'}</span>}
       {reach > 0 && <span>{key('M0 4h18', 'var(--c-crit)', '3 2')} Distance {plain(reach)} m{from}</span>}
       {ranges > 0 && (
@@ -98,8 +98,8 @@ function Flight({ ok, live, criterion }: FlightProps) {
   return (
     <div className="nominal">
       <button type="button" className="btn wide" aria-pressed={following} onClick={() => live.follow(!following)}>
-        <IconPlaneDeparture className="i s" aria-hidden />
-        {following ? 'Stop previewing every edit' : 'Preview nominal flight'}
+        <IconRoute className="i s" aria-hidden />
+        {following ? 'Stop previewing every edit' : 'Preview nominal case'}
       </button>
       <div className="said small" aria-live="polite" data-testid="nominal-flight">
         {following && !ok && <p className="mut">It is simulated again after the problems are solved.</p>}
@@ -142,7 +142,7 @@ function Told({ flown, stale, criterion }: { flown: Preview; stale: boolean; cri
         <p className="row">
           <IconAlertTriangle className="i s" aria-hidden />
           <span>
-            The nominal flight is {flown.status}: {flown.reason || 'the reason is unknown'}.
+            The nominal case is {flown.status}: {flown.reason || 'the reason is unknown'}.
           </span>
         </p>
       ) : (

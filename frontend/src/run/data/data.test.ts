@@ -39,3 +39,14 @@ it('calls parameters of one symbol by their paths', () => {
     'obstacles.1.speed: speed',
   ])
 })
+
+it('calls parameters of a simulator that have no symbol by their names', () => {
+  const parameters = [parameter('mass', ''), parameter('wind', '')]
+  const known = { ...CATALOGUE, simulators: [{ name: 'drop', title: 'Drop', text: '', parameters, results: [] }] } as unknown as Catalogue
+  const campaign = {
+    simulator: { name: 'drop' },
+    criterion: { result: 'd', threshold: 1 },
+    uncertain: { 'simulator.mass': { low: 0, high: 2 }, 'simulator.wind': { low: 0, high: 2 } },
+  } as unknown as Campaign
+  expect(uncertainOf(campaign, known).map(({ symbol }) => symbol)).toEqual(['mass', 'wind'])
+})

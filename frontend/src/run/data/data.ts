@@ -142,14 +142,16 @@ function useFreshAtEnd(id: string, over: boolean): void {
 export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined): UncertainParameter[] {
   const all = catalogue ? parametersOf(campaign, catalogue) : []
   const known = new Map(all.map((p) => [p.path, p]))
-  const having = (symbol: string) => all.filter((p) => p.entry.symbol === symbol).length
+  const named = (path: string, symbol: string | undefined) => symbol || (path.split('.').at(-1) ?? path)
+  const having = (symbol: string) => all.filter((p) => named(p.path, p.entry.symbol) === symbol).length
   return Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
     const parameter = known.get(path)
     const nominal = numberOf(parameter?.nominal)
     const [low, high] = boundsOf(uncertain, nominal).map(numberOf)
     if (typeof low !== 'number' || typeof high !== 'number') return []
-    const { symbol = path, unit = uncertain.unit ?? '', text = path } = parameter?.entry ?? {}
-    // Labels must be unambiguous: two obstacles have the same symbols.
+    const { unit = uncertain.unit ?? '', text = path } = parameter?.entry ?? {}
+    // Labels must be unambiguous: two obstacles have the same symbols. Parameters of a simulator may have none.
+    const symbol = parameter ? named(path, parameter.entry.symbol) : path
     const label = having(symbol) > 1 ? path : symbol
     return [{ path, symbol: label, unit, text, nominal: nominal ?? (low + high) / 2, low, high }]
   })

@@ -111,7 +111,7 @@ function specOf(
   const near = threshold !== null && threshold > range[0] - (range[1] - range[0]) && threshold < range[1] + (range[1] - range[0])
   const [dx, dy] = [decimalsFor(xs, 5), decimalsFor(ys, 5)]
   return {
-    label: `Pareto front: ${y.title} over ${x.title}, ${points.length} flights`,
+    label: `Pareto front: ${y.title} over ${x.title}, ${points.length} evaluations`,
     x: xs,
     lines: [...new Set(points.map((point) => point.method))].map((method) => ({
       key: method,

@@ -5,7 +5,7 @@ import { useTheme } from '../../theme/useTheme'
 import { Card } from '../../ui/Card'
 import { useCalm } from '../../ui/useCalm'
 import { useNear } from '../../ui/useNear'
-import { calledOf, NOMINAL } from '../data/chosen'
+import { calledOf } from '../data/chosen'
 import type { RunData } from '../data/data'
 import { drawable } from './drawable'
 import { FlightHead } from './FlightHead'
@@ -102,9 +102,9 @@ function keysOf(card: Element | null | undefined, view: View): (() => void) | un
 }
 
 /** The displayed flights, and the noise realisation of the chosen one. */
-function flights({ chosen, nominalTrace, findingTrace }: RunData, whatIf: boolean): string {
-  const noise = noiseOf(chosen === NOMINAL ? nominalTrace : findingTrace)
+function flights({ chosen, finding, nominalTrace, findingTrace }: RunData, whatIf: boolean): string {
+  const noise = noiseOf(finding ? findingTrace : nominalTrace)
   const which =
-    chosen === NOMINAL ? 'Nominal alone' : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`
+    !finding ? 'Nominal alone' : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`
   return [which, ...(noise ? [noise] : []), ...(whatIf ? ['what-if'] : [])].join(', ')
 }

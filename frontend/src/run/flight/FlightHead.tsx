@@ -29,6 +29,9 @@ interface Props {
   onFull: () => void
 }
 
+/** It looks over an obstacle at the vehicle, whether the obstacle moves or not. */
+const NAMES: Partial<Record<Camera, string>> = { intruder: 'Obstacle' }
+
 export function FlightHead({ data, view, shown, alone, onFull }: Props) {
   const recorded = data.traces.some((trace) => trace.name === data.chosen)
   const [address] = useAddress(data.run.id)
@@ -39,7 +42,7 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
       <Seg
         label="Camera"
         value={(shown?.camera ?? '') as Camera}
-        options={CAMERAS.map((camera) => ({ value: camera, label: `${camera.charAt(0).toUpperCase()}${camera.slice(1)}` }))}
+        options={CAMERAS.map((camera) => ({ value: camera, label: NAMES[camera] ?? `${camera.charAt(0).toUpperCase()}${camera.slice(1)}` }))}
         onChange={(camera) => view.steer({ camera })}
       />
       <span className="row" style={{ gap: 4 }}>

@@ -66,7 +66,7 @@ it('knows how far above or below the obstacle the closest approach is', () => {
   expect(aboveOf(flight([1], { closest: { ...closest, value: 500 } }))).toBeNull()
 })
 
-it('says what the symbol does not', () => {
+it('describes what the symbol does not', () => {
   expect(wordsOf({ name: 'omega_demand', symbol: 'ω_d' })).toBe('demand')
   expect(wordsOf({ name: 'u_ref', symbol: 'u_ref' })).toBe('reference')
   expect(wordsOf({ name: 'elevator', symbol: 'δ_e' })).toBe('elevator')

@@ -75,7 +75,7 @@ it('is drawn in the architecture guide, transition for transition', () => {
   expect(drawn).toEqual(ends)
 })
 
-describe('what the visitor is told', () => {
+describe('the message to the visitor', () => {
   it.each<[string, Machine, string, string]>([
     ['while it opens first', first, 'opening', ''],
     ['once it is open', open, 'open', ''],

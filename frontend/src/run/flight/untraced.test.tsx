@@ -37,6 +37,7 @@ it('summarises calls and retries', () => {
   const of = (simulator: object) => callsOf(asCampaign({ simulator: { name: 'drop', ...simulator } }))
   expect(of({})).toBe('one call for every evaluation')
   expect(of({ repeats: { count: 7, combine: 'mean' }, retries: 2 })).toBe(
-    '7 calls, their average counts for every evaluation; a failed call is tried again up to 2 times',
+    '7 calls for every evaluation, their average counts; a failed call is tried again up to 2 times',
   )
+  expect(of({ retries: 1 })).toBe('one call for every evaluation; a failed call is tried again once')
 })

@@ -20,7 +20,7 @@ it('puts changes together, the newest of each kind', () => {
   expect(merged({ time: 1, passing: true }, { camera: 'top' })).toEqual({ time: 1, passing: true, camera: 'top' })
 })
 
-it('tells a view opened anew all that the last one showed', () => {
+it('restores all that was shown in a reopened view', () => {
   const layers = {
     ...{ nominal: true, finding: true, what_if: false, velocity: false, relative: true, trail: 'so_far' as const },
     ...{ sampled: true, field: false, space: false, axes: ['a', 'b', 'value'] as [string, string, string] },

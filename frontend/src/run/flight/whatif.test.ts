@@ -10,7 +10,7 @@ const worst = { label: 'F1', parameters: { 'vehicle.m': 5.999999999999999, 'vehi
 const known = { parameters: [mass, inertia], findings: [worst] }
 
 describe('the address', () => {
-  it('says nothing while it is closed', () => {
+  it('is empty while it is closed', () => {
     expect(readWhatIf({}, known)).toBeNull()
     expect(written(null)).toEqual({ whatif: undefined, set: undefined, noise: undefined })
   })

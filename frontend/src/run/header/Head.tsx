@@ -4,6 +4,7 @@ import { IconPlayerStop, IconRefresh } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
+import { asCampaign, hasScenario } from '../../api/campaign'
 import { cancelRun } from '../../api/calls'
 import { putRun, useStreamStatus } from '../../api/events'
 import { isLive } from '../../api/queries'
@@ -54,7 +55,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
       <div className="acts">
         {isLive(run) && <Freshness stale={stale} />}
         {isLive(run) && <Bell run={run.id} />}
-        {isLive(run) && (
+        {isLive(run) && hasScenario(asCampaign(run.campaign)) && (
           <Link to="/runs/$id/flight" params={{ id: run.id }} className="btn" title="The flights found so far, and the searches">
             3D view
           </Link>

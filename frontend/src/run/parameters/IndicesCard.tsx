@@ -1,5 +1,4 @@
 // Global sensitivity: Morris' elementary effects and Sobol indices, one row per parameter.
-import { caseWord } from '../../api/campaign'
 import type { SensitivityResult } from '../../client'
 import { count, NONE, percent, plain } from '../../format/numbers'
 import { words } from '../../format/said'
@@ -22,7 +21,6 @@ interface Column {
 export function IndicesCard({ data, result, className }: IndicesCardProps) {
   const { run, parameters } = data
   const { morris, sobol } = result
-  const word = caseWord(data.campaign)
   const effects = (name: 'mu' | 'mu_star' | 'sigma') =>
     new Map((morris?.indices ?? []).map((row) => [row.path, plain(row[name], 3)]))
   const shares = (name: 'first' | 'total') =>
@@ -46,8 +44,8 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
     <Card
       title="Sensitivity indices"
       note={[
-        morris && `Morris, ${count(morris.evaluations)} ${word}s`,
-        sobol && `Sobol, ${count(sobol.evaluations)} ${word}s`,
+        morris && `Morris, ${count(morris.evaluations)} evaluations`,
+        sobol && `Sobol, ${count(sobol.evaluations)} evaluations`,
       ]
         .filter(Boolean)
         .join('; ')}

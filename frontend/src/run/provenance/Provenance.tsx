@@ -4,7 +4,7 @@ import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { getRunText } from '../../api/calls'
-import type { Flown, Provenance as Origin, RunDetail } from '../../client'
+import type { Provenance as Origin, RunDetail, Versions } from '../../client'
 import { plain } from '../../format/numbers'
 import { moment } from '../../format/time'
 import { idOfComponent } from '../../help/links'
@@ -54,7 +54,7 @@ export function Provenance({ data, className }: { data: RunData; className: stri
 /** The provenance of the verdict; missing values, and those of a run without a verdict, are from the start of the run. */
 export function originOf({ summary, flown }: Pick<RunDetail, 'summary' | 'flown'>): Origin {
   const stated = summary?.provenance
-  const known = <K extends keyof Flown>(key: K): Flown[K] | null => stated?.[key] ?? flown?.[key] ?? null
+  const known = <K extends keyof Versions>(key: K): Versions[K] | null => stated?.[key] ?? flown?.[key] ?? null
   return {
     digest: stated?.digest ?? null,
     seed: stated?.seed ?? null,
@@ -97,7 +97,7 @@ const hash = (text: string | null | undefined) => (
 function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
-    ['Code', <span key="o">sha256 {hash(run.flown?.code)}</span>],
+    ['Code', <span key="o">{run.flown?.code && 'sha256 '}{hash(run.flown?.code)}</span>],
     [campaign.simulator ? 'Simulator digest' : 'Simulation kernel', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
     ...(campaign.simulator ? [simulatorRow(campaign.simulator.name)] : loopRows(campaign, origin)),
@@ -134,7 +134,7 @@ function loopRows(campaign: RunData['campaign'], origin: Origin): Rows {
   ]
 }
 
-function machineRows({ run }: RunData, origin: Origin): Rows {
+function machineRows({ run, campaign }: RunData, origin: Origin): Rows {
   const { cpu } = origin
   const packages = Object.entries(origin.packages)
   return [
@@ -165,7 +165,7 @@ function machineRows({ run }: RunData, origin: Origin): Rows {
     ...(origin.evaluator
       ? [['Evaluated by', `${origin.evaluator} on other machines, whose processors are not recorded`] as Rows[number]]
       : []),
-    ['Lanes', String(origin.lanes ?? 'not recorded')],
+    ...(campaign.simulator ? [] : [['Lanes', String(origin.lanes ?? 'not recorded')] as Rows[number]]),
     ['Worker, attempts', `${run.worker ?? 'none'}, ${run.attempts}`],
   ]
 }

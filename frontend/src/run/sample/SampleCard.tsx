@@ -2,7 +2,6 @@
 // stage drew it, and the statements that it supports.
 
 import { useState } from 'react'
-import { caseWord } from '../../api/campaign'
 import type { GridResult, Sample } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
@@ -39,7 +38,7 @@ export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
   return (
     <ChartCard
       title={sample.upper_bound === null ? 'Random sample' : 'Independent sample'}
-      note={`${count(sample.samples)} ${caseWord(data.campaign)}s from the stated distributions${lostOf(sample)}`}
+      note={`${count(sample.samples)} samples from the stated distributions${lostOf(sample)}`}
       className={className}
       id="sample"
       run={run.id}

@@ -83,7 +83,7 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
       className={className}
       run={run.id}
       data={() => tableOf(space, kept)}
-      footer="Drag along an axis or in a cell to keep a range; drag its ends to change it, click to clear it. The data and the CSV file hold what is kept."
+      footer="Drag along an axis or in a cell to select a range; drag its ends to change it, click to clear it. The data and the CSV file contain the selection."
     >
       <div className="space" onKeyDown={(event) => event.key === 'Escape' && setBrush({})}>
         <div className={styles.head}>
@@ -152,7 +152,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
   return (
     <div className={styles.ranges}>
       <span className="small" aria-live="polite" data-testid="kept">
-        <b>{count(kept.length)}</b> of {count(space.count)} {space.count < space.total ? 'drawn evaluations' : 'evaluations'} kept
+        <b>{count(kept.length)}</b> of {count(space.count)} {space.count < space.total ? 'drawn evaluations' : 'evaluations'} selected
         {lowest === null ? (
           ', none with a value'
         ) : (
@@ -223,7 +223,7 @@ function Reading({ space, at, lowest }: { space: Space; at: number | null; lowes
   const fate = FATES[space.fates[at] as number]
   return (
     <p className={clsx('small sec', styles.read)}>
-      <b className={lowest ? 'bad-t' : undefined}>{lowest ? 'Lowest kept' : 'Pointed at'}</b>: {group?.title}, evaluation{' '}
+      <b className={lowest ? 'bad-t' : undefined}>{lowest ? 'Lowest selected' : 'Pointed at'}</b>: {group?.title}, evaluation{' '}
       {count((space.index[at] as number) + 1)}
       {fate !== 'ok' && `, ${fate}`}:{' '}
       {space.axes.map((axis, k) => {

@@ -91,7 +91,7 @@ it('leaves out stages and fates that are switched off', () => {
   expect(kept({}, new Set(['failed', '3']))).toEqual([0, 1, 3])
 })
 
-it('finds the lowest of what is kept', () => {
+it('finds the lowest of the filtered evaluations', () => {
   expect(worstOf(TWO, keptOf(TWO, {}, NONE))).toBe(1)
   expect(worstOf(TWO, keptOf(TWO, { a: [8, 9] }, NONE))).toBe(4)
   expect(worstOf(TWO, keptOf(TWO, { a: [3, 4] }, NONE))).toBeNull()

@@ -68,6 +68,7 @@ const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${tex
 function reasonOf(run: RunDetail, outcome: Outcome): string {
   if (outcome === 'cancelled')
     return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations, ${withoutValue(run)}. Completed evaluations are shown below; they support no claim about the avoidance system.`
-  const attempts = run.attempts > 1 ? ` It was tried ${run.attempts} times.` : ''
+  // The reason of a run that failed after several attempts already states how many.
+  const attempts = run.attempts > 1 && !run.error?.includes('attempt') ? ` It was tried ${run.attempts} times.` : ''
   return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This is not a result about the avoidance system.`
 }

@@ -78,7 +78,7 @@ function Closest({ name, approach: { time, at, obstacle } }: { name: string; app
       <dd>
         {time !== null && `${fixed(time, 2)} s, `}
         <span className={at === 'inside' ? undefined : 'unk-t'}>{AT[at]}</span>
-        {obstacle !== null && <span className="mut">, obstacles.{obstacle}</span>}
+        {obstacle !== null && <span className="mut">, obstacle {obstacle + 1}</span>}
       </dd>
     </>
   )

@@ -1,4 +1,5 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
+import type { StageProgress } from '../../client'
 import { lostOf, unknownOf, withoutValue } from '../../format/counts'
 import { count, decimalsFor, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
@@ -32,7 +33,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> 
           testId="worst"
           note={
             run.worst_method
-              ? `${methodLook(run.worst_method).title}${at?.best_index == null ? '' : `, evaluation ${count(at.best_index + 1)}`}`
+              ? `${methodLook(run.worst_method).title}${whereOf(at, run.worst_cost)}`
               : 'none found'
           }
         />
@@ -77,4 +78,10 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> 
       </div>
     </div>
   )
+}
+
+/** Where a method found the worst case; a lower value than its own best came from the refinement in validation. */
+function whereOf(stage: StageProgress | undefined, worst: number | null): string {
+  if (stage?.best_index == null) return ''
+  return worst !== null && stage.best !== null && worst < stage.best ? ', refined in validation' : `, evaluation ${count(stage.best_index + 1)}`
 }

@@ -71,7 +71,7 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
         <table className="tight">
           <thead>
             <tr>
-              <th>{repeated ? 'Case' : 'Flight'}</th>
+              <th>Case</th>
               <th>{repeated ? 'Evaluation' : 'Integration'}</th>
               <NumHead unit="ms">Step</NumHead>
               <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>

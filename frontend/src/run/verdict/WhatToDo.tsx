@@ -12,12 +12,12 @@ export function WhatToDo({ run, className }: { run: RunDetail; className: string
       <ol className={styles.todoList}>
         <li>
           <b>Run it again</b> with the button above, as it is or changed. If it fails for the same reason
-          {stage && ` in ${stage.method ? methodLook(stage.method).title : stage.kind}`}, take a smaller budget or step, or leave
-          that stage out, on the <Link to="/launch" search={{ from: run.id }}>launch page</Link>.
+          {stage && ` in ${stage.method ? methodLook(stage.method).title : stage.kind}`}, take a smaller budget or step
+          {stage && ', or omit that stage'}, on the <Link to="/launch" search={{ from: run.id }}>launch page</Link>.
         </li>
         <li>
           <b>Read the log</b> of the worker{run.worker ? ` (${run.worker})` : ''}, in the folder <code>logs</code> of the
-          service’s data: it has what the simulation said before it ended.
+          service’s data: it contains the output of the simulation before it ended.
         </li>
         <li>
           <b>Draw no conclusion.</b> A run that failed has no verdict, whatever it had evaluated until then.

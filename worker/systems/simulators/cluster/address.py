@@ -67,7 +67,7 @@ def _dask(given: str) -> Evaluator:
     try:
         parts = urlsplit(given)
         port = parts.port
-    except ValueError:  # a port that is none, brackets that do not close
+    except ValueError:  # an invalid port, unclosed brackets
         raise _bad(given) from None
     if parts.scheme not in SCHEMES or not parts.hostname or port is None or parts.path not in ("", "/"):
         raise _bad(given)

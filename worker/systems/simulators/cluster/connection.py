@@ -259,7 +259,7 @@ def acquire(evaluator: Evaluator) -> Connection:
 
 
 def release(connection: Connection) -> None:
-    """Close a connection that nobody uses any more."""
+    """Close a connection that is no longer used."""
     with _lock:
         connection.users -= 1
         if connection.users:

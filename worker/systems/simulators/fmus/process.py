@@ -12,9 +12,9 @@ import time
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from worker.systems.simulators.fmus import JOB
+from worker.systems.simulators.fmus.job import Job
 from worker.systems.simulators.fmus.unit import Failed, Refused, Unit
 
 EXTRACTED = Path("fmu")
@@ -44,7 +44,7 @@ evaluate = Evaluate()
 
 def loaded() -> Unit:
     """The FMU of the job, extracted again into the folder of the slot; raises Refused."""
-    job: dict[str, Any] = json.loads(Path(os.environ[JOB]).read_text(encoding="utf-8"))
+    job: Job = json.loads(Path(os.environ[JOB]).read_text(encoding="utf-8"))
     file = Path(job["file"])
     try:
         if hashlib.sha256(file.read_bytes()).hexdigest() != job["sha256"]:

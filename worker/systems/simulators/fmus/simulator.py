@@ -7,7 +7,6 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from campaigns.claims.say import say
 from worker.catalogue.fmu import DescribedFmu
@@ -15,6 +14,7 @@ from worker.catalogue.simulator import Opening
 from worker.systems.base import Scope, Settings
 from worker.systems.simulators.command import CommandSimulator
 from worker.systems.simulators.fmus import JOB
+from worker.systems.simulators.fmus.job import Job
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits
 from worker.systems.simulators.slots.pool import SlotPool
@@ -127,7 +127,7 @@ def program(described: DescribedFmu, result: str, reuse: str, function: str, wor
     return Program(command, "framed", environment, str(work / "{slot}"))
 
 
-def _job(described: DescribedFmu, result: str, reuse: str) -> dict[str, Any]:
+def _job(described: DescribedFmu, result: str, reuse: str) -> Job:
     """What the process must know; it computes only the result that the campaign names."""
     d, m = described.descriptor, described.model
     fixed = [(m.variables[name], value) for name, value in d.fixed.items()]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+
+from worker.systems.simulators.fmus.job import Take
 
 
 class NotTaken(ValueError):
@@ -13,11 +14,11 @@ class NotTaken(ValueError):
 class Taken:
     """One result while a simulation runs: `see` every sample in the order of time, then `value`."""
 
-    def __init__(self, stated: dict[str, Any]) -> None:
-        self.variable: str = stated["variable"]
-        self._take: str = stated["take"]
-        self._level: float | None = stated.get("level")
-        self._direction: str = stated.get("direction") or "either"
+    def __init__(self, stated: Take) -> None:
+        self.variable = stated["variable"]
+        self._take = stated["take"]
+        self._level = stated["level"]
+        self._direction: str = stated["direction"] or "either"
         self._least, self._most = math.inf, -math.inf
         self._last: tuple[float, float] | None = None
         self._crossed: float | None = None

@@ -26,6 +26,7 @@ from worker.systems.simulators.fmus.binding import (
     fmi2Terminated,
     free,
 )
+from worker.systems.simulators.fmus.job import Job
 from worker.systems.simulators.fmus.taken import NotTaken, Taken
 
 STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
@@ -48,7 +49,7 @@ class Refused(Failed):
 class Unit:
     """A loaded FMU; `job` is what `simulator` wrote. reset: whether one instance serves all evaluations."""
 
-    def __init__(self, job: dict[str, Any], folder: Path, reset: bool) -> None:
+    def __init__(self, job: Job, folder: Path, reset: bool) -> None:
         self.job, self.reset = job, reset
         self._time: float | None = None
         self._instance = self._used = False

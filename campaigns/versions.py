@@ -37,7 +37,7 @@ class Processor(BaseModel):
     features: str = ""
 
 
-class Flown(BaseModel):
+class Versions(BaseModel):
     """The versions behind a run, as loaded when its first stage began; None or empty: not stored by earlier
     versions."""
 
@@ -63,14 +63,14 @@ class Flown(BaseModel):
     integrator: str | None = None
 
     @staticmethod
-    def of(document: Any) -> Flown:
+    def of(document: Any) -> Versions:
         """From a stored document; fields missing in earlier versions stay empty."""
         known = document if isinstance(document, dict) else {}
         cpu = known.get("cpu")
-        return Flown.model_validate({**known, "cpu": cpu if isinstance(cpu, dict) else None})
+        return Versions.model_validate({**known, "cpu": cpu if isinstance(cpu, dict) else None})
 
 
-def differences(then: Flown, now: Flown, modules: list[str] | None = None) -> list[str]:
+def differences(then: Versions, now: Versions, modules: list[str] | None = None) -> list[str]:
     """The differences that may change a number, as clauses; fields that either did not store are not compared.
 
     `modules` are those that differ, if known. The processor is not compared: a run may move between machines, and

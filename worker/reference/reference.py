@@ -1,6 +1,6 @@
 """Simulations with the reference integrator: the value of the deciding criterion, or why there is no value.
 
-Start reading at `Reference.fly`.
+Start reading at `Reference.simulate`.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Reference:
         self.compiled = compiled
         self.timetable = Timetable(flights)
 
-    def fly(self, vector: Floats, counts: int | None = None) -> Flight:
+    def simulate(self, vector: Floats, counts: int | None = None) -> Flight:
         """Simulate one flat parameter vector (size,); the minimum over time comes from the dense output.
 
         If the worst of several realisations counts, only that one is simulated. counts: its seed, if known; otherwise
@@ -60,15 +60,15 @@ class Reference:
             return Flight(None, f"{NAME} does not locate crossings, which {flights.parts.criterion.title} needs")
         seeds = realised.seeds
         if realised.several and realised.combine == "worst":
-            seeds = tuple(flights.fly_realised(vector[None, :])[2] or ()) if counts is None else (counts,)
-        flown = [self._realised(realised.flight(vector[None, :], seed)[0]) for seed in seeds]
-        for flight_, seed in zip(flown, seeds, strict=True):
+            seeds = tuple(flights.simulate_realised(vector[None, :])[2] or ()) if counts is None else (counts,)
+        simulated = [self._realised(realised.flight(vector[None, :], seed)[0]) for seed in seeds]
+        for flight_, seed in zip(simulated, seeds, strict=True):
             if flight_.cost is None:
                 return Flight(None, f"with seed {seed}: {flight_.reason}" if realised.several else flight_.reason)
-        coarse = next((f.reason for f in flown if f.reason), "")
-        return Flight(float(np.mean([f.cost for f in flown if f.cost is not None])), coarse)
+        coarse = next((f.reason for f in simulated if f.reason), "")
+        return Flight(float(np.mean([f.cost for f in simulated if f.cost is not None])), coarse)
 
-    def fly_all(
+    def simulate_all(
         self,
         vectors: Floats,
         cancelled: Callable[[], bool] = lambda: False,
@@ -76,23 +76,23 @@ class Reference:
     ) -> list[Flight]:
         """Simulate vectors (m, size) on `usual_threads`. When cancelled, returns the results until then: fewer than m.
 
-        counts: the deciding seed of each vector, as in `fly`.
+        counts: the deciding seed of each vector, as in `simulate`.
         """
         counts = [None] * len(vectors) if counts is None else counts
         threads = min(usual_threads(), len(vectors)) if self.compiled else 1
-        flown: list[Flight] = []
+        simulated: list[Flight] = []
         if threads > 1:
             _ = self._system  # compile once, before the threads start
             with ThreadPoolExecutor(threads, thread_name_prefix="reference") as pool:
-                while len(flown) < len(vectors) and not cancelled():
-                    some = slice(len(flown), len(flown) + threads)
-                    flown += pool.map(self.fly, vectors[some], counts[some])
-            return flown
+                while len(simulated) < len(vectors) and not cancelled():
+                    some = slice(len(simulated), len(simulated) + threads)
+                    simulated += pool.map(self.simulate, vectors[some], counts[some])
+            return simulated
         for vector, seed in zip(vectors, counts, strict=True):
             if cancelled():
                 break
-            flown.append(self.fly(vector, seed))
-        return flown
+            simulated.append(self.simulate(vector, seed))
+        return simulated
 
     @cached_property
     def _system(self) -> Any:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from campaigns.flown import Code, Flown, Processor
+from campaigns.versions import Code, Processor, Versions
 
 CODE = Code("c0de" * 16, {"worker.problem.problem": "0" * 16, "worker.components.vehicles.unicycle": "1" * 16})
 OTHER = Code("beef" * 16, {"worker.problem.problem": "0" * 16, "worker.components.vehicles.unicycle": "2" * 16})
-FLOWN = Flown(
+VERSIONS = Versions(
     code=CODE.digest,
     loop="0123456789abcdef",
     packages={"numpy": "2.4.6", "scipy": "1.17.1"},

@@ -1,0 +1,84 @@
+"""Rows of the tables as records, and records as rows. Start reading at `as_columns` and `blobs`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import sqlalchemy as sa
+from pydantic import BaseModel
+
+from backend.db.records import Columns, Trace
+from campaigns.documents import JsonObject
+from campaigns.results import Finding, StageResult
+from campaigns.results.base import OK
+from campaigns.stages.found import stage_result
+
+
+def as_columns(row: Any) -> Columns:
+    """A row of the chunk table as arrays."""
+    points, costs, seconds = (
+        np.frombuffer(data, dtype="<f8").astype(np.float64).reshape(row.count, -1)
+        for data in (row.points, row.costs, row.seconds)
+    )
+    reasons = {int(index): reason for index, reason in row.reasons.items()}
+    return Columns(points, costs, np.frombuffer(row.status, dtype=np.uint8).copy(), seconds[:, 0], reasons)
+
+
+def as_finding(row: sa.RowMapping) -> Finding:
+    """A row of the findings table as a record."""
+    return Finding.model_validate(dict(row))
+
+
+def as_result(stored: Any) -> StageResult | None:
+    """The stored result of a stage; None if there is none yet."""
+    return None if stored is None else stage_result(stored)
+
+
+def plain(value: Any) -> Any:
+    """The value as plain JSON: NumPy numbers become Python numbers, non-finite numbers become None."""
+    if isinstance(value, BaseModel):
+        return plain(value.model_dump())
+    if isinstance(value, Mapping):
+        return {str(key): plain(inner) for key, inner in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(inner) for inner in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def blobs(columns: Columns) -> JsonObject:
+    """The columns as a row of the chunk table."""
+    return {
+        "points": _bytes(columns.points),
+        "costs": _bytes(columns.costs),
+        "status": np.ascontiguousarray(columns.status, dtype=np.uint8).tobytes(),
+        "seconds": _bytes(columns.seconds),
+        "reasons": {str(index): reason for index, reason in columns.reasons.items()},
+    }
+
+
+def _bytes(array: Any) -> bytes:
+    return np.ascontiguousarray(array, dtype="<f8").tobytes()
+
+
+def lowest(columns: Columns) -> tuple[float, int | None]:
+    """The lowest cost among ok evaluations by the first criterion, and its row; the first of equal ones."""
+    ok = np.flatnonzero((columns.status == OK) & np.isfinite(columns.costs[:, 0]))
+    if not len(ok):
+        return math.nan, None
+    index = int(ok[np.argmin(columns.costs[ok, 0])])
+    return float(columns.costs[index, 0]), index
+
+
+def finding_row(finding: Finding) -> JsonObject:
+    return {**plain(finding), "cost": finding.cost, "margin": finding.margin}
+
+
+def trace_row(trace: Trace) -> JsonObject:
+    rows = len(trace.data)
+    shape = {"name": trace.name, "columns": plain(trace.columns), "rows": rows}
+    return {**shape, "data": _bytes(trace.data), "meta": plain(trace.meta)}

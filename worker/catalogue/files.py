@@ -23,6 +23,7 @@ from typing import Any
 
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from worker.catalogue import describing
+from worker.catalogue.columns import Column
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import folders, listed
 from worker.catalogue.function import (
@@ -191,4 +192,5 @@ def _restored(given: dict[str, Any]) -> Declaration:
         {name: Parameter(**p) for name, p in given["parameters"].items()},
         {name: Output(**r) for name, r in given["results"].items()},
         Settings(**given["settings"]),
+        {name: Column(**c) for name, c in given["trace"].items()},
     )

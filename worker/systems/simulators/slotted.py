@@ -9,7 +9,7 @@ from __future__ import annotations
 import tempfile
 import threading
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -18,7 +18,8 @@ import numpy as np
 
 from campaigns.results.base import FAILED, OK, TIMEOUT
 from worker.search.base import Batch
-from worker.systems.base import Evaluated, Floats, Reasons, Seeds
+from worker.systems.base import Evaluated, Floats, NoTrace, Reasons, Seeds, Trace
+from worker.systems.simulators import traced
 from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.pool import SlotPool
@@ -63,6 +64,22 @@ class Slotted(Simulated):
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         return batch_of([future.result() for future in [self.submit(vector) for vector in vectors]])
+
+    @property
+    def _columns(self) -> Mapping[str, traced.Column]:
+        """The columns of the trace that it returns on request; empty if it returns none."""
+        return {}
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
+        columns = self._columns
+        if not columns:
+            return None
+        vector = self._vector(values)
+        outcome = self._opened().submit({"parameters": self._request(vector), "trace": True}).result()
+        value, reason = self._read(outcome)
+        if reason:
+            raise NoTrace(f"{traced.LOST}: {reason}")
+        return traced.read(name, columns, outcome.answer, traced.head(self.results[0], value, self._by_path(vector)))
 
     def close(self) -> None:
         """Kill its processes; they start again with the next evaluation."""

@@ -9,12 +9,21 @@ import numpy as np
 import pytest
 
 from tests.fmu import made
-from tests.fmu.test_evaluation import simulator
 from worker.catalogue import fmu
 from worker.catalogue.descriptor import BadDescriptor, read
+from worker.catalogue.simulator import Opening
 from worker.systems.base import NoTrace
+from worker.systems.simulators.fmus.simulator import FmuSimulator, opened
 
 TRACE: dict[str, Any] = {"height": {"variable": "z", "text": "Height", "symbol": "z_1"}, "x": None}
+
+
+def simulator(folder: Path, result: str) -> FmuSimulator:
+    described = read(folder)
+    assert isinstance(described, fmu.DescribedFmu)
+    return opened(
+        described, Opening({f"simulator.{p.name}": p.default or 0.0 for p in described.entry.parameters}, result)
+    )
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

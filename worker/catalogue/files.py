@@ -181,7 +181,13 @@ def _described(file: str, digest: str) -> tuple[PythonFunction, ...] | str:
     given = json.loads(answer)
     if "error" in given:
         return str(given["error"])
-    return tuple(PythonFunction(_restored(d["declaration"]), {"file": file, "name": d["name"]}) for d in given["found"])
+    found = [PythonFunction(_restored(d["declaration"]), {"file": file, "name": d["name"]}) for d in given["found"]]
+    for function in found:
+        try:
+            _ = function.declaration.drawn
+        except ValueError as error:
+            return f"{function.declaration.name}: {error}"
+    return tuple(found)
 
 
 def _restored(given: dict[str, Any]) -> Declaration:
@@ -193,4 +199,5 @@ def _restored(given: dict[str, Any]) -> Declaration:
         {name: Output(**r) for name, r in given["results"].items()},
         Settings(**given["settings"]),
         {name: Column(**c) for name, c in given["trace"].items()},
+        given["scene"],
     )

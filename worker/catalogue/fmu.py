@@ -17,9 +17,11 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from campaigns.results.scene import Scene
 from worker.catalogue.columns import MOST, TIME, Column
 from worker.catalogue.described import Basics, Described, Finite
 from worker.catalogue.fmu_model import REALS, Model, Unusable, Variable, model
+from worker.catalogue.scene import scene_of
 
 STEPS = 10_000_000
 CELLS = 500_000
@@ -82,7 +84,8 @@ class FmuDescriptor(Basics):
     fmu: the file, in the folder of the descriptor. stop, step: end of the simulation and communication step [s], by
     default those of the model's DefaultExperiment. parameters: those that a campaign may vary, by default all
     parameters and inputs that are real numbers. fixed (key `set`): values of further variables, by their names in the
-    model. trace: the variables that are recorded at the communication points, on request; time is added.
+    model. trace: the variables that are recorded at the communication points, on request; time is added. scene:
+    which of them are positions of what, for the 3D view.
     """
 
     fmu: Annotated[str, Field(pattern=r"^[^/\\]+$")]
@@ -97,6 +100,7 @@ class FmuDescriptor(Basics):
         dict[Identifier, Annotated[FmuColumn, BeforeValidator(lambda given: {} if given is None else given)]],
         Field(max_length=MOST - 1),
     ] = Field(default_factory=dict)
+    scene: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -131,6 +135,12 @@ class DescribedFmu(Described):
             text = variable.text if stated.text is None else stated.text
             found[name] = Column(variable.unit or stated.unit or "", text, stated.symbol)
         return found
+
+    @property
+    def drawn(self) -> Scene | None:
+        """What is drawn of a trace; raises ValueError."""
+        stated = self.descriptor.scene
+        return None if stated is None else scene_of(stated, {name: c.unit for name, c in self.columns.items()})
 
     @property
     def every(self) -> int:
@@ -175,7 +185,12 @@ def read(folder: Path, document: dict[str, Any]) -> DescribedFmu:
     _fixed(descriptor, found, {given.variable.reference for given in inputs})
     stop, step = _times(descriptor, found)
     recorded = dict(_recorded(descriptor, found))
-    return DescribedFmu(folder, descriptor, found, sha256, stop, step, inputs, recorded)
+    described = DescribedFmu(folder, descriptor, found, sha256, stop, step, inputs, recorded)
+    try:
+        _ = described.drawn
+    except ValueError as error:
+        raise Unusable(str(error)) from None
+    return described
 
 
 def _recorded(descriptor: FmuDescriptor, found: Model) -> Iterator[tuple[str, Variable]]:

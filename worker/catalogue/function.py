@@ -88,6 +88,17 @@ class Declaration:
     settings: Settings = field(default_factory=Settings)
     trace: Mapping[str, Column] = field(default_factory=dict)
     """The quantities over time that it returns on request, `time` among them; empty if none."""
+    scene: Mapping[str, Any] | None = None
+    """Which of them are positions of what, as `campaigns.results.scene.Scene`."""
+
+    @property
+    def drawn(self) -> Any:
+        """The 3D view of a trace, a `Scene`, or None; raises ValueError if it cannot be used."""
+        if self.scene is None:
+            return None
+        from worker.catalogue.scene import scene_of  # pydantic, which the process of a slot does not load
+
+        return scene_of(self.scene, {name: c.unit for name, c in self.trace.items()})
 
 
 class Function(Generic[P, R]):
@@ -121,6 +132,7 @@ def simulator(
     slots: int = 0,
     recycle: int = 0,
     trace: Mapping[str, Column | Mapping[str, str]] | None = None,
+    scene: Mapping[str, Any] | None = None,
 ) -> Callable[[Callable[P, R]], Function[P, R]]:
     """Declare a function as a simulator that campaigns can name; the function stays callable.
 
@@ -132,7 +144,8 @@ def simulator(
 
     trace: columns over time, `time` [s] among them, each a dict with `unit`, `text` and `symbol`. The function then has
     a further parameter `trace=False`; called with `trace=True`, it returns a pair: what it returns otherwise, and a
-    dict of the columns, each a list or an array.
+    dict of the columns, each a list or an array. scene: which columns are positions of what, for the 3D view, with the
+    keys of a descriptor.
 
     Raises ValueError or TypeError if the declaration does not fit the function.
     """
@@ -146,11 +159,13 @@ def simulator(
         returned = {"value": Output()} if results is None else dict(_mapping("results", results))
         text = inspect.getdoc(call) or ""
         traced = {} if trace is None else columns(trace)
-        declaration = Declaration(named, title or named, text, given, returned, settings, traced)
+        declaration = Declaration(named, title or named, text, given, returned, settings, traced, scene)
         check(declaration)
         accepts(call, given)
         if traced:
             _accepts_trace(call, given)
+        if not only_loaded():
+            _ = declaration.drawn
         return Function(call, declaration)
 
     return declared

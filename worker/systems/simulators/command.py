@@ -13,6 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from campaigns.results.scene import Scene
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import DescribedProgram
 from worker.catalogue.simulator import Opening
@@ -105,6 +106,10 @@ class CommandSimulator(Slotted):
     @property
     def _columns(self) -> Mapping[str, traced.Column]:
         return self.described.descriptor.trace if isinstance(self.described, DescribedProgram) else {}
+
+    @property
+    def _scene(self) -> Scene | None:
+        return self.described.descriptor.drawn if isinstance(self.described, DescribedProgram) else None
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
         """The result that decides, or why there is none."""

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from campaigns.catalogue import SimulatorEntry
 from campaigns.claims.say import say
 from campaigns.results.base import FAILED, OK
+from campaigns.results.scene import Scene
 from worker.catalogue.columns import Column
 from worker.catalogue.function import Settings
 from worker.catalogue.simulator import Opening
@@ -37,11 +38,11 @@ class _OfFunction(Simulated):
 
     def __init__(
         self, entry: SimulatorEntry, opening: Opening, settings: Settings, files_digest: str,
-        columns: Mapping[str, Column] | None = None,
+        columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
     ) -> None:  # fmt: skip
         super().__init__(entry, opening)
         self.of = settings
-        self.columns = columns or {}
+        self.columns, self.scene = columns or {}, scene
         self.files_digest = files_digest
         self.names_given = [p.path.removeprefix("simulator.") for p in self.parameters]
         self.every = [r.name for r in entry.results]
@@ -77,16 +78,16 @@ class InProcess(_OfFunction):
 
     def __init__(
         self, call: Callable[..., Any], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str = "",
-        columns: Mapping[str, Column] | None = None,
+        columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
     ) -> None:  # fmt: skip
         self.identity = None if digest else identified(call)
         unknown = self.identity is not None and self.identity.unknown
         found = digest or (f"unidentified-{uuid.uuid4().hex}" if unknown or self.identity is None else "")
-        super().__init__(entry, opening, settings, found or getattr(self.identity, "digest", ""), columns)
+        super().__init__(entry, opening, settings, found or getattr(self.identity, "digest", ""), columns, scene)
         self.call = call
 
     def fresh(self) -> InProcess:
-        return InProcess(self.call, self.entry, self.opening, self.of, self.files_digest, self.columns)
+        return InProcess(self.call, self.entry, self.opening, self.of, self.files_digest, self.columns, self.scene)
 
     @property
     def scope(self) -> Scope:
@@ -122,7 +123,7 @@ class InProcess(_OfFunction):
         results = answer["results"]
         if "failed" in results:
             raise NoTrace(f"{traced.LOST}: {results['failed']}")
-        head = traced.head(self.results[0], results["results"][self.results[0].name], given)
+        head = traced.head(self.results[0], results["results"][self.results[0].name], given, self.scene)
         return traced.read(name, self.columns, child.plain(answer), head)
 
     def _each(self, vectors: Floats) -> tuple[Batch, Reasons]:
@@ -188,9 +189,9 @@ class Isolated(_OfFunction, Slotted):
     def __init__(
         self,
         place: Mapping[str, str], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str,
-        alone: bool = False, columns: Mapping[str, Column] | None = None,
+        alone: bool = False, columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
     ) -> None:  # fmt: skip
-        super().__init__(entry, opening, settings, digest, columns)
+        super().__init__(entry, opening, settings, digest, columns, scene)
         self.place = place
         self._alone = alone
 
@@ -208,6 +209,10 @@ class Isolated(_OfFunction, Slotted):
     @property
     def _columns(self) -> Mapping[str, Column]:
         return self.columns
+
+    @property
+    def _scene(self) -> Scene | None:
+        return self.scene
 
     def _program(self, work: Path) -> Program:
         named = {calling.FUNCTION: calling.packed(self.place, self.every, self.of.vectorized)}

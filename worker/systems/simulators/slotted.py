@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.results.scene import Scene
 from worker.search.base import Batch
 from worker.systems.base import Evaluated, Floats, NoTrace, Reasons, Seeds, Trace
 from worker.systems.simulators import traced
@@ -36,6 +37,8 @@ class Slotted(Simulated):
 
     _pool: SlotPool | DaskPool | None = None
     _work: tempfile.TemporaryDirectory[str] | None = None
+    most_slots: int | None = None
+    """Fewer processes side by side than `slots`, set before the first evaluation."""
 
     @property
     @abstractmethod
@@ -70,6 +73,11 @@ class Slotted(Simulated):
         """The columns of the trace that it returns on request; empty if it returns none."""
         return {}
 
+    @property
+    def _scene(self) -> Scene | None:
+        """What is drawn of a trace, if it declares this."""
+        return None
+
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
         columns = self._columns
         if not columns:
@@ -79,7 +87,8 @@ class Slotted(Simulated):
         value, reason = self._read(outcome)
         if reason:
             raise NoTrace(f"{traced.LOST}: {reason}")
-        return traced.read(name, columns, outcome.answer, traced.head(self.results[0], value, self._by_path(vector)))
+        head = traced.head(self.results[0], value, self._by_path(vector), self._scene)
+        return traced.read(name, columns, outcome.answer, head)
 
     def close(self) -> None:
         """Kill its processes; they start again with the next evaluation."""
@@ -94,7 +103,8 @@ class Slotted(Simulated):
         if self._pool is None:
             prefix = f"clearance-{self.entry.name}-"
             self._work = tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True)
-            self._pool = SlotPool(self._program(Path(self._work.name)), self.slots, self._limits)
+            slots = min(self.slots, self.most_slots or self.slots)
+            self._pool = SlotPool(self._program(Path(self._work.name)), slots, self._limits)
         return self._pool
 
     def _evaluated(self, outcomes: Sequence[Outcome]) -> Evaluated:

@@ -12,6 +12,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from campaigns.results.base import Status
+from campaigns.results.scene import Scene
 from campaigns.results.trace import TraceColumn, TraceHead
 from worker.systems.base import Floats, NoTrace, Result, Trace
 
@@ -31,10 +32,10 @@ class Column(Protocol):
     def text(self) -> str: ...
 
 
-def head(result: Result, value: float, values: Mapping[str, float]) -> TraceHead:
-    """The header of the trace of one evaluation, whose deciding result has this value."""
+def head(result: Result, value: float, values: Mapping[str, float], scene: Scene | None = None) -> TraceHead:
+    """The header of the trace of one evaluation, whose deciding result has this value; scene: what is drawn of it."""
     cost = value if result.worse == "low" else 0.0 - value
-    return TraceHead(parameters=dict(values), status=Status.OK, cost=cost, values={result.name: value})
+    return TraceHead(parameters=dict(values), status=Status.OK, cost=cost, values={result.name: value}, scene=scene)
 
 
 def read(name: str, columns: Mapping[str, Column], answer: Any, of: TraceHead) -> Trace:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from campaigns.claims.say import say
+from campaigns.results.scene import Scene
 from worker.catalogue.columns import Column
 from worker.catalogue.fmu import DescribedFmu
 from worker.catalogue.simulator import Opening
@@ -79,6 +80,10 @@ class FmuSimulator(CommandSimulator):
     @property
     def _columns(self) -> Mapping[str, Column]:
         return self.described.columns
+
+    @property
+    def _scene(self) -> Scene | None:
+        return self.described.drawn
 
     @property
     def _recycle(self) -> int:

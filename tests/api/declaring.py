@@ -19,7 +19,7 @@ ENTRY = SimulatorEntry(
     name="drop",
     title="Parachute drop",
     text="A load falls.",
-    parameters=[ParameterEntry(name="wind", symbol="w", unit="m/s", low=-5, high=5, default=1.0, text="Wind")],
+    parameters=[ParameterEntry(name="wind", symbol="w", unit="m/s", low=-5.0, high=5.0, default=1.0, text="Wind")],
     results=[ResultEntry(name="separation", title="Separation", quantity="d_min", unit="m", worse="low")],
 )
 CAMPAIGN = {

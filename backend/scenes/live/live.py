@@ -6,6 +6,7 @@ are one line of JSON each (`worker/processes/live.py`). Start reading at `Live.f
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import logging
@@ -62,8 +63,10 @@ class Live:
     """The interface to the child process; thread-safe."""
 
     def __init__(
-        self, command: Sequence[str] = COMMAND, limit: float = LIMIT, first_limit: float = FIRST_LIMIT
+        self, command: Sequence[str] = COMMAND, limit: float = LIMIT, first_limit: float = FIRST_LIMIT, grace: float = 0
     ) -> None:
+        """grace: time for the process to end by itself when this is closed [s]."""
+        self._grace = grace
         self._command, self._limit, self._first_limit = command, limit, first_limit
         self._lock = threading.Lock()
         self._child: _Child | None = None
@@ -99,6 +102,10 @@ class Live:
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
         return self._answered(digest, asked | noise.request)
 
+    def ask(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
+        """The response to another request of the command, on the campaign of that digest. Raises `LiveError`."""
+        return self._answered(digest, request)
+
     def _answered(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
         for _ in range(MOST_STARTS):
             try:
@@ -123,6 +130,7 @@ class Live:
         with self._lock:
             self._closed = True
             if self._child is not None:
+                self._child.leave(self._grace)
                 self._child.end("the service is stopping")
 
 
@@ -175,6 +183,13 @@ class _Child:
                 return asked.answer.result(max(remaining, 0.01))
             except TimeoutError:
                 continue
+
+    def leave(self, grace: float) -> None:
+        """Close its input and wait until it has ended, at most this long [s]."""
+        if grace and self._process is not None and self._process.stdin is not None:
+            with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+                self._process.stdin.close()
+                self._process.wait(grace)
 
     def end(self, why: str, failure: type[LiveError] = LiveError) -> None:
         """Kill it and fail all pending requests."""

@@ -117,10 +117,10 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
         {drawn && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
-        {!flies && <Untraced data={data} className="c12" />}
+        {!flies && <Untraced data={data} whatIf={shown && !drawn ? whatIf : null} className="c12" />}
         {shown && (
           <div className={drawn ? clsx('stack', styles.pair, 'c4') : clsx('stack', styles.pair, 'c6')}>
-            {flown && <WhatIfCard data={data} state={whatIf} className="" />}
+            {(flown || !flies) && <WhatIfCard data={data} state={whatIf} className="" />}
             <NominalWorst
               data={data}
               className=""
@@ -139,7 +139,7 @@ export function Finished({ data }: { data: RunData }) {
         {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5 wide" height={226} />}
         {timed && (
           <div className={few || !flies ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5 wide')} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
-            {calm && <MotionCard data={data} onCross={cross} standing={view} className="" />}
+            {calm && <MotionCard data={data} onCross={cross} standing={view} whatIf={flies ? null : other} className="" />}
           </div>
         )}
         {sensitivity && !few && (

@@ -1,7 +1,6 @@
 // The controls below the 3D view: playback, time, speed, and visible layers.
 // Start reading at `PlayBar`.
 import {
-  IconAdjustments,
   IconFocusCentered,
   IconLayoutSidebarRightCollapse,
   IconLayoutSidebarRightExpand,
@@ -19,6 +18,7 @@ import { Menu, Pick, Picks } from '../../ui/Menu'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
 import type { View } from './view'
+import { WhatIfButton } from './WhatIfButton'
 import type { WhatIfState } from './useWhatIf'
 import styles from './flight.module.css'
 
@@ -70,17 +70,7 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
         ))}
       </select>
       {shown && <LayersMenu data={data} view={view} shown={shown} />}
-      {flies && (
-        <button
-          type="button"
-          className="btn s"
-          aria-pressed={whatIf.whatIf !== null}
-          title="Other parameters, simulated at once"
-          onClick={whatIf.toggle}
-        >
-          <IconAdjustments className="i s" aria-hidden /> What-if
-        </button>
-      )}
+      <WhatIfButton whatIf={whatIf} flies={flies} />
       <IconButton
         label={panel ? 'Close the panel' : 'Open the panel'}
         title={`${panel ? 'Close' : 'Open'} the panel: values, ${flies ? 'parameter space, ' : ''}search`}

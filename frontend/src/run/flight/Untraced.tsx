@@ -3,6 +3,8 @@ import { resultOf } from '../../api/stages'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
 import { sceneOf } from './declared'
+import type { WhatIfState } from './useWhatIf'
+import { WhatIfButton } from './WhatIfButton'
 
 /** The reasons why cases have no trace, by name; the nominal one first. */
 export function untracedOf(data: Pick<RunData, 'stages'>): [string, string][] {
@@ -12,7 +14,14 @@ export function untracedOf(data: Pick<RunData, 'stages'>): [string, string][] {
   return Object.entries({ ...(nominal?.untraced ?? {}), ...(validated?.untraced ?? {}) })
 }
 
-export function Untraced({ data, className }: { data: RunData; className: string }) {
+interface Props {
+  data: RunData
+  /** The what-if, where no other card opens it. */
+  whatIf?: Pick<WhatIfState, 'whatIf' | 'toggle'> | null
+  className: string
+}
+
+export function Untraced({ data, whatIf = null, className }: Props) {
   const reasons = untracedOf(data)
   const shown = reasons.filter(([name]) => name === NOMINAL || name === data.chosen)
   const scene = sceneOf(data)
@@ -22,10 +31,15 @@ export function Untraced({ data, className }: { data: RunData; className: string
         `This run evaluates a simulator. The 3D view shows what its trace declares, z ${scene.frame === 'z_up' ? 'up' : 'down'}: positions from its columns, and nothing else.`
       ) : data.traces.length > 0 ? (
         <>
-          This run evaluates a simulator: there is no 3D view and no what-if. <Declare />
+          This run evaluates a simulator: there is no 3D view. <Declare />
         </>
       ) : (
         `This system provides no trace: only the values of its results can be shown.${reasons.length > 0 ? ' It declares one, but returned none that could be stored.' : ''}`
+      )}
+      {whatIf && (
+        <p>
+          <WhatIfButton whatIf={whatIf} flies={false} />
+        </p>
       )}
       {shown.map(([name, reason]) => (
         <p key={name}>

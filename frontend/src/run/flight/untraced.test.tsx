@@ -15,7 +15,7 @@ const column = (name: string, group: string) => ({ name, symbol: name, unit: 'm'
 
 it('claims no trace only if none is stored', () => {
   expect(shown({})).toContain('This system provides no trace')
-  expect(shown({ traces: [{ name: 'nominal', meta: {} }] })).toContain('there is no 3D view and no what-if')
+  expect(shown({ traces: [{ name: 'nominal', meta: {} }] })).toContain('This run evaluates a simulator: there is no 3D view.')
 })
 
 it('says what to declare for a 3D view, or what is drawn', () => {

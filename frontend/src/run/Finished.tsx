@@ -117,7 +117,7 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
         {drawn && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
-        {!flies && <Untraced data={data} whatIf={shown && !drawn ? whatIf : null} className="c12" />}
+        {!flies && !drawn && <Untraced data={data} whatIf={shown ? whatIf : null} className="c12" />}
         {shown && (
           <div className={drawn ? clsx('stack', styles.pair, 'c4') : clsx('stack', styles.pair, 'c6')}>
             {(flown || !flies) && <WhatIfCard data={data} state={whatIf} className="" />}
@@ -132,6 +132,7 @@ export function Finished({ data }: { data: RunData }) {
             {raised && <Tornado data={data} result={sensitivity} className="" />}
           </div>
         )}
+        {!flies && drawn && <Untraced data={data} className="c12" />}
         {data.findings.length > 0 && <FindingsCard data={data} result={validation} className="c12" />}
         {flown && (
           <SeparationCard data={data} onCross={cross} standing={view} whatIf={other} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />

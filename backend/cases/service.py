@@ -31,9 +31,9 @@ COMMAND = (sys.executable, "-P", "-m", "worker.processes.cases")
 LIMIT = 60.0
 """Time limit of an evaluation [s]."""
 FIRST_LIMIT = 120.0
-"""Time limit of a simulator's first evaluation [s], which may include starting it twice."""
+"""Time limit of a simulator's first evaluation [s], which includes its start and may be repeated."""
 GRACE = 2.0
-"""Time for the processes to end when the service stops [s]."""
+"""Time for the processes to end, with all that they started [s]."""
 
 
 @dataclass(frozen=True)
@@ -85,13 +85,16 @@ def evaluated(live: Live, wanted: Evaluable, rows: int) -> JsonObject:
     except FlightRefusedError as error:
         raise RefusedError(422, "not-flyable", f"this case cannot be evaluated: {error}") from None
     except LiveError as error:
-        text = f"the case could not be evaluated, for which the service waits at most {LIMIT:g} s: {error}"
+        text = (
+            f"the case could not be evaluated: {error}. The service waits {LIMIT:g} s, and {FIRST_LIMIT:g} s for the "
+            "first one"
+        )
         raise RefusedError(503, "case-failed", text) from None
 
 
 def response(wanted: Evaluable, answer: Mapping[str, Any], drawn: str | None, rows: int) -> CaseAnswer:
     """The response of the API."""
-    plain = flights.response(wanted.case, answer, drawn, rows)
+    plain = flights.response(wanted.case, answer, drawn, rows if answer["columns"] else 0)
     known = wanted.digest is not None
     return CaseAnswer(
         **plain.model_dump(),

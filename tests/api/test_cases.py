@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -34,7 +33,9 @@ for line in sys.stdin:
     data = {"time": [0.0, 1.0], "x": [0.0, wind], "z": [9.0, 8.0], "bird": [0.0, 0.0]}
     meta = {"parameters": asked["parameters"], "status": "ok", "cost": wind, "values": {"separation": wind}}
     meta["scene"] = SCENE
-    told = {"status": "ok", "reason": "", "cost": wind, "margin": wind - 1.0, "columns": columns, "data": data}
+    if wind < 0: columns, data = [], {}
+    told = {"status": "ok", "reason": ""} if wind >= 0 else {"status": "failed", "reason": "it crashed"}
+    told |= {"cost": wind, "margin": wind - 1.0, "columns": columns, "data": data}
     told |= {"meta": meta, "seconds": 0.25, "digest": "d", "untraced": "", "needs": asked["simulator"]}
     print(json.dumps({"id": asked["id"], **told}), flush=True)
 """
@@ -63,6 +64,9 @@ def test_a_case_is_evaluated_drawn_and_not_stored(evaluating: Service) -> None:
             assert answer.status_code == 200, answer.text
             frames_until(connection, b"/flights/what-if/path")
             assert steer(client, run)["what_if"] == {"simulator.wind": 2.0}
+            lost = asked(client, run, parameters={"simulator.wind": -1.0}, view=KEY, rows=10).json()
+            assert (lost["status"], lost["reason"], lost["data"]) == ("failed", "it crashed", {})
+            assert steer(client, run)["what_if"] is None, "the view does not keep showing another case"
         found = answer.json()
         conforms(found, {"$ref": "#/components/schemas/CaseAnswer"})
         assert (found["cost"], found["margin"], found["threshold"], found["unit"]) == (2.0, 1.0, 1.0, "m")
@@ -89,7 +93,7 @@ def test_what_cannot_be_evaluated_is_refused_in_words(evaluating: Service) -> No
         assert asked(client, run, parameters={"simulator.wind": 2.0}).status_code == 200
         late = problem(asked(client, run, parameters={"simulator.wind": 4.0}), 503)
         assert late["type"].endswith("case-failed")
-        assert "waits at most 60 s" in late["detail"]
+        assert "The service waits 60 s" in late["detail"]
         assert asked(client, run, parameters={"simulator.wind": 2.0}).status_code == 200, "a new process"
         with evaluating.visitor() as other:
             assert asked(other, run).status_code == 401
@@ -132,9 +136,11 @@ def test_the_real_process_evaluates_the_operators_code(
         assert found["data"]["x"] == [0.0, 2.5]
         assert found["trace"]["scene"]["frame"] == "z_up"
         assert 0.0 < found["seconds"] < 5.0
-    place = Path(tempfile.gettempdir()) / f"clearance-cases-{os.getpid()}"
+    child = bare.app.state.cases._child._process
+    place = Path(tempfile.gettempdir()) / f"clearance-cases-{child.pid}"
     assert place.is_dir()
     bare.app.state.cases.close()
+    assert child.returncode == 1, "it ended by itself"
     assert not place.exists(), "nothing is left of the process"
 
 

@@ -20,6 +20,7 @@ import json
 import os
 import select
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -47,6 +48,8 @@ IDLE = 60.0
 QUICK = 2.0
 """If the first evaluation takes less, it is repeated: its time includes the start of the process [s]."""
 MOST_ROWS = 2000
+PLACE = "clearance-cases-"
+"""How the folder of such a process begins; its number follows."""
 
 
 @dataclass
@@ -68,10 +71,8 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     memory.bound()
-    # What a process that was killed has left is removed by its successor.
-    place = Path(tempfile.gettempdir()) / f"clearance-cases-{os.getppid()}"
-    shutil.rmtree(place, ignore_errors=True)
-    place.mkdir(mode=0o700)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that what the simulators started ends too
+    place = _place()
     tempfile.tempdir = str(place)
     systems: Systems = {}
     try:
@@ -84,6 +85,17 @@ def main() -> None:
     finally:
         close(systems)
         shutil.rmtree(place, ignore_errors=True)
+
+
+def _place() -> Path:
+    """A folder of its own for temporary files; those of processes that were killed are removed."""
+    for left in Path(tempfile.gettempdir()).glob(f"{PLACE}*"):
+        number = left.name.removeprefix(PLACE)
+        if number.isdigit() and not Path(f"/proc/{number}").exists():
+            shutil.rmtree(left, ignore_errors=True)
+    place = Path(tempfile.gettempdir()) / f"{PLACE}{os.getpid()}"
+    place.mkdir(mode=0o700)
+    return place
 
 
 def answer(line: str | bytes, systems: Systems) -> JsonObject:

@@ -141,6 +141,8 @@ def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], hea
     if any(column.group == "signal" for column in described):
         return None if head.scene is None else _of_simulator(described, columns, head, head.scene)
     names: dict[str, str] = {column.group: column.name for column in described}
+    if "time" not in names:  # a case of a simulator without a trace
+        return None
     time = columns[names["time"]]
     pose = np.column_stack([columns.get(name, np.zeros(len(time))) for name in _POSE])
     separation = columns[names["separation"]] if "separation" in names else np.full(len(time), np.nan)

@@ -65,7 +65,7 @@ class Live:
     def __init__(
         self, command: Sequence[str] = COMMAND, limit: float = LIMIT, first_limit: float = FIRST_LIMIT, grace: float = 0
     ) -> None:
-        """grace: time for the process to end by itself when this is closed [s]."""
+        """grace: time for the process to end after SIGTERM before it is killed [s]; 0: it is killed at once."""
         self._grace = grace
         self._command, self._limit, self._first_limit = command, limit, first_limit
         self._lock = threading.Lock()
@@ -119,7 +119,7 @@ class Live:
             if self._closed:
                 raise LiveError("the service is stopping")
             if self._child is None or self._child.over:
-                self._child = _Child(self._command)
+                self._child = _Child(self._command, self._grace)
             child = self._child
             limit = self._limit if digest in child.flown else self._first_limit
             asked = child.ask(request, _Asked(digest, limit))
@@ -130,7 +130,6 @@ class Live:
         with self._lock:
             self._closed = True
             if self._child is not None:
-                self._child.leave(self._grace)
                 self._child.end("the service is stopping")
 
 
@@ -141,7 +140,8 @@ class _Child:
     ends.
     """
 
-    def __init__(self, command: Sequence[str]) -> None:
+    def __init__(self, command: Sequence[str], grace: float = 0) -> None:
+        self._grace = grace
         self.over, self._why = False, ""
         self._failure: type[LiveError] = LiveError
         self.flown: set[str] = set()
@@ -184,20 +184,17 @@ class _Child:
             except TimeoutError:
                 continue
 
-    def leave(self, grace: float) -> None:
-        """Close its input and wait until it has ended, at most this long [s]."""
-        if grace and self._process is not None and self._process.stdin is not None:
-            with contextlib.suppress(OSError, subprocess.TimeoutExpired):
-                self._process.stdin.close()
-                self._process.wait(grace)
-
     def end(self, why: str, failure: type[LiveError] = LiveError) -> None:
-        """Kill it and fail all pending requests."""
+        """End it and fail all pending requests."""
         with self._lock:
             if not self.over:
                 self.over, self._why, self._failure = True, why, failure
             asked, self._asked = list(self._asked.values()), {}
         if self._process is not None:
+            if self._grace:
+                self._process.terminate()
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self._process.wait(self._grace)
             self._process.kill()
         for one in asked:
             one.answer.set_exception(failure(why))

@@ -13,6 +13,8 @@ from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddle
 from backend import openapi
 from backend.access.auth import Guard
 from backend.access.door import Door
+from backend.cases import endpoints as cases
+from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
 from backend.db.engine import connect
 from backend.drafts import endpoints as drafts
@@ -62,6 +64,7 @@ def create(settings: Settings) -> FastAPI:
         await hub.close()
         await to_thread.run_sync(live.close)
         await to_thread.run_sync(app.state.previews.stop)
+        await to_thread.run_sync(app.state.cases.close)
         engine.dispose()
         door.close()
 
@@ -84,7 +87,7 @@ def create(settings: Settings) -> FastAPI:
         separate_input_output_schemas=False,
     )
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
-    app.state.previews = Previews()
+    app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.recordings = recordings.Recordings(engine, capacities.recordings)
     app.state.readers = bodies.Readers()
@@ -93,7 +96,7 @@ def create(settings: Settings) -> FastAPI:
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
     features = (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
-    for feature in (*features, flights, views):
+    for feature in (*features, flights, cases, views):
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)

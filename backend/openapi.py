@@ -40,6 +40,7 @@ _LEFT_OUT = {
     "ValidateResult": ("incumbents", "untraced"),
     "NominalResult": ("measured", "untraced"),
     "TraceColumn": ("text",),
+    "TraceHead": ("scene",),
     "Counts": ("flaky",),
     "Simulator": ("repeats", "retries"),
     "Repeats": ("quantile",),
@@ -52,7 +53,7 @@ _LEFT_OUT = {
 _PARTIAL = frozenset(
     {
         *("RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
-        *("DraftContent", "DraftReplace", "ViewChange", "LayersChange", "FlightRequest"),
+        *("DraftContent", "DraftReplace", "ViewChange", "LayersChange", "FlightRequest", "CaseRequest"),
     }
 )
 """Request models; all others are responses, which have every field."""

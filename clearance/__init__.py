@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from worker.catalogue.columns import Column
 from worker.catalogue.function import Output, Parameter, simulator
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from clearance.result import Evaluations, Finding, Interrupted, Nominal, Result, Verdict
 
 __all__ = [
+    "Column",
     "Evaluations",
     "Finding",
     "Interrupted",

@@ -50,8 +50,8 @@ def case(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
         text = f"{run_name(run_id)} evaluates a simulator: it has no flight to simulate"
         raise RefusedError(422, "not-flyable", text)
     catalogue = described(reader, run_id)
-    base = _like(reader, run_id, given.like)
-    _check(asked, catalogue, given.parameters)
+    base = like(reader, run_id, given.like)
+    permit(asked, catalogue, given.parameters)
     seed = given.seed if given.seed is not None else seeds(reader, run_id).get(given.like)
     return Case(
         run_id=run_id,
@@ -109,7 +109,7 @@ def _thinned(answer: Mapping[str, Any], rows: int) -> dict[str, list[float | Non
     return {name: [column[row] for row in kept] for name, column in data.items()}
 
 
-def _like(reader: sa.Connection, run_id: int, label: str) -> dict[str, float]:
+def like(reader: sa.Connection, run_id: int, label: str) -> dict[str, float]:
     """The parameters of the finding, bit-identical; empty for the nominal case."""
     if label == NOMINAL:
         return {}
@@ -123,8 +123,11 @@ def _like(reader: sa.Connection, run_id: int, label: str) -> dict[str, float]:
     return dict(known[label])
 
 
-def _check(asked: Campaign, catalogue: Catalogue | None, given: Mapping[str, float]) -> None:
-    """Check all paths and values; components that the catalogue does not describe are checked by the simulation."""
+def permit(asked: Campaign, catalogue: Catalogue | None, given: Mapping[str, float], what: str = "scenario") -> None:
+    """Check all paths and values; components that the catalogue does not describe are checked by the simulation.
+
+    what: that has the parameters. Raises `RefusedError`.
+    """
     if catalogue is None or any(catalogue.component(role, part.component) is None for _, _, role, part in parts(asked)):
         return
     known = parameters(asked, catalogue)
@@ -134,7 +137,7 @@ def _check(asked: Campaign, catalogue: Catalogue | None, given: Mapping[str, flo
             Problem(f"parameters.{path}", said.given(given[path]), f"no such parameter; {said.known(path, known)}")
             for path in unknown
         ]
-        detail = f"the scenario has no parameter {unknown[0]!r}; {said.known(unknown[0], known)}"
+        detail = f"the {what} has no parameter {unknown[0]!r}; {said.known(unknown[0], known)}"
         raise RefusedError(422, "unknown-parameter", detail, errors)
     outside = [path for path, value in given.items() if not known[path][0].low <= value <= known[path][0].high]
     if outside:

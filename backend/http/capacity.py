@@ -105,4 +105,5 @@ class Capacities:
         self.files = Capacity("files are being written", 4, 12, 20.0, 5)
         self.checks = Capacity("campaigns are being checked", 8, 32, 20.0, 3)
         self.views = Capacity("3D views are being changed", 8, 64, 20.0, 1)
+        self.cases = Capacity("case of a simulator is being evaluated", 1, 4, 60.0, 5)
         self.flights = Capacity("flights are being simulated", 4, 32, 20.0, 1)

@@ -99,6 +99,7 @@ KINDS = {
     "internal": Kind(500, "Internal error; see the service's log."),
     "browser-failed": Kind(503, "The service's Chromium could not print the report."),
     "busy": Kind(503, "The service is busy: try again in a few seconds."),
+    "case-failed": Kind(503, "The case of a simulator could not be evaluated."),
     "flight-failed": Kind(503, "The flight could not be simulated."),
     "no-browser": Kind(503, "The service's machine has no Chromium."),
     "no-catalogue": Kind(503, "No worker has published its components yet."),

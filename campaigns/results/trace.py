@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from campaigns.results.base import Result, Status, Values
+from campaigns.results.scene import Scene
 
 
 class TraceColumn(Result):
@@ -82,3 +83,5 @@ class TraceHead(Result):
     """{name: value} of every criterion in its own sign."""
     realisation: Realisation | None = None
     """Null without noise."""
+    scene: Annotated[Scene | None, Field(exclude_if=operator.not_)] = None
+    """What the columns of a simulator's trace are positions of; omitted if it does not declare this."""

@@ -95,8 +95,8 @@ def search(first: int, count: int, criteria: int = 1) -> Columns:
 class Work:
     """A worker's hold on the next run in the queue, to be carried on step by step."""
 
-    def __init__(self, service: Service, plan: Sequence[StagePlan] = PLAN) -> None:
-        claim = Queue(service.engine).claim("w1")
+    def __init__(self, service: Service, plan: Sequence[StagePlan] = PLAN, simulators: Sequence[str] = ()) -> None:
+        claim = Queue(service.engine).claim("w1", simulators)
         assert claim is not None
         self.store = RunStore(service.engine, claim)
         self.store.plan(plan)

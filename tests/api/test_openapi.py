@@ -40,6 +40,7 @@ def test_every_operation_is_described(path: str, method: str, operation: dict[st
     takes_body += ("/api/v1/campaigns/check", "/api/v1/campaigns/preview", "/api/v1/drafts")
     takes_body += (
         "/api/v1/runs/{run}/flights",
+        "/api/v1/runs/{run}/cases",
         "/api/v1/runs/{run}/signoffs",
         "/api/v1/runs/{run}/signoffs/{signoff}/withdraw",
     )

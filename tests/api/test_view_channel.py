@@ -310,7 +310,11 @@ def test_a_reopened_view_can_be_restored_to_all_that_it_showed(
         assert before["layers"] | layers == before["layers"]
     until(lambda: service.app.state.viewers.open == 0)
     fixed = {"opened": 0.0, "revision": 0}
-    again = {name: value for name, value in before.items() if name not in (*fixed, "eye", "what_if", "what_if_source")}
+    again = {
+        name: value
+        for name, value in before.items()
+        if name not in (*fixed, "horizon", "eye", "what_if", "what_if_source")
+    }
     with viewing(service, client, path):
         after = steer(client, run, **again)
         assert after | fixed == before | fixed

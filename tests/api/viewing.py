@@ -88,7 +88,7 @@ class Panel:
     """The viewer's panel, as the page fills it: elements by their label."""
 
     def __init__(self, connection: ClientConnection, last: str) -> None:
-        """Reads until the element with the label `last` is there."""
+        """Reads until the element with the label `last`, or the tab of this name, is there."""
         self._connection = connection
         self._elements: dict[str, str] = {}
         self.nodes: dict[str, Node] = {}
@@ -99,7 +99,7 @@ class Panel:
                 label = message.get("props", {}).get("label")
                 if message["type"].startswith("Gui") and label is not None:
                     self._elements.setdefault(str(label), message["uuid"])
-            if last in self._elements:
+            if last in self._elements or any(last in m.get("props", {}).get("_tab_labels", ()) for m in messages):
                 break
         # The page first reports its camera; viser ignores other messages before that.
         self.look(CAMERA["position"], CAMERA["look_at"])

@@ -1,4 +1,4 @@
-"""The page of a run that evaluates a simulator: no 3D view, no mention of flights, no errors."""
+"""The page of a run that evaluates a simulator: no mention of flights, no errors, in 3D only what it declares."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from tests.e2e.browser import visiting
+from tests.faults.processes import until
 from tests.faults.serving import serving
-from tests.simulators import package
+from tests.simulators import dropped, package
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
@@ -73,3 +74,45 @@ def test_a_run_without_a_trace(tmp_path: Path, browser: Browser) -> None:
         expect(page.get_by_role("columnheader", name="Integration")).to_have_count(0)
         expect(page.locator("iframe")).to_have_count(0)
         visit.shot("simulator")
+
+
+def test_a_declared_scene_is_drawn_and_another_case_evaluated(tmp_path: Path, browser: Browser) -> None:
+    folder = dropped.install(tmp_path / "simulators", scene=True)
+    with (
+        serving(tmp_path, CLEARANCE_SIMULATORS=str(folder)) as service,
+        visiting(browser, service.link().partition("/login")[0]) as visit,
+    ):
+        page = visit.page
+        page.goto(service.link())
+        body = {"campaign": dropped.campaign(), "name": "Drop"}
+        given = page.request.post(f"{visit.address}/api/v1/runs", data=body, headers={"Origin": visit.address})
+        assert given.status == 201, given.text()
+        run = f"{visit.address}/api/v1/runs/R-0001"
+        until(lambda: page.request.get(run).json()["state"] == "done", "R-0001 is over", 90)
+        evaluations = page.request.get(run).json()["evaluations"]
+        visit.go("/runs/R-0001")
+        view = page.locator("#flight iframe")
+        view.scroll_into_view_if_needed()
+        expect(view).to_have_attribute("src", re.compile("/view/R-0001/"))
+        page.get_by_role("button", name="Open the panel").click()
+        panel = page.frame_locator("#flight iframe").locator("body")
+        for word in ("Nominal", "Worst", "margin", "over ground"):
+            expect(panel).to_contain_text(word)
+        expect(panel).not_to_contain_text("Space")
+        expect(page.get_by_text("The 3D view shows what its trace declares, z up")).to_be_visible()
+        expect(page.get_by_role("button", name="Closest approach")).to_have_count(0)
+        assert not re.search(r"\bflights?\b", page.locator("main").inner_text(), re.IGNORECASE)
+        page.get_by_role("button", name="What-if").click()
+        card = page.locator("#what-if")
+        expect(card.get_by_text("Not evaluated yet.")).to_be_visible()
+        card.get_by_role("button", name="Evaluate").click()
+        expect(card.get_by_text("Evaluated as the values change: an evaluation takes")).to_be_visible()
+        worst = page.request.get(f"{run}/findings").json()[0]["cost"]
+        expect(page.get_by_test_id("what-if-cost")).to_have_text(re.compile(rf"^{worst:.1f}".replace(".", r"\.")))
+        card.get_by_label("Steady wind towards the mast, m/s, value").fill("0")
+        expect(page.get_by_test_id("what-if-cost")).to_have_text(re.compile(r"^12\.0"))
+        expect(page.locator("#motion").get_by_text("What-if")).to_be_visible()
+        visit.shot("simulator-3d")
+        assert page.request.get(run).json()["evaluations"] == evaluations, "a what-if is not stored"
+        visit.go("/runs/R-0001/flight")
+        expect(page.locator("#flight iframe")).to_have_attribute("src", re.compile("/view/R-0001/"))

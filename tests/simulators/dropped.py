@@ -15,12 +15,18 @@ from tests.faults.processes import REPOSITORY
 EXAMPLES = REPOSITORY / "docs" / "examples"
 
 
-def install(folder: Path) -> Path:
-    """The folder that CLEARANCE_SIMULATORS names; skips without a C compiler."""
+def install(folder: Path, scene: bool = False) -> Path:
+    """The folder that CLEARANCE_SIMULATORS names; skips without a C compiler. scene: with what the example declares for
+    a 3D view."""
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler")
     shutil.copytree(EXAMPLES / "drop", folder / "drop")
+    if not scene:
+        descriptor = folder / "drop" / "simulator.yaml"
+        document = yaml.safe_load(descriptor.read_text(encoding="utf-8"))
+        del document["scene"]
+        descriptor.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
     subprocess.run([compiler, "-O2", "-o", folder / "drop/drop", folder / "drop/drop.c", "-lm"], check=True)
     return folder
 

@@ -42,6 +42,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.reports": (*SHARED, "backend.catalog", "backend.runs", "backend.results", "backend.signoffs"),
     "backend.previews": (*SHARED, "backend.catalog", "backend.scenes.live"),
     "backend.flights": (*SHARED, "backend.catalog", "backend.runs", "backend.scenes"),
+    "backend.cases": (*SHARED, "backend.catalog", "backend.runs", "backend.scenes", "backend.flights"),
     "backend.exports": (
         *(*SHARED, "backend.catalog", "backend.runs", "backend.results", "backend.signoffs", "backend.reports"),
         "backend.scenes.recordings",
@@ -65,7 +66,8 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.systems.simulators": (
         *("worker.systems.base", "worker.systems.threads", "worker.search.base"),
         *("worker.catalogue.simulator", "worker.catalogue.described", "worker.catalogue.descriptor"),
-        *("worker.catalogue.function", "worker.catalogue.fmu", "worker.catalogue.folder", "campaigns"),
+        *("worker.catalogue.function", "worker.catalogue.fmu", "worker.catalogue.folder", "worker.catalogue.columns"),
+        "campaigns",
     ),
     # The slots know programs and JSON, nothing of campaigns.
     "worker.systems.simulators.slots": (),
@@ -83,7 +85,7 @@ MAY: dict[str, tuple[str, ...]] = {
         *("worker.search", "worker.catalogue", "campaigns"),
     ),
     "worker.processes": (
-        *("worker.runs", "worker.stages", "worker.systems", "worker.catalogue"),
+        *("worker.runs", "worker.stages", "worker.opening", "worker.systems", "worker.catalogue"),
         *("backend.db", "campaigns"),
     ),
     "worker.audit": ("campaigns",),

@@ -366,7 +366,7 @@ def test_ctrl_c_keeps_what_was_evaluated() -> None:
 
 
 def test_an_unknown_name_is_refused() -> None:
-    with pytest.raises(AttributeError, match="it has Evaluations, Finding"):
+    with pytest.raises(AttributeError, match="it has Column, Evaluations, Finding"):
         clearance.serach  # noqa: B018
 
 

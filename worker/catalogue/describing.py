@@ -10,6 +10,7 @@ import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from worker.catalogue.function import declared_in, in_units, loaded
 
@@ -29,7 +30,12 @@ def main(file: str) -> None:
             answer = {"error": f"line {error.lineno}: SyntaxError: {error.msg}"}
         else:
             answer = {"error": f"it cannot be imported: {_sentence(error, file)}"}
-    print(f"\n{MARK}{json.dumps(answer)}", flush=True)
+    print(f"\n{MARK}{json.dumps(answer, default=_plain)}", flush=True)
+
+
+def _plain(value: Any) -> Any:
+    """What JSON cannot represent, as numbers of numpy in a dict, or as text, which the checks then refuse."""
+    return value.tolist() if hasattr(value, "tolist") else repr(value)
 
 
 def _sentence(error: BaseException, file: str) -> str:

@@ -10,16 +10,18 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import yaml
 from pydantic import Field, ValidationError, model_validator
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from campaigns.results.scene import Scene
 from worker.catalogue import fmu
 from worker.catalogue.described import FILE, BadDescriptor, Basics, Described, Finite
 from worker.catalogue.fmu_model import Unusable
+from worker.catalogue.scene import scene_of
 
 FOLDERS = "CLEARANCE_SIMULATORS"
 
@@ -70,7 +72,7 @@ class Descriptor(Basics):
     step: the parameter that is its step; it is not offered to campaigns, passed with its nominal value, and halved when
     cases are confirmed.
     trace: the quantities over time that the program returns on request, `time` [s] among them; with protocol "files"
-    `{trace}` in the command is the file for them.
+    `{trace}` in the command is the file for them. scene: which of them are positions of what, for the 3D view.
     """
 
     command: Annotated[tuple[str, ...], Field(min_length=1)]
@@ -79,6 +81,12 @@ class Descriptor(Basics):
     results: Annotated[dict[Identifier, DescribedResult], Field(min_length=1)]
     step: Identifier | None = None
     trace: Annotated[dict[Identifier, DescribedColumn], Field(max_length=64)] = Field(default_factory=dict)
+    scene: dict[str, Any] | None = None
+
+    @property
+    def drawn(self) -> Scene | None:
+        """What is drawn of a trace; raises ValueError."""
+        return None if self.scene is None else scene_of(self.scene, {name: c.unit for name, c in self.trace.items()})
 
     @model_validator(mode="after")
     def _trace_can_be_asked_for(self) -> Self:
@@ -100,6 +108,11 @@ class Descriptor(Basics):
                 if self.protocol == "files"
                 else "command: {trace} is only for the protocol files; with lines a trace is part of the answer"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _scene_can_be_drawn(self) -> Self:
+        _ = self.drawn
         return self
 
     @model_validator(mode="after")

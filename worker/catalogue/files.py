@@ -24,6 +24,7 @@ from typing import Any
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.documents import JsonObject
 from worker.catalogue import describing
+from worker.catalogue.columns import Column
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import folders, listed
 from worker.catalogue.function import (
@@ -181,7 +182,13 @@ def _described(file: str, digest: str) -> tuple[PythonFunction, ...] | str:
     given = json.loads(answer)
     if "error" in given:
         return str(given["error"])
-    return tuple(PythonFunction(_restored(d["declaration"]), {"file": file, "name": d["name"]}) for d in given["found"])
+    found = [PythonFunction(_restored(d["declaration"]), {"file": file, "name": d["name"]}) for d in given["found"]]
+    for function in found:
+        try:
+            _ = function.declaration.drawn
+        except ValueError as error:
+            return f"{function.declaration.name}: {error}"
+    return tuple(found)
 
 
 def _restored(given: JsonObject) -> Declaration:
@@ -192,4 +199,6 @@ def _restored(given: JsonObject) -> Declaration:
         {name: Parameter(**p) for name, p in given["parameters"].items()},
         {name: Output(**r) for name, r in given["results"].items()},
         Settings(**given["settings"]),
+        {name: Column(**c) for name, c in given["trace"].items()},
+        given["scene"],
     )

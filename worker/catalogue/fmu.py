@@ -18,10 +18,17 @@ from pydantic import BeforeValidator, Field, model_validator
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.documents import JsonObject
+from campaigns.results.scene import Scene
+from worker.catalogue.columns import MOST, TIME, Column
 from worker.catalogue.described import Basics, Described, Finite
 from worker.catalogue.fmu_model import REALS, Model, Unusable, Variable, model
+from worker.catalogue.scene import scene_of
 
 STEPS = 10_000_000
+CELLS = 500_000
+"""Values of a trace, rows times columns, that an answer of 16 MB can hold with all digits."""
+ROWS = 100_000
+"""Of a trace."""
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -63,13 +70,23 @@ class FmuResult(Strict):
         return self
 
 
+class FmuColumn(Strict):
+    """A variable of the model that a trace contains, by default the one of this name."""
+
+    variable: str | None = None
+    unit: str | None = None
+    symbol: str = ""
+    text: str | None = None
+
+
 class FmuDescriptor(Basics):
     """What `simulator.yaml` states of an FMU.
 
     fmu: the file, in the folder of the descriptor. stop, step: end of the simulation and communication step [s], by
     default those of the model's DefaultExperiment. parameters: those that a campaign may vary, by default all
     parameters and inputs that are real numbers. fixed (key `set`): values of further variables, by their names in the
-    model.
+    model. trace: the variables that are recorded at the communication points, on request; time is added. scene:
+    which of them are positions of what, for the 3D view.
     """
 
     fmu: Annotated[str, Field(pattern=r"^[^/\\]+$")]
@@ -80,6 +97,11 @@ class FmuDescriptor(Basics):
     ) = None
     results: Annotated[dict[Identifier, FmuResult], Field(min_length=1)]
     fixed: dict[str, bool | int | Finite | str] = Field(default_factory=dict, alias="set")
+    trace: Annotated[
+        dict[Identifier, Annotated[FmuColumn, BeforeValidator(lambda given: {} if given is None else given)]],
+        Field(max_length=MOST - 1),
+    ] = Field(default_factory=dict)
+    scene: JsonObject | None = None
 
 
 @dataclass(frozen=True)
@@ -100,6 +122,32 @@ class DescribedFmu(Described):
     stop: float
     step: float
     inputs: tuple[Input, ...]
+    recorded: dict[str, Variable]
+    """The variables of a trace by column, without time."""
+
+    @property
+    def columns(self) -> dict[str, Column]:
+        """The columns of a trace; empty if it has none."""
+        if not self.recorded:
+            return {}
+        found = {TIME: Column("s")}
+        for name, variable in self.recorded.items():
+            stated = self.descriptor.trace[name]
+            text = variable.text if stated.text is None else stated.text
+            found[name] = Column(variable.unit or stated.unit or "", text, stated.symbol)
+        return found
+
+    @property
+    def drawn(self) -> Scene | None:
+        """What is drawn of a trace; raises ValueError."""
+        stated = self.descriptor.scene
+        return None if stated is None else scene_of(stated, {name: c.unit for name, c in self.columns.items()})
+
+    @property
+    def every(self) -> int:
+        """A trace has each communication point of this number, so that it is not too long, and the last one."""
+        most = min(ROWS, CELLS // (1 + len(self.recorded)))
+        return -(-self.steps // (most - 1))
 
     @property
     def file(self) -> Path:
@@ -132,11 +180,29 @@ def read(folder: Path, document: JsonObject) -> DescribedFmu:
     sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
     found = model(file, sha256)
     for name, result in descriptor.results.items():
-        _readable(f"results.{name}", result, found, descriptor.fmu)
+        variable = _readable(f"results.{name}", result.variable, found, descriptor.fmu)
+        _unit(f"results.{name}.unit", result.unit, "s" if result.take == "first_crossing" else variable.unit)
     inputs = tuple(_named(descriptor, found) if descriptor.parameters else _all(descriptor, found))
     _fixed(descriptor, found, {given.variable.reference for given in inputs})
     stop, step = _times(descriptor, found)
-    return DescribedFmu(folder, descriptor, found, sha256, stop, step, inputs)
+    recorded = dict(_recorded(descriptor, found))
+    described = DescribedFmu(folder, descriptor, found, sha256, stop, step, inputs, recorded)
+    try:
+        _ = described.drawn
+    except ValueError as error:
+        raise Unusable(str(error)) from None
+    return described
+
+
+def _recorded(descriptor: FmuDescriptor, found: Model) -> Iterator[tuple[str, Variable]]:
+    """The variables of a trace by column."""
+    for name, stated in descriptor.trace.items():
+        if name == TIME:
+            raise Unusable("trace.time: the time of the communication points is added by itself; remove it")
+        asked = stated.variable or name
+        variable = _readable(f"trace.{name}", asked, found, descriptor.fmu)
+        _unit(f"trace.{name}.unit", stated.unit, variable.unit)
+        yield name, variable
 
 
 def _times(descriptor: FmuDescriptor, found: Model) -> tuple[float, float]:
@@ -231,15 +297,16 @@ def _input(name: str, stated: FmuParameter, variable: Variable) -> Input:
     return Input(variable, entry)
 
 
-def _readable(key: str, result: FmuResult, found: Model, file: str) -> None:
-    variable = found.variables.get(result.variable)
+def _readable(key: str, name: str, found: Model, file: str) -> Variable:
+    """The variable of that name, which is one real number."""
+    variable = found.variables.get(name)
     if variable is None:
         reals = [v.name for v in found.variables.values() if v.type in REALS and v.causality == "output"]
-        raise Unusable(f"{key}.variable: {file} has no variable {result.variable}; its outputs are {_some(reals)}")
+        raise Unusable(f"{key}.variable: {file} has no variable {name}; its outputs are {_some(reals)}")
     if variable.type not in REALS or not variable.scalar:
         kind = variable.type if variable.scalar else f"an array of {variable.type}"
-        raise Unusable(f"{key}.variable: {result.variable} is {kind}; one real number is expected")
-    _unit(f"{key}.unit", result.unit, "s" if result.take == "first_crossing" else variable.unit)
+        raise Unusable(f"{key}.variable: {name} is {kind}; one real number is expected")
+    return variable
 
 
 def _result(name: str, result: FmuResult, variable: Variable) -> ResultEntry:

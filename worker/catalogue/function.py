@@ -18,6 +18,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Generic, Literal, ParamSpec, TypeVar
 
+from worker.catalogue.columns import Column, columns
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -84,6 +86,19 @@ class Declaration:
     parameters: Mapping[str, Parameter]
     results: Mapping[str, Output]
     settings: Settings = field(default_factory=Settings)
+    trace: Mapping[str, Column] = field(default_factory=dict)
+    """The quantities over time that it returns on request, `time` among them; empty if none."""
+    scene: Mapping[str, Any] | None = None
+    """Which of them are positions of what, as `campaigns.results.scene.Scene`."""
+
+    @property
+    def drawn(self) -> Any:
+        """The 3D view of a trace, a `Scene`, or None; raises ValueError if it cannot be used."""
+        if self.scene is None:
+            return None
+        from worker.catalogue.scene import scene_of  # pydantic, which the process of a slot does not load
+
+        return scene_of(self.scene, {name: c.unit for name, c in self.trace.items()})
 
 
 class Function(Generic[P, R]):
@@ -116,6 +131,8 @@ def simulator(
     memory: int = 0,
     slots: int = 0,
     recycle: int = 0,
+    trace: Mapping[str, Column | Mapping[str, str]] | None = None,
+    scene: Mapping[str, Any] | None = None,
 ) -> Callable[[Callable[P, R]], Function[P, R]]:
     """Declare a function as a simulator that campaigns can name; the function stays callable.
 
@@ -124,6 +141,11 @@ def simulator(
     `value`). With `isolated` it is called in processes of its own, under the limits given: `timeout` [s], `memory`
     [bytes], `slots` processes side by side, each replaced after `recycle` evaluations. Otherwise it is called in the
     process that searches, which is faster and has no limits.
+
+    trace: columns over time, `time` [s] among them, each a dict with `unit`, `text` and `symbol`. The function then has
+    a further parameter `trace=False`; called with `trace=True`, it returns a pair: what it returns otherwise, and a
+    dict of the columns, each a list or an array. scene: which columns are positions of what, for the 3D view, with the
+    keys of a descriptor.
 
     Raises ValueError or TypeError if the declaration does not fit the function.
     """
@@ -136,9 +158,14 @@ def simulator(
         given = {k: _parameter(k, v) for k, v in _mapping("parameters", parameters).items()}
         returned = {"value": Output()} if results is None else dict(_mapping("results", results))
         text = inspect.getdoc(call) or ""
-        declaration = Declaration(named, title or named, text, given, returned, settings)
+        traced = {} if trace is None else columns(trace)
+        declaration = Declaration(named, title or named, text, given, returned, settings, traced, scene)
         check(declaration)
         accepts(call, given)
+        if traced:
+            _accepts_trace(call, given)
+        if not only_loaded():
+            _ = declaration.drawn
         return Function(call, declaration)
 
     return declared
@@ -176,6 +203,20 @@ def accepts(call: Callable[..., Any], names: Mapping[str, object]) -> None:
         raise TypeError(
             f"{label}{signature} cannot be called as {label}({keywords}): {error}; "
             "name the parameters as the function does"
+        ) from None
+
+
+def _accepts_trace(call: Callable[..., Any], names: Mapping[str, object]) -> None:
+    """Raises ValueError or TypeError unless the function can also be called with `trace=True`."""
+    if "trace" in names:
+        raise ValueError("parameters: trace is the keyword by which a trace is requested; rename this parameter")
+    try:
+        accepts(call, {**names, "trace": True})
+    except TypeError:
+        label = getattr(call, "__name__", type(call).__name__)
+        raise TypeError(
+            f"trace: {label} declares columns, so it needs the further parameter trace=False; with trace=True it "
+            "returns its results and a dict of the columns"
         ) from None
 
 

@@ -90,9 +90,10 @@ def _python(simulator: PythonFunction, opening: Opening) -> System:
             raise CampaignUnusable([Wrong("simulator.name", name, text)])
         simulator = found[0]
     settings = simulator.declaration.settings
+    traced = {"columns": simulator.declaration.trace, "scene": simulator.declaration.drawn}
     digest = digest_of(simulator.place) if simulator.place else ""
     if settings.isolated:
-        return Isolated(simulator.place, simulator.entry, opening, settings, digest)
+        return Isolated(simulator.place, simulator.entry, opening, settings, digest, **traced)
     call = simulator.call
     if call is None:
         try:
@@ -100,7 +101,7 @@ def _python(simulator: PythonFunction, opening: Opening) -> System:
         except (Exception, SystemExit) as error:
             text = f"its file cannot be imported: {type(error).__name__}: {error}"
             raise CampaignUnusable([Wrong("simulator.name", name, text)]) from None
-    return InProcess(call, simulator.entry, opening, settings, digest)
+    return InProcess(call, simulator.entry, opening, settings, digest, **traced)
 
 
 def _program(simulator: Program, opening: Opening) -> CommandSimulator:

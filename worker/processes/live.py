@@ -48,13 +48,13 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     memory.bound()
-    _send(answers, {"ready": True})
+    send(answers, {"ready": True})
     problems: OrderedDict[str, Flights] = OrderedDict()
     for line in sys.stdin.buffer:
         if sources.stale():
-            _send(answers, {"stale": True})
+            send(answers, {"stale": True})
             return
-        _send(answers, answer(line, problems))
+        send(answers, answer(line, problems))
 
 
 def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> JsonObject:
@@ -119,8 +119,8 @@ def _flight(flights: Flights, values: dict[str, float], rows: int) -> JsonObject
         "cost": head.cost,
         "margin": None if head.cost is None or head.threshold is None else head.cost - head.threshold,
         "columns": [column.model_dump() for column in simulated.columns],
-        "data": {column.name: _plain(simulated.data[:, k]) for k, column in enumerate(simulated.columns)},
-        "meta": _finite(head.model_dump()),
+        "data": {column.name: plain(simulated.data[:, k]) for k, column in enumerate(simulated.columns)},
+        "meta": finite(head.model_dump()),
     }
 
 
@@ -134,7 +134,7 @@ def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -
     return {
         "time": found.time,
         "place": found.place.tolist(),
-        "velocity": _plain(found.velocity),
+        "velocity": plain(found.velocity),
         "kind": found.kind,
         "memory": found.memory,
         "unit": UNITS[found.kind],
@@ -155,20 +155,20 @@ def _value(flights: Flights, path: str, value: Any) -> float:
     return float(value)
 
 
-def _plain(column: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:
+def plain(column: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:
     return [float(v) if np.isfinite(v) else None for v in column]
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """The value with null in place of non-finite numbers, which JSON cannot represent."""
     if isinstance(value, dict):
-        return {k: _finite(v) for k, v in value.items()}
+        return {k: finite(v) for k, v in value.items()}
     if isinstance(value, list):
-        return [_finite(v) for v in value]
+        return [finite(v) for v in value]
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def _send(answers: TextIO, message: JsonObject) -> None:
+def send(answers: TextIO, message: JsonObject) -> None:
     answers.write(json.dumps(message, allow_nan=False) + "\n")
     answers.flush()
 

@@ -36,8 +36,11 @@ class Axes:
 
     def attitude(self, rotation: Floats) -> Floats:
         """Quaternion w, x, y, z that rotates a mesh (x forward, y left, z up) to these roll, pitch, yaw [rad]."""
-        turned = quaternion(rotation)
-        return turned if self.frame == "enu" else product(product(_WORLD, turned), _BODY)
+        return self.turned(quaternion(rotation))
+
+    def turned(self, attitude: Floats) -> Floats:
+        """The same of an attitude in these axes, as a quaternion w, x, y, z."""
+        return attitude if self.frame == "enu" else product(product(_WORLD, attitude), _BODY)
 
     def about_vertical(self, angle: float) -> Floats:
         """Quaternion of a rotation about the vertical, `angle` [rad] from x towards y of these axes.

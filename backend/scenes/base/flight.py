@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from backend.results import service as results
 from backend.runs.versions import readable
 from backend.scenes.base.axes import Axes, axes_of
+from backend.scenes.base.declared import axes_in, motion
 from campaigns import thin
 from campaigns.results import TraceHead
+from campaigns.results.scene import Scene
 from campaigns.results.trace import Closest as StoredClosest
 from campaigns.results.trace import TraceColumn
 
@@ -63,12 +65,19 @@ class Flight:
     """Seed of its noise realisation; None without randomness."""
     seeds: int = 1
     """The number of realisations of which it is the lowest."""
+    turns: Floats | None = None
+    """(m, 4): w, x, y, z in scene coordinates, in place of `rotation`."""
 
     def at(self, time: float) -> tuple[Floats, Floats, float]:
         """Position, turn (w, x, y, z), separation at a time [s]: linear between rows, held before and after."""
-        rotation = _between(time, self.time, np.unwrap(self.rotation, axis=0))
         separation = float(np.interp(time, self.time, self.separation))
-        return _between(time, self.time, self.position), self.axes.attitude(rotation), separation
+        return _between(time, self.time, self.position), self._turn(time), separation
+
+    def _turn(self, time: float) -> Floats:
+        if self.turns is None:
+            return self.axes.attitude(_between(time, self.time, np.unwrap(self.rotation, axis=0)))
+        turn = _between(time, self.time, self.turns)
+        return turn / max(float(np.linalg.norm(turn)), 1e-12)
 
     def obstacle(self, number: int, time: float) -> Floats:
         """The centre of a moving obstacle at a time."""
@@ -129,7 +138,11 @@ def from_live(answer: Mapping[str, Any]) -> Flight | None:
 
 
 def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], head: TraceHead) -> Flight | None:
+    if any(column.group == "signal" for column in described):
+        return None if head.scene is None else _of_simulator(described, columns, head, head.scene)
     names: dict[str, str] = {column.group: column.name for column in described}
+    if "time" not in names:  # a case of a simulator without a trace
+        return None
     time = columns[names["time"]]
     pose = np.column_stack([columns.get(name, np.zeros(len(time))) for name in _POSE])
     separation = columns[names["separation"]] if "separation" in names else np.full(len(time), np.nan)
@@ -152,6 +165,31 @@ def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], hea
         reason=head.reason,
         seed=None if realised is None else realised.seed,
         seeds=1 if realised is None else realised.seeds,
+    )
+
+
+def _of_simulator(
+    described: Sequence[TraceColumn], columns: Mapping[str, Floats], head: TraceHead, scene: Scene
+) -> Flight | None:
+    """The motion that a simulator declares; None if fewer than two rows have all positions."""
+    time = columns[next(column.name for column in described if column.group == "time")]
+    found = motion(scene, columns, {column.name: column.unit for column in described}, time)
+    count = int(found.rows.sum())
+    if count < 2:
+        return None
+    return Flight(
+        axes=axes_in(scene),
+        time=time[found.rows],
+        position=found.position,
+        rotation=np.zeros((count, 3)),
+        separation=np.full(count, np.nan),
+        tracks=found.tracks,
+        parameters=dict(head.parameters),
+        closest=None,
+        cost=head.cost,
+        status=head.status,
+        reason=head.reason,
+        turns=found.turns,
     )
 
 

@@ -125,6 +125,8 @@ class ViewState(Schema):
     """Increases with every change of the display, and from one view of a key to the next."""
     flight: str
     time: float
+    horizon: float
+    """The end of the time [s]."""
     camera: Camera | None
     eye: Eye | None
     """The free camera; null if `camera` is set."""

@@ -18,6 +18,8 @@ from backend.http.errors import RefusedError
 from backend.results import service as results
 from backend.results.improvements import Improvements
 from backend.runs.service import campaign
+from backend.runs.versions import readable
+from backend.scenes.base import declared
 from backend.scenes.base.axes import Axes, axes_of
 from backend.scenes.base.flight import Flight, from_stored
 from backend.scenes.base.noise import seeds
@@ -26,6 +28,7 @@ from campaigns.catalogue import ComponentEntry, ParameterEntry
 from campaigns.checked.check import parameters
 from campaigns.documents import JsonObject
 from campaigns.looks import ObstacleLook
+from campaigns.results.scene import Scene
 from campaigns.runs import ENDED, run_name
 
 NOMINAL, WORST = "nominal", "F1"
@@ -84,6 +87,23 @@ class Setting:
     """The looks of its methods, obstacles and vehicle."""
     obstacles: tuple[str, ...] = ()
     """The component of each obstacle."""
+    scene: Scene | None = None
+    """What a simulator declares; None for a scenario."""
+
+    @property
+    def clears(self) -> bool:
+        """Whether the threshold is a distance that must stay clear; of a simulator's result this is not known."""
+        return self.scene is None
+
+    @property
+    def room(self) -> float:
+        """The distance that must stay clear [m]; 0 if there is none."""
+        return self.threshold if self.clears else 0.0
+
+    @property
+    def one(self) -> str:
+        """The word for what is drawn."""
+        return "flight" if self.clears else "case"
 
     @property
     def decimals(self) -> int:
@@ -93,26 +113,46 @@ class Setting:
 
     def look(self, number: int) -> ObstacleLook | None:
         """The look of an obstacle; None if it declares none."""
+        if self.scene is not None:
+            return declared.looks(self.scene)[number]
         return self.drawn.obstacle(self.obstacles[number]) if number < len(self.obstacles) else None
 
     def free(self, radius: float) -> float:
-        """Radius that must stay free about the centre of a round obstacle of that radius [m]."""
+        """Radius that must stay free about the centre of a round obstacle of that radius [m]; 0 if unknown."""
+        if not self.clears:
+            return 0.0
         body = self.values.get("criterion.body_radius", 0.0)
         return radius + body + self.threshold if self.to_surface else self.threshold
 
 
 def drawable(reader: sa.Connection, run_id: int) -> Campaign:
-    """The campaign of a run with a scenario; 404 if it has none."""
+    """The campaign of a run that can be drawn; 404 if it evaluates a simulator whose traces declare no positions."""
     asked = campaign(reader, run_id)
-    if asked.scenario is None:
-        text = f"{run_name(run_id)} evaluates a simulator: it has no 3D view"
+    if asked.scenario is None and scene_of(reader, run_id) is None:
+        text = (
+            f"{run_name(run_id)} evaluates a simulator, and no stored trace of it states which columns are positions: "
+            "it has no 3D view. Declare them under `scene` in its descriptor or decorator"
+        )
         raise RefusedError(404, "not-found", text)
     return asked
 
 
+def scene_of(reader: sa.Connection, run_id: int) -> Scene | None:
+    """What a simulator declares with its stored traces, the nominal one first; None without any."""
+    nominal = sa.case((Trace.name == NOMINAL, 0), else_=1)
+    heads = reader.execute(sa.select(Trace.meta).where(Trace.run_id == run_id).order_by(nominal, Trace.name)).scalars()
+    given = next((head["scene"] for head in heads if head.get("scene")), None)
+    if given is None:
+        return None
+    with readable("the 3D view of this run"):
+        return Scene.model_validate(given)
+
+
 def load(reader: sa.Connection, run_id: int) -> Setting:
-    """The setting of a run; 404 if there is no such run, or it evaluates a simulator, which has no flight to draw."""
+    """The setting of a run; 404 if there is no such run, or nothing of it can be drawn."""
     asked = drawable(reader, run_id)
+    if asked.scenario is None:
+        return _declared(reader, run_id, asked)
     catalogue = described(reader, run_id)
     known = {} if catalogue is None else parameters(asked, catalogue)
     values = _given(asked) | {path: nominal for path, (_, nominal) in known.items()}
@@ -143,6 +183,42 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
         methods=_methods(asked, catalogue),
         drawn=looks(reader, run_id),
         obstacles=tuple(part.component for part in scenario.obstacles),
+    )
+
+
+def _declared(reader: sa.Connection, run_id: int, asked: Campaign) -> Setting:
+    """The setting of a simulator's run, from its declaration and its stored traces alone."""
+    scene, catalogue = scene_of(reader, run_id), described(reader, run_id)
+    assert scene is not None
+    entry = None if catalogue is None or asked.simulator is None else catalogue.simulator(asked.simulator.name)
+    result = None if entry is None else entry.result(asked.criterion.result)
+    stored = sa.select(Trace.name).where(Trace.run_id == run_id)
+    flights = [from_stored(results.stored(reader, run_id, name)) for name in reader.scalars(stored).all()]
+    there = [flight for flight in flights if flight is not None]
+    nominal = results.stored(reader, run_id, NOMINAL)
+    first = (None if nominal is None else from_stored(nominal)) or next(iter(there), None)
+    return Setting(
+        run=run_name(run_id),
+        title=asked.name,
+        digest=asked.digest,
+        document=asked.document(),
+        planar=scene.planar,
+        axes=declared.axes_in(scene),
+        vehicle="",
+        start=np.zeros(3) if first is None else first.position[0],
+        goal=None,
+        course=None,
+        values=declared.values(scene),
+        moving=[False] * len(scene.obstacles) + [True] * len(scene.bodies),
+        threshold=asked.criterion.threshold,
+        to_surface=False,
+        quantity=result.quantity if result else "",
+        unit=result.unit if result else "",
+        horizon=max([float(flight.time[-1]) for flight in there], default=0.0) or 1.0,
+        uncertain=_uncertain(asked, {} if catalogue is None else parameters(asked, catalogue)),
+        methods=_methods(asked, catalogue),
+        drawn=looks(reader, run_id),
+        scene=scene,
     )
 
 

@@ -23,7 +23,12 @@ from backend.scenes.drawing.world import World
 Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "top-left", "top-right"]
 
 
-MESHES = {"robot": shapes.unicycle, "two_wheels": shapes.pioneer, "aircraft": shapes.aircraft}
+MESHES = {
+    "robot": shapes.unicycle,
+    "two_wheels": shapes.pioneer,
+    "aircraft": shapes.aircraft,
+    "ball": shapes.ball,
+}
 """Meshes of vehicles, by the name in their look."""
 DOTS = 9
 """Approximate number of dots on a path, and of stems under a spatial one."""
@@ -228,7 +233,12 @@ def anchor_of(flights: Sequence[Drawn], edge: Literal["top", "bottom"]) -> Any:
 
 
 def _shape(setting: Setting) -> tuple[shapes.Mesh, shapes.Mesh]:
-    """The vehicle's two meshes: those of its look, or by default an aircraft in space, else a robot."""
+    """The vehicle's two meshes: those of its look, or by default an aircraft in space, else a robot; of a simulator the
+    one declared, or by default a ball unless it has an attitude."""
+    if setting.scene is not None:
+        vehicle = setting.scene.vehicle
+        turns = vehicle.quaternion is not None or vehicle.angles is not None
+        return MESHES[vehicle.mesh or ("ball" if not turns else "robot" if setting.planar else "aircraft")]()
     look = setting.drawn.vehicle(setting.vehicle)
     mesh = look.mesh if look is not None else "robot" if setting.planar else "aircraft"
     return MESHES[mesh]()

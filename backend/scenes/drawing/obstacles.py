@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import viser
 
+from backend.scenes.base import declared
 from backend.scenes.base.axes import along
 from backend.scenes.base.palette import Palette, Rgb, rgb, shade
 from backend.scenes.base.setting import Setting
@@ -167,6 +168,8 @@ class Obstacles:
             self._solids.cylinder(
                 f"{name}/body", body.size[0], height if body.flight is None else 0.4 * unit, colour, 0.45
             )
+        if not self._setting.clears:
+            return
         middle = np.array([0.0, 0.0, 0.03 * height])
         if self._setting.to_surface and body.kind == "box":
             ring = shapes.rounded(middle, body.size[:2], body.turn, self._setting.free(0.0))
@@ -183,7 +186,7 @@ class Obstacles:
             self._solids.box(f"{group.name}/body", body.size, 0.0, group.body.turn, colour)
         elif body.kind == "cylinder":
             self._solids.cylinder(f"{name}/body", body.size[0], body.size[1], colour, 0.45, lift=0.0)
-            if self._setting.to_surface:
+            if self._setting.to_surface or not self._setting.clears:
                 return
             capsule = shapes.capsule(self._setting.threshold, body.size[1])
             self._solids.mesh(f"{name}/safety", capsule, colour, wireframe=True, opacity=0.25)
@@ -217,22 +220,24 @@ class Obstacles:
 
     def _label(self, group: _Group) -> None:
         setting, body = self._setting, group.body
-        words = []
-        if body.flight is not None:
+        words: list[str] = []
+        if setting.scene is not None:
+            words += filter(None, [declared.names(setting.scene)[body.number]])
+        elif body.flight is not None:
             words.append("intruder" if len(setting.moving) == 1 else f"intruder {body.number + 1}")
         if group.own:
             words += [
                 one.style.title if one.style.title.startswith("F") else one.style.title.lower() for one in group.members
             ]
-        if group is self._groups[0]:
+        if group is self._groups[0] and setting.clears:
             words.append(f"{setting.quantity or 'limit'} > {setting.threshold:g} {setting.unit}")
         if not words:
             return
         # Below its safety radius; if flights differ in it and both are near, the second label is above.
         second = "-" in group.name
-        off = setting.threshold + (body.extent if setting.to_surface else 0.0)
-        off += body.size[1] / 2 if body.kind == "cylinder" else 0.0
-        off = off if second else -off
+        off = setting.room + (body.extent if setting.to_surface or not setting.clears else 0.0)
+        off += body.size[1] / 2 if body.kind == "cylinder" and setting.clears else 0.0
+        off = off if second or not setting.clears else -off
         self._scene.add_label(
             f"{group.name}/label",
             ", ".join(words),

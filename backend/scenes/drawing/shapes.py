@@ -76,6 +76,13 @@ def capsule(radius: float, height: float) -> Mesh:
     return revolved(np.column_stack([outline[:, 1] + ends, outline[:, 0]]), 24)
 
 
+def ball() -> tuple[Mesh, Mesh]:
+    """A ball of diameter 0.5 without a front, and its equator as a thin disc."""
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 9)
+    disc = np.array([(-0.01, 0.0), (-0.01, 0.27), (0.01, 0.27), (0.01, 0.0)])
+    return revolved(0.25 * np.column_stack([np.sin(angles), np.cos(angles)])), revolved(disc)
+
+
 def revolved(profile: Floats, steps: int = 12) -> Mesh:
     """A profile (n, 2) of height and radius, turned about z."""
     angles = np.linspace(0, 2 * np.pi, steps, endpoint=False)

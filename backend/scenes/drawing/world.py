@@ -40,12 +40,12 @@ class Frame:
     """The drawn length of a vehicle and of small symbols [m]: visible, and at most what must stay free."""
 
     @classmethod
-    def around(cls, points: Sequence[Floats], threshold: float) -> Frame:
-        """The bounding box of these points (..., 3); never empty."""
+    def around(cls, points: Sequence[Floats], threshold: float | None) -> Frame:
+        """The bounding box of these points (..., 3); never empty. threshold: what must stay free, if it is known."""
         stacked = np.vstack([np.atleast_2d(p) for p in points])
         low, high = stacked.min(axis=0), stacked.max(axis=0)
         span = max(float((high - low).max()), 1e-3)
-        unit = min(span / 16, max(0.9 * threshold, span / 40))
+        unit = span / 20 if threshold is None else min(span / 16, max(0.9 * threshold, span / 40))
         return cls((low + high) / 2, high - low, span, unit)
 
 
@@ -78,12 +78,12 @@ class World:
     @property
     def whole(self) -> Scene:
         """What a camera must show."""
-        return Scene(self.frame.middle, self._points, self._setting.threshold, self.frame.unit)
+        return Scene(self.frame.middle, self._points, self._setting.room, self.frame.unit)
 
     def fit(self, flights: Sequence[Flight]) -> None:
         """Redraw with a box that contains these flights and their obstacles."""
         points = list(self._reach(flights))
-        self.frame = Frame.around(points, self._setting.threshold)
+        self.frame = Frame.around(points, self._setting.threshold if self._setting.clears else None)
         self._points = np.vstack([np.atleast_2d(p)[:: max(1, len(np.atleast_2d(p)) // 50)] for p in points])
         low = min(float(p[..., 2].min()) for p in points)
         self.ground = -0.002 * self.frame.span if self._setting.planar else low - 0.04 * self.frame.span
@@ -93,8 +93,9 @@ class World:
     def _draw(self) -> None:
         self._ground()
         self._places()
-        if self._setting.axes.frame == "ned":
+        if self._setting.axes.frame == "ned" and self._setting.clears:
             self._north()
+        if self._setting.axes.frame == "ned" if self._setting.clears else not self._setting.planar:
             self._heights()
 
     def _reach(self, flights: Sequence[Flight]) -> Iterator[Floats]:
@@ -107,7 +108,7 @@ class World:
         for number, moving in enumerate(setting.moving):
             if not moving:
                 body = body_of(number, setting.values, setting.axes, None, setting.look(number))
-                far = setting.free(body.extent) if setting.to_surface else max(setting.threshold, body.extent)
+                far = setting.free(body.extent) if setting.to_surface else max(setting.room, body.extent)
                 yield from (body.place - far, body.place + far)
         for flight in flights:
             yield flight.position

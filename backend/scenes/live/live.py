@@ -6,6 +6,7 @@ are one line of JSON each (`worker/processes/live.py`). Start reading at `Live.s
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import logging
@@ -62,8 +63,10 @@ class Live:
     """The interface to the child process; thread-safe."""
 
     def __init__(
-        self, command: Sequence[str] = COMMAND, limit: float = LIMIT, first_limit: float = FIRST_LIMIT
+        self, command: Sequence[str] = COMMAND, limit: float = LIMIT, first_limit: float = FIRST_LIMIT, grace: float = 0
     ) -> None:
+        """grace: time for the process to end after SIGTERM before it is killed [s]; 0: it is killed at once."""
+        self._grace = grace
         self._command, self._limit, self._first_limit = command, limit, first_limit
         self._lock = threading.Lock()
         self._child: _Child | None = None
@@ -99,6 +102,10 @@ class Live:
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
         return self._answered(digest, asked | noise.request)
 
+    def ask(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
+        """The response to another request of the command, on the campaign of that digest. Raises `LiveError`."""
+        return self._answered(digest, request)
+
     def _answered(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
         for _ in range(MOST_STARTS):
             try:
@@ -112,7 +119,7 @@ class Live:
             if self._closed:
                 raise LiveError("the service is stopping")
             if self._child is None or self._child.over:
-                self._child = _Child(self._command)
+                self._child = _Child(self._command, self._grace)
             child = self._child
             limit = self._limit if digest in child.simulated else self._first_limit
             asked = child.ask(request, _Asked(digest, limit))
@@ -133,7 +140,8 @@ class _Child:
     ends.
     """
 
-    def __init__(self, command: Sequence[str]) -> None:
+    def __init__(self, command: Sequence[str], grace: float = 0) -> None:
+        self._grace = grace
         self.over, self._why = False, ""
         self._failure: type[LiveError] = LiveError
         self.simulated: set[str] = set()
@@ -177,12 +185,16 @@ class _Child:
                 continue
 
     def end(self, why: str, failure: type[LiveError] = LiveError) -> None:
-        """Kill it and fail all pending requests."""
+        """End it and fail all pending requests."""
         with self._lock:
             if not self.over:
                 self.over, self._why, self._failure = True, why, failure
             asked, self._asked = list(self._asked.values()), {}
         if self._process is not None:
+            if self._grace:
+                self._process.terminate()
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self._process.wait(self._grace)
             self._process.kill()
         for one in asked:
             one.answer.set_exception(failure(why))

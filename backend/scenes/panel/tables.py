@@ -31,8 +31,21 @@ def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
         if one.flight is not None
     ]
     if not rows:
-        return note("No flight is stored yet.")
+        return note(f"No {setting.one} is stored yet.")
+    if not setting.clears:
+        return _results(drawn, setting)
     heads = _heads(("now", setting.quantity or "min", "margin"))
+    return f"<table {_TABLE}><tr>{_unit(setting.unit)}{heads}</tr>{''.join(rows)}</table>"
+
+
+def _results(drawn: Sequence[Drawn], setting: Setting) -> str:
+    """The result of a simulator, which is not known over time, and its margin."""
+    shown = [one for one in drawn if one.flight is not None]
+    rows = [
+        _row(one, one.style.title, (one.flight.cost if one.flight else None, _margin(one, setting)), setting.decimals)
+        for one in shown
+    ]
+    heads = _heads((setting.quantity or "value", "margin"))
     return f"<table {_TABLE}><tr>{_unit(setting.unit)}{heads}</tr>{''.join(rows)}</table>"
 
 

@@ -102,6 +102,9 @@ class Recordings:
 def _asked(reader: sa.Connection, run_id: int, label: str, dark: bool) -> _Asked:
     run = summary(reader, run_id)
     row = results.stored(reader, run_id, label)
+    if row is not None and setting.drawable(reader, run_id).scenario is None:
+        text = f"{run.id} evaluates a simulator: its 3D view is on its page, and is not recorded"
+        raise RefusedError(404, "not-found", text)
     flight = None if row is None else from_stored(row)
     if flight is None:
         raise not_found("stored flight of this run called", label)

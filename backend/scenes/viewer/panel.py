@@ -11,8 +11,8 @@ import sqlalchemy as sa
 import viser
 
 from backend.scenes.base.part import Driver, Part
-from backend.scenes.base.schemas import LayersChange
-from backend.scenes.base.setting import Progress, Setting
+from backend.scenes.base.schemas import NONE, LayersChange
+from backend.scenes.base.setting import Progress, Setting, UnknownParameterError
 from backend.scenes.cloud.tab import CloudTab, Take
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.following import Following
@@ -46,16 +46,26 @@ class Panel:
         tabs = gui.add_tab_group()
         with tabs.add_tab("Values"):
             values = ValuesTab(gui, setting, flights, vectors)
-            self._sampled = Sampled(server, engine, live, setting, palette, driver)
-            self._field = FieldSlice(server, setting, world, palette, flights, live, driver)
-        with tabs.add_tab("Space"):
-            self._cloud = CloudTab(server, engine, live, setting, world, progress, following, driver, take)
+            if setting.clears:
+                self._sampled = Sampled(server, engine, live, setting, palette, driver)
+                self._field = FieldSlice(server, setting, world, palette, flights, live, driver)
+        if setting.clears:
+            with tabs.add_tab("Space"):
+                self._cloud = CloudTab(server, engine, live, setting, world, progress, following, driver, take)
         with tabs.add_tab("Search"):
             convergence = ConvergenceTab(gui, setting, palette, progress.curves)
-        self.parts: list[Part] = [values, self._sampled, self._field, self._cloud, convergence]
+        self._simulates = setting.clears
+        """Only scenarios are simulated on demand for these layers."""
+        further = [self._sampled, self._field, self._cloud] if setting.clears else []
+        self.parts: list[Part] = [values, *further, convergence]
 
     def have(self, layers: LayersChange) -> None:
-        """Change the layers; raises `UnknownParameterError` for an unknown axis."""
+        """Change the layers; raises `UnknownParameterError` for an unknown axis, or if they are not available."""
+        if not self._simulates:
+            if layers.space or layers.sampled or layers.field or layers.axes not in (None, (NONE, NONE, NONE)):
+                text = "this run evaluates a simulator: the layers sampled, field, space and axes are not available"
+                raise UnknownParameterError(text)
+            return
         self._cloud.have(layers.space, layers.axes)
         self._sampled.have(layers.sampled)
         self._field.have(layers.field)
@@ -63,6 +73,8 @@ class Panel:
     @property
     def layers(self) -> dict[str, Any]:
         """The visible layers."""
+        if not self._simulates:
+            return {"sampled": False, "field": False, "space": False, "axes": (NONE, NONE, NONE)}
         return {
             "sampled": self._sampled.on,
             "field": self._field.on,

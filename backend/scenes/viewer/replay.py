@@ -33,7 +33,7 @@ class Replay:
     @property
     def shown(self) -> dict[str, Any]:
         """Time and playback as fields of `ViewState`."""
-        return {"time": self.time, "playing": self.playing, "speed": self.speed}
+        return {"time": self.time, "horizon": self._horizon, "playing": self.playing, "speed": self.speed}
 
     def steer(self, change: ViewChange) -> None:
         """Change time or speed. Setting a time pauses playback unless the same change requests to play."""

@@ -70,8 +70,11 @@ class WhatIf(Part):
     def simulate(self, parameters: Mapping[str, float], seed: int | None) -> None:
         """Simulate and show the case with these parameters, the others nominal, with this noise seed or the campaign's.
 
-        Raises `UnknownParameterError`.
+        Raises `UnknownParameterError`, also for a run that evaluates a simulator.
         """
+        if not self._setting.clears:
+            text = "a what-if of a simulator is evaluated by POST /runs/RUN/cases, which also draws it"
+            raise UnknownParameterError(text)
         known = {one.path: one for one in self._setting.uncertain}
         for path, value in parameters.items():
             one = known.get(path)

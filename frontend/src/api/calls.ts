@@ -10,6 +10,8 @@ import type {
   Evaluations,
   ExportFile,
   FindingDetail,
+  CaseAnswer,
+  CaseRequest,
   FlightAnswer,
   FlightRequest,
   HistoryEntry,
@@ -113,6 +115,10 @@ export const getView = (
 /** One flight of a run with other parameters; superseded by a newer request of the same client. */
 export const simulateFlight = (run: string, body: FlightRequest, signal?: AbortSignal): Promise<FlightAnswer> =>
   answer(sdk.simulateFlight({ path: { run }, body, signal }))
+
+/** Evaluates one case of a run's simulator with other parameters. */
+export const evaluateCase = (run: string, body: CaseRequest, signal?: AbortSignal): Promise<CaseAnswer> =>
+  answer(sdk.evaluateCase({ path: { run }, body, signal }))
 
 /** Changes the 3D view; the service waits up to this many seconds for it to open. */
 export const changeView = (

@@ -15,6 +15,7 @@ import { EncounterCard } from './verdict/EncounterCard'
 import { Failures } from './search/Failures'
 import { FindingsCard } from './findings/FindingsCard'
 import { FiveFigures } from './verdict/FiveFigures'
+import { hasView } from './flight/declared'
 import { Flight } from './flight/Flight'
 import { overTime } from './flight/flown'
 import { FrontCard } from './findings/FrontCard'
@@ -46,7 +47,8 @@ const SpaceCard = lazy(() => import('./space/SpaceCard').then((module) => ({ def
 export function Finished({ data }: { data: RunData }) {
   const { run } = data
   const { finding, chosen } = data
-  const view = useMemo(() => new View(run.id), [run.id])
+  const flies = hasScenario(data.campaign)
+  const view = useMemo(() => new View(run.id, flies), [run.id, flies])
   const whatIf = useWhatIf(data, view)
   const other = useDeferredValue(whatIf.answer)
   // Charts with thousands of points are rendered after the main content.
@@ -68,7 +70,8 @@ export function Finished({ data }: { data: RunData }) {
   const methods = run.stages.filter((stage) => stage.kind === 'search').length
   // Without a validated finding the page shows the lowest evaluation, labelled as not validated.
   const lowest = data.findings.length > 0 ? null : bestOf(data)
-  const flies = hasScenario(data.campaign)
+  // A simulator is drawn if its trace states what is where.
+  const drawn = hasView(data)
   const flown = flies && data.nominalTrace !== undefined
   // Two charts fit next to the separation; more need their own row.
   const few = sensitivity !== null && sensitivity.curves.length <= 2 && flown
@@ -81,7 +84,7 @@ export function Finished({ data }: { data: RunData }) {
   // A finding may have a trace although the nominal case has none.
   const timed = overTime(data.nominalTrace ?? (flies ? undefined : data.findingTrace)).length > 0
   const sections: Section[] = [
-    ...(flown ? [{ id: 'flight', name: 'Flight' }] : []),
+    ...(drawn ? [{ id: 'flight', name: flies ? 'Flight' : '3D view' }] : []),
     ...(data.findings.length ? [{ id: 'findings', name: 'Findings', count: data.findings.length }] : []),
     ...(flown ? [{ id: 'separation', name: 'Separation' }] : []),
     ...(timed ? [{ id: 'motion', name: flies ? 'Speeds and commands' : 'Trace' }] : []),
@@ -113,11 +116,11 @@ export function Finished({ data }: { data: RunData }) {
           <NominalWorst data={data} className="c7" title="Uncertain parameters" column={null} worst={null} />
         )}
         {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
-        {flown && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
-        {!flies && <Untraced data={data} className="c12" />}
+        {drawn && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
+        {!flies && !drawn && <Untraced data={data} whatIf={shown ? whatIf : null} className="c12" />}
         {shown && (
-          <div className={flown ? clsx('stack', styles.pair, 'c4') : clsx(raised ? styles.two : 'stack', 'c12')}>
-            {flown && <WhatIfCard data={data} state={whatIf} className="" />}
+          <div className={drawn ? clsx('stack', styles.pair, 'c4') : clsx(raised ? styles.two : 'stack', 'c12')}>
+            {(flown || !flies) && <WhatIfCard data={data} state={whatIf} className="" />}
             <NominalWorst
               data={data}
               className=""
@@ -129,6 +132,7 @@ export function Finished({ data }: { data: RunData }) {
             {raised && <Tornado data={data} result={sensitivity} className="" />}
           </div>
         )}
+        {!flies && drawn && <Untraced data={data} className="c12" />}
         {data.findings.length > 0 && <FindingsCard data={data} result={validation} className="c12" />}
         {flown && (
           <SeparationCard data={data} onCross={cross} standing={view} whatIf={other} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
@@ -136,7 +140,7 @@ export function Finished({ data }: { data: RunData }) {
         {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5 wide" height={226} />}
         {timed && (
           <div className={few || !flies ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5 wide')} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
-            {calm && <MotionCard data={data} onCross={cross} standing={view} className="" />}
+            {calm && <MotionCard data={data} onCross={cross} standing={view} whatIf={flies ? null : other} className="" />}
           </div>
         )}
         {sensitivity && !few && (

@@ -1,7 +1,7 @@
 // The 3D view of a run in its own window with all controls, also for an active run.
 import { Link, useParams, useSearch } from '@tanstack/react-router'
 import { useEffect, useMemo, useState } from 'react'
-import { asCampaign, hasScenario } from '../api/campaign'
+import { caseWord, hasScenario } from '../api/campaign'
 import { Refusal } from '../api/problems'
 import { isLive } from '../api/queries'
 import type { RunDetail } from '../client'
@@ -10,7 +10,9 @@ import { useTitle } from '../page/useTitle'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import { useRunData } from './data/data'
 import { useRun } from './data/useRun'
+import { hasView } from './flight/declared'
 import { Flight } from './flight/Flight'
+import { Declare } from './flight/Untraced'
 import { useWhatIf } from './flight/useWhatIf'
 import { View } from './flight/view'
 import { WhatIfCard } from './flight/WhatIfCard'
@@ -24,18 +26,20 @@ export function FlightPage() {
   if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what={id} />
-  if (!hasScenario(asCampaign(query.data.campaign))) return <NoTrace run={query.data} />
   return <Page key={id} run={query.data} />
 }
 
 function NoTrace({ run }: { run: RunDetail }) {
   return (
     <div className="card centre">
-      <h1>There is no 3D view</h1>
+      <h1>There is no {isLive(run) ? '3D view yet' : '3D view'}</h1>
       <p>
-        This run evaluates a simulator, of which Clearance knows no positions; there is no what-if either. Its
-        results, and its trace over time if it returns one, are on the page of the run.
+        {isLive(run)
+          ? 'This run evaluates a simulator: its 3D view can be opened when the run has ended, if its trace states which columns are positions.'
+          : 'This run evaluates a simulator, and no stored trace of it states which columns are positions.'}{' '}
+        Its results, and its trace over time if it returns one, are on the page of the run.
       </p>
+      {!isLive(run) && <Declare />}
       <div className="acts">
         <Link to="/runs/$id" params={{ id: run.id }} className="btn">
           Open {run.id}
@@ -48,7 +52,8 @@ function NoTrace({ run }: { run: RunDetail }) {
 function Page({ run }: { run: RunDetail }) {
   useTitle(`${run.id} ${run.name}, flight`)
   const data = useRunData(run, useSearch({ from: '/runs/$id' }).finding)
-  const view = useMemo(() => new View(run.id), [run.id])
+  const flies = hasScenario(data.campaign)
+  const view = useMemo(() => new View(run.id, flies), [run.id, flies])
   const whatIf = useWhatIf(data, view)
   // The chosen flight is known once the findings are loaded.
   const [ready, setReady] = useState(false)
@@ -58,7 +63,8 @@ function Page({ run }: { run: RunDetail }) {
     // The panel shows the convergence of the searches; a narrow window has no room for it.
     if (live && !matchMedia('(max-width: 760px)').matches) view.steer({ panel: true })
   }, [view, live])
-  if (!ready) return <Loading what="flight" />
+  if (!ready) return <Loading what={caseWord(data.campaign)} />
+  if (!flies && !hasView(data)) return <NoTrace run={run} />
   return (
     <div className={styles.own}>
       <div className="ph">
@@ -68,7 +74,7 @@ function Page({ run }: { run: RunDetail }) {
             <Link to="/runs/$id" params={{ id: run.id }} search={(before) => before} className="mono">
               {run.id}
             </Link>
-            /<span>Flight</span>
+            /<span>{flies ? 'Flight' : '3D view'}</span>
           </nav>
           <div className={styles.titles}>
             <h1>{run.name}</h1>

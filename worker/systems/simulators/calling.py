@@ -31,10 +31,26 @@ class Answer(TypedDict, total=False):
     failed: str
 
 
-def evaluate(**parameters: float) -> Answer:
-    """The results of the function that the environment names, for one set of parameters."""
-    call, names, vectorized = _named()
-    return called(call, parameters, names, vectorized)
+class Traced(TypedDict, total=False):
+    """An answer, and unless it failed the columns of its trace by name, as returned."""
+
+    results: Answer
+    trace: dict[str, object]
+
+
+class Evaluate:
+    """The function that the environment names, for one set of parameters: its results, and on request its trace."""
+
+    def __call__(self, /, **parameters: float) -> Answer:
+        call, names, vectorized = _named()
+        return called(call, parameters, names, vectorized)
+
+    def traced(self, /, **parameters: float) -> Traced:
+        call, names, vectorized = _named()
+        return traced(call, parameters, names, vectorized)
+
+
+evaluate = Evaluate()
 
 
 def called(
@@ -56,6 +72,28 @@ def called(
         raise
     except BaseException as error:  # whatever a function raises fails its evaluation alone
         return {"failed": failure(error, call)}
+
+
+def traced(
+    call: Callable[..., Any], parameters: Mapping[str, float], names: Sequence[str], vectorized: bool = False
+) -> Traced:
+    """`{"results": as from `called`, "trace": columns by name}` of a function that is asked for its trace; without
+    `trace` if it failed."""
+    returned: list[dict[str, object]] = []
+
+    @functools.wraps(call)  # a reason then names the line of the function
+    def asked(**given: Any) -> Any:
+        value = call(**given, trace=True)
+        if not isinstance(value, (tuple, list)) or len(value) != 2:
+            pair = "a pair of its results and a dict of columns is expected"
+            raise Wrong(f"with trace=True it returned {described(value)}; {pair}")
+        if not isinstance(value[1], Mapping):
+            raise Wrong(f"with trace=True its columns are {described(value[1])}; a dict of lists by name is expected")
+        returned.append(dict(value[1]))
+        return value[0]
+
+    results = called(asked, parameters, names, vectorized)
+    return {"results": results} if "failed" in results else {"results": results, "trace": returned[0]}
 
 
 def read(value: Any, names: Sequence[str]) -> Answer:

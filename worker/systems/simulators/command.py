@@ -13,10 +13,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from campaigns.results.scene import Scene
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import DescribedProgram
 from worker.catalogue.simulator import Opening
-from worker.systems.base import Floats, NoTrace, Trace
+from worker.systems.base import Floats
 from worker.systems.simulators import traced
 from worker.systems.simulators.cluster.address import chosen
 from worker.systems.simulators.slots import files
@@ -102,21 +103,13 @@ class CommandSimulator(Slotted):
         child = [sys.executable, str(files.CHILD), f"{files.__file__}:evaluate"]
         return Program(child, "framed", {**d.environment, files.COMMAND: files.packed(command)}, folder)
 
-    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
-        columns = self.described.descriptor.trace if isinstance(self.described, DescribedProgram) else {}
-        if not columns:
-            return None
-        vector = self.nominal.copy()
-        for path, value in values.items():
-            vector[self.names[path]] = value
-        outcome = self._opened().submit({"parameters": self._request(vector), "trace": True}).result()
-        value, reason = self._read(outcome)
-        if reason:
-            raise NoTrace(f"the evaluation that was to return it has no result: {reason}")
-        return traced.read(name, columns, outcome.answer, traced.head(self.results[0], value, self._by_path(vector)))
+    @property
+    def _columns(self) -> Mapping[str, traced.Column]:
+        return self.described.descriptor.trace if isinstance(self.described, DescribedProgram) else {}
 
-    def _by_path(self, vector: Floats) -> dict[str, float]:
-        return {p.path: float(value) for p, value in zip(self.parameters, vector, strict=True)}
+    @property
+    def _scene(self) -> Scene | None:
+        return self.described.descriptor.drawn if isinstance(self.described, DescribedProgram) else None
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
         """The result that decides, or why there is none."""

@@ -17,14 +17,16 @@ from numpy.typing import ArrayLike
 from campaigns.catalogue import SimulatorEntry
 from campaigns.claims.say import say
 from campaigns.results.base import FAILED, OK
+from campaigns.results.scene import Scene
+from worker.catalogue.columns import Column
 from worker.catalogue.function import Settings
 from worker.catalogue.simulator import Opening
 from worker.search.base import Batch
-from worker.systems.base import Floats, Reasons, Scope, Seeds
-from worker.systems.simulators import calling
+from worker.systems.base import Floats, NoTrace, Reasons, Scope, Seeds, Trace
+from worker.systems.simulators import calling, traced
 from worker.systems.simulators.identity import identified
 from worker.systems.simulators.simulated import Simulated
-from worker.systems.simulators.slots import files
+from worker.systems.simulators.slots import child, files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.program import Program
 from worker.systems.simulators.slotted import Slotted
@@ -34,9 +36,13 @@ from worker.systems.threads import usual_threads
 class _OfFunction(Simulated):
     """What both have in common: the names, the deciding result, and where the digest comes from."""
 
-    def __init__(self, entry: SimulatorEntry, opening: Opening, settings: Settings, files_digest: str) -> None:
+    def __init__(
+        self, entry: SimulatorEntry, opening: Opening, settings: Settings, files_digest: str,
+        columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
+    ) -> None:  # fmt: skip
         super().__init__(entry, opening)
         self.of = settings
+        self.columns, self.scene = columns or {}, scene
         self.files_digest = files_digest
         self.names_given = [p.path.removeprefix("simulator.") for p in self.parameters]
         self.every = [r.name for r in entry.results]
@@ -71,16 +77,17 @@ class InProcess(_OfFunction):
     """
 
     def __init__(
-        self, call: Callable[..., Any], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str = ""
-    ) -> None:
+        self, call: Callable[..., Any], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str = "",
+        columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
+    ) -> None:  # fmt: skip
         self.identity = None if digest else identified(call)
         unknown = self.identity is not None and self.identity.unknown
         found = digest or (f"unidentified-{uuid.uuid4().hex}" if unknown or self.identity is None else "")
-        super().__init__(entry, opening, settings, found or getattr(self.identity, "digest", ""))
+        super().__init__(entry, opening, settings, found or getattr(self.identity, "digest", ""), columns, scene)
         self.call = call
 
     def fresh(self) -> InProcess:
-        return InProcess(self.call, self.entry, self.opening, self.of, self.files_digest)
+        return InProcess(self.call, self.entry, self.opening, self.of, self.files_digest, self.columns, self.scene)
 
     @property
     def scope(self) -> Scope:
@@ -106,6 +113,18 @@ class InProcess(_OfFunction):
         if self.of.vectorized:
             return self._together(vectors)
         return self._each(vectors)
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
+        if not self.columns:
+            return None
+        given = self._by_path(self._vector(values))
+        own = dict(zip(self.names_given, given.values(), strict=True))
+        answer = calling.traced(self.call, own, self.every, self.of.vectorized)
+        results = answer["results"]
+        if "failed" in results:
+            raise NoTrace(f"{traced.LOST}: {results['failed']}")
+        head = traced.head(self.results[0], results["results"][self.results[0].name], given, self.scene)
+        return traced.read(name, self.columns, child.plain(answer), head)
 
     def _each(self, vectors: Floats) -> tuple[Batch, Reasons]:
         names, every, result, call = self.names_given, self.every, self.results[0].name, self.call
@@ -170,14 +189,14 @@ class Isolated(_OfFunction, Slotted):
     def __init__(
         self,
         place: Mapping[str, str], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str,
-        alone: bool = False,
+        alone: bool = False, columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
     ) -> None:  # fmt: skip
-        super().__init__(entry, opening, settings, digest)
+        super().__init__(entry, opening, settings, digest, columns, scene)
         self.place = place
         self._alone = alone
 
     def fresh(self) -> Isolated:
-        return Isolated(self.place, self.entry, self.opening, self.of, self.files_digest, alone=True)
+        return Isolated(self.place, self.entry, self.opening, self.of, self.files_digest, True, self.columns)
 
     @property
     def slots(self) -> int:
@@ -187,10 +206,18 @@ class Isolated(_OfFunction, Slotted):
     def _limits(self) -> Limits:
         return Limits(self.of.timeout, memory=self.of.memory, recycle=1 if self._alone else self.of.recycle)
 
+    @property
+    def _columns(self) -> Mapping[str, Column]:
+        return self.columns
+
+    @property
+    def _scene(self) -> Scene | None:
+        return self.scene
+
     def _program(self, work: Path) -> Program:
         named = {calling.FUNCTION: calling.packed(self.place, self.every, self.of.vectorized)}
-        child = [sys.executable, str(files.CHILD), f"{calling.__file__}:evaluate"]
-        return Program(child, "framed", named, str(work / "{slot}"))
+        command = [sys.executable, str(files.CHILD), f"{calling.__file__}:evaluate"]
+        return Program(command, "framed", named, str(work / "{slot}"))
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
         """The result that decides, or why there is none."""

@@ -5,7 +5,7 @@ A package derives its simulator from `Simulated` and implements `evaluate` and `
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -40,6 +40,17 @@ class Simulated(System):
         self.nominal = np.array([p.nominal for p in self.parameters])
         asked = next(r for r in entry.results if r.name == opening.result)
         self.results = (Result(asked.name, asked.title, asked.quantity, asked.unit, asked.worse),)
+
+    def _vector(self, values: Mapping[str, float]) -> Floats:
+        """The nominal vector with these values by path; raises KeyError."""
+        vector = self.nominal.copy()
+        for path, value in values.items():
+            vector[self.names[path]] = value
+        return vector
+
+    def _by_path(self, vector: Floats) -> dict[str, float]:
+        """The parameters of a vector by path."""
+        return {p.path: float(v) for p, v in zip(self.parameters, vector[: len(self.parameters)], strict=True)}
 
     def fresh(self) -> System:
         """The same simulator, without any state of earlier evaluations."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import tempfile
 import threading
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -17,8 +17,10 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.results.scene import Scene
 from worker.search.base import Batch
-from worker.systems.base import Evaluated, Floats, Reasons, Seeds
+from worker.systems.base import Evaluated, Floats, NoTrace, Reasons, Seeds, Trace
+from worker.systems.simulators import traced
 from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.pool import SlotPool
@@ -35,6 +37,8 @@ class Slotted(Simulated):
 
     _pool: SlotPool | DaskPool | None = None
     _work: tempfile.TemporaryDirectory[str] | None = None
+    most_slots: int | None = None
+    """Fewer processes side by side than `slots`, set before the first evaluation."""
 
     @property
     @abstractmethod
@@ -64,6 +68,28 @@ class Slotted(Simulated):
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         return batch_of([future.result() for future in [self.submit(vector) for vector in vectors]])
 
+    @property
+    def _columns(self) -> Mapping[str, traced.Column]:
+        """The columns of the trace that it returns on request; empty if it returns none."""
+        return {}
+
+    @property
+    def _scene(self) -> Scene | None:
+        """What is drawn of a trace, if it declares this."""
+        return None
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
+        columns = self._columns
+        if not columns:
+            return None
+        vector = self._vector(values)
+        outcome = self._opened().submit({"parameters": self._request(vector), "trace": True}).result()
+        value, reason = self._read(outcome)
+        if reason:
+            raise NoTrace(f"{traced.LOST}: {reason}")
+        head = traced.head(self.results[0], value, self._by_path(vector), self._scene)
+        return traced.read(name, columns, outcome.answer, head)
+
     def close(self) -> None:
         """Kill its processes; they start again with the next evaluation."""
         if self._pool is not None:
@@ -77,7 +103,8 @@ class Slotted(Simulated):
         if self._pool is None:
             prefix = f"clearance-{self.entry.name}-"
             self._work = tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True)
-            self._pool = SlotPool(self._program(Path(self._work.name)), self.slots, self._limits)
+            slots = min(self.slots, self.most_slots or self.slots)
+            self._pool = SlotPool(self._program(Path(self._work.name)), slots, self._limits)
         return self._pool
 
     def _evaluated(self, outcomes: Sequence[Outcome]) -> Evaluated:

@@ -12,11 +12,13 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from campaigns.results.base import Status
+from campaigns.results.scene import Scene
 from campaigns.results.trace import TraceColumn, TraceHead
 from worker.systems.base import Floats, NoTrace, Result, Trace
 
 MOST_ROWS = 100_000
 TIME = "time"
+LOST = "the evaluation that was to return it has no result"
 
 
 class Column(Protocol):
@@ -30,10 +32,10 @@ class Column(Protocol):
     def text(self) -> str: ...
 
 
-def head(result: Result, value: float, values: Mapping[str, float]) -> TraceHead:
-    """The header of the trace of one evaluation, whose deciding result has this value."""
+def head(result: Result, value: float, values: Mapping[str, float], scene: Scene | None = None) -> TraceHead:
+    """The header of the trace of one evaluation, whose deciding result has this value; scene: what is drawn of it."""
     cost = value if result.worse == "low" else 0.0 - value
-    return TraceHead(parameters=dict(values), status=Status.OK, cost=cost, values={result.name: value})
+    return TraceHead(parameters=dict(values), status=Status.OK, cost=cost, values={result.name: value}, scene=scene)
 
 
 def read(name: str, columns: Mapping[str, Column], answer: Any, of: TraceHead) -> Trace:

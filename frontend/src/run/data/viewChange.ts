@@ -28,8 +28,8 @@ export function merged(before: ViewChange, next: ViewChange): ViewChange {
   return { ...rest, ...(time != null && { time }), step: (before.step ?? 0) + next.step }
 }
 
-/** The full state of a view, for its replacement. */
-export function again(last: ViewState): ViewChange {
+/** The full state of a view, for its replacement; its what-if only if the view can simulate it. */
+export function again(last: ViewState, simulates = true): ViewChange {
   const { flight, theme, time, camera, eye, playing, speed, panel, layers, what_if, what_if_seed } = last
   return {
     flight,
@@ -40,7 +40,7 @@ export function again(last: ViewState): ViewChange {
     panel,
     layers,
     ...(camera ? { camera } : eye && { eye }),
-    ...(what_if && { what_if, what_if_seed }),
+    ...(simulates && what_if && { what_if, what_if_seed }),
   }
 }
 

@@ -1,6 +1,7 @@
 // The flight in 3D: the viewer runs in its own frame; all its numbers are also on this page.
 import { useSearch } from '@tanstack/react-router'
 import { useEffect, useLayoutEffect, useRef, useSyncExternalStore } from 'react'
+import { hasScenario } from '../../api/campaign'
 import { useTheme } from '../../theme/useTheme'
 import { Card } from '../../ui/Card'
 import { useCalm } from '../../ui/useCalm'
@@ -28,6 +29,8 @@ interface FlightProps {
 
 export function Flight({ data, view, whatIf, className, alone = false }: FlightProps) {
   const theme = useTheme()
+  const title = hasScenario(data.campaign) ? 'Flight' : '3D view'
+  const named = title === 'Flight' ? 'Flight in 3D' : title
   // A viewer uses resources of the service: it is opened when it comes near the window.
   const [holder, near] = useNear<HTMLDivElement>()
   const wanted = useCalm() && near
@@ -49,7 +52,7 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
 
   return (
     <Card
-      title="Flight"
+      title={title}
       note={<span title="Drag to turn, wheel to zoom. Vehicles not to scale">{flights(data, whatIf.whatIf !== null)}</span>}
       className={className}
       id="flight"
@@ -65,17 +68,17 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
       }
     >
       <div className={runStyles.flightbox} ref={holder}>
-        <div className={runStyles.flight} role="group" aria-label="Flight in 3D and its keys" tabIndex={0}>
+        <div className={runStyles.flight} role="group" aria-label={`${named} and its keys`} tabIndex={0}>
           {known.address && (
             <iframe
               key={`${view.key}.${known.frame}`}
               src={known.address}
-              title="Flight in 3D"
+              title={named}
               allow="fullscreen"
               inert={known.phase !== 'open'}
             />
           )}
-          {draws ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable />}
+          {draws ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable what={title === 'Flight' ? 'flight' : 'case'} />}
         </div>
         <PlayBar data={data} view={view} shown={known.shown} whatIf={whatIf} />
       </div>

@@ -8,14 +8,16 @@ import {
 import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { useEffect, useState } from 'react'
+import { caseWord, hasScenario } from '../../api/campaign'
 import type { ViewState } from '../../client'
 import { RecordingMenu } from '../../exports/Recording'
 import { fixed } from '../../format/numbers'
 import { Seg } from '../../ui/Card'
 import { IconButton } from '../../ui/IconButton'
 import type { RunData } from '../data/data'
+import { camerasOf } from './declared'
 import type { View } from './view'
-import { CAMERAS, type Camera, type Place } from '../data/viewChange'
+import type { Camera, Place } from '../data/viewChange'
 import { type ChosenSearch, NOMINAL } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
 import styles from './flight.module.css'
@@ -33,7 +35,7 @@ interface Props {
 const NAMES: Partial<Record<Camera, string>> = { intruder: 'Obstacle' }
 
 export function FlightHead({ data, view, shown, alone, onFull }: Props) {
-  const recorded = data.traces.some((trace) => trace.name === data.chosen)
+  const recorded = hasScenario(data.campaign) && data.traces.some((trace) => trace.name === data.chosen)
   const [address] = useAddress(data.run.id)
   const place = placeOf(shown)
   return (
@@ -42,7 +44,7 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
       <Seg
         label="Camera"
         value={(shown?.camera ?? '') as Camera}
-        options={CAMERAS.map((camera) => ({ value: camera, label: NAMES[camera] ?? `${camera.charAt(0).toUpperCase()}${camera.slice(1)}` }))}
+        options={camerasOf(data).map((camera) => ({ value: camera, label: NAMES[camera] ?? `${camera.charAt(0).toUpperCase()}${camera.slice(1)}` }))}
         onChange={(camera) => view.steer({ camera })}
       />
       <span className="row" style={{ gap: 4 }}>
@@ -94,7 +96,7 @@ function Choice({ data }: { data: RunData }) {
   const [, change] = useAddress(data.run.id)
   const labels = data.findings.length > 0 ? data.findings.map(({ label }) => label) : [data.chosen]
   return (
-    <select aria-label="Flight shown" value={data.chosen} onChange={(event) => change({ finding: event.target.value })}>
+    <select aria-label={caseWord(data.campaign) === 'flight' ? 'Flight shown' : 'Case shown'} value={data.chosen} onChange={(event) => change({ finding: event.target.value })}>
       {[...new Set([...labels, NOMINAL])].map((label) => (
         <option key={label} value={label}>
           {label === NOMINAL ? 'Nominal alone' : label === 'F1' ? 'Worst (F1)' : label}

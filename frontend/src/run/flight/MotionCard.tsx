@@ -9,7 +9,7 @@ import { linesOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
 import { hasScenario } from '../../api/campaign'
-import type { TraceColumn } from '../../client'
+import type { FlightAnswer, TraceColumn } from '../../client'
 import { decimalsFor, fixed } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Menu, Pick, Picks } from '../../ui/Menu'
@@ -28,7 +28,7 @@ import {
   valueAt,
   wordsOf,
 } from './flown'
-import { type Flown, flownOf, useShown } from './SeparationCard'
+import { type Flown, flownOf, useShown, whatIfOf } from './SeparationCard'
 import { useAddress } from '../data/useAddress'
 import styles from './flight.module.css'
 
@@ -40,11 +40,13 @@ interface MotionProps {
   className: string
   /** Called with the time under the pointer [s], which the 3D view shows. */
   onCross: (time: number) => void
+  /** The result of the open what-if of a simulator. */
+  whatIf?: FlightAnswer | null
   /** The displayed time: position of the crosshair while no pointer is on a chart. */
   standing: Standing
 }
 
-export function MotionCard({ data, className, onCross, standing }: MotionProps) {
+export function MotionCard({ data, className, onCross, standing, whatIf = null }: MotionProps) {
   const { run, nominalTrace, findingTrace, chosen } = data
   const [address, change] = useAddress(run.id)
   const [shown] = useShown(run.id)
@@ -52,8 +54,8 @@ export function MotionCard({ data, className, onCross, standing }: MotionProps) 
   const [hidden, toggle] = useHidden()
   const [holder, width] = useWidth(540)
   const flights = useMemo(
-    () => flownOf({ nominalTrace, findingTrace, chosen }),
-    [nominalTrace, findingTrace, chosen],
+    () => [...flownOf({ nominalTrace, findingTrace, chosen }), ...whatIfOf(whatIf)],
+    [nominalTrace, findingTrace, chosen, whatIf],
   )
   const all = useMemo(() => overTime(flights[0]?.trace), [flights])
   const columns = useMemo(() => shownColumns(all, address.columns), [all, address.columns])
@@ -206,7 +208,7 @@ const FOOTER =
 /** What the traces of a simulator show: the stored evaluation, or one more call with a value of its own. */
 function Called({ data, flights }: { data: RunData; flights: readonly Flown[] }) {
   const { run, finding } = data
-  const others = flights.flatMap(({ key, label, trace }) => {
+  const others = flights.filter(({ key }) => key !== 'what-if').flatMap(({ key, label, trace }) => {
     const stored = key === 'nominal' ? run.nominal_cost : (finding?.cost ?? null)
     const { cost } = trace.meta
     return cost === stored || cost === null ? [] : [`${label} ${fixed(cost, decimalsFor([cost, stored]))} ${run.unit}`]

@@ -1,7 +1,6 @@
 // The controls below the 3D view: playback, time, speed, and visible layers.
 // Start reading at `PlayBar`.
 import {
-  IconAdjustments,
   IconFocusCentered,
   IconLayoutSidebarRightCollapse,
   IconLayoutSidebarRightExpand,
@@ -13,11 +12,13 @@ import { clsx } from 'clsx'
 import { type CSSProperties, useEffect, useState } from 'react'
 import type { LayersChange, ViewState } from '../../client'
 import { fixed, plain } from '../../format/numbers'
+import { caseWord, hasScenario } from '../../api/campaign'
 import { IconButton } from '../../ui/IconButton'
 import { Menu, Pick, Picks } from '../../ui/Menu'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
 import type { View } from './view'
+import { WhatIfButton } from './WhatIfButton'
 import type { WhatIfState } from './useWhatIf'
 import styles from './flight.module.css'
 
@@ -36,8 +37,9 @@ interface BarProps extends Props {
 
 export function PlayBar({ data, view, shown, whatIf }: BarProps) {
   const { playing = false, speed = 1, panel = false } = shown ?? {}
+  const flies = hasScenario(data.campaign)
   return (
-    <div className={styles.playbar} role="group" aria-label="Time of the flight">
+    <div className={styles.playbar} role="group" aria-label={flies ? 'Time of the flight' : 'Time of the case'}>
       <IconButton
         label={playing ? 'Pause' : 'Play'}
         title={`${playing ? 'Pause' : 'Play'} (space)`}
@@ -46,13 +48,15 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
         act={() => view.toggle()}
       />
       <Scrubber data={data} view={view} shown={shown} />
-      <IconButton
-        label="Closest approach"
-        title="To the closest approach (Home)"
-        icon={IconFocusCentered}
-        off={shown === null}
-        act={() => view.steer({ closest: true })}
-      />
+      {flies && (
+        <IconButton
+          label="Closest approach"
+          title="To the closest approach (Home)"
+          icon={IconFocusCentered}
+          off={shown === null}
+          act={() => view.steer({ closest: true })}
+        />
+      )}
       <select
         aria-label="Speed of play"
         value={speed}
@@ -66,18 +70,10 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
         ))}
       </select>
       {shown && <LayersMenu data={data} view={view} shown={shown} />}
-      <button
-        type="button"
-        className="btn s"
-        aria-pressed={whatIf.whatIf !== null}
-        title="Other parameters, simulated at once"
-        onClick={whatIf.toggle}
-      >
-        <IconAdjustments className="i s" aria-hidden /> What-if
-      </button>
+      <WhatIfButton whatIf={whatIf} flies={flies} />
       <IconButton
         label={panel ? 'Close the panel' : 'Open the panel'}
-        title={`${panel ? 'Close' : 'Open'} the panel: values, parameter space, search`}
+        title={`${panel ? 'Close' : 'Open'} the panel: values, ${flies ? 'parameter space, ' : ''}search`}
         icon={panel ? IconLayoutSidebarRightCollapse : IconLayoutSidebarRightExpand}
         off={shown === null}
         act={() => view.steer({ panel: !panel })}
@@ -87,7 +83,7 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
 }
 
 function Scrubber({ data, view, shown }: Props) {
-  const horizon = Number(data.campaign.scenario.horizon)
+  const horizon = hasScenario(data.campaign) ? Number(data.campaign.scenario.horizon) : (shown?.horizon ?? 0)
   /** The dragged position, until the view has reached it. */
   const [asked, setAsked] = useState<number | null>(null)
   const time = shown?.time ?? 0
@@ -106,7 +102,7 @@ function Scrubber({ data, view, shown }: Props) {
           step={0.01}
           value={at}
           disabled={shown === null}
-          style={{ '--done': `${(100 * at) / horizon}%` } as CSSProperties}
+          style={{ '--done': `${horizon > 0 ? (100 * at) / horizon : 0}%` } as CSSProperties}
           onChange={(event) => {
             setAsked(Number(event.target.value))
             view.steer({ time: Number(event.target.value) })
@@ -120,7 +116,7 @@ function Scrubber({ data, view, shown }: Props) {
           />
         ))}
       </span>
-      <span className="small mut num">{plain(horizon)} s</span>
+      <span className="small mut num">{horizon > 0 ? `${plain(Number(horizon.toFixed(2)))} s` : ''}</span>
     </>
   )
 }
@@ -140,16 +136,23 @@ function nearest({ nominalTrace, findingTrace, chosen }: RunData) {
 /** The layers and their titles. */
 type Layer = Exclude<keyof LayersChange, 'trail' | 'axes'>
 
+/** Layers that are simulated on demand, of a scenario alone. */
+const SIMULATED: [Layer, string][] = [
+  ['sampled', 'Sampled flights'],
+  ['field', 'Field of the avoider'],
+  ['space', 'Parameter space instead'],
+]
+
 function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
+  const flies = hasScenario(data.campaign)
+  const word = caseWord(data.campaign)
   const names: [Layer, string][] = [
-    ['nominal', 'Nominal flight'],
-    ...(shown.flight === NOMINAL ? [] : ([['finding', `${calledOf(data.chosen)} flight`]] as [Layer, string][])),
-    ...(shown.what_if ? ([['what_if', 'What-if flight']] as [Layer, string][]) : []),
+    ['nominal', `Nominal ${word}`],
+    ...(shown.flight === NOMINAL ? [] : ([['finding', `${calledOf(data.chosen)} ${word}`]] as [Layer, string][])),
+    ...(shown.what_if ? ([['what_if', `What-if ${word}`]] as [Layer, string][]) : []),
     ['velocity', 'Velocity'],
     ['relative', 'Relative velocity'],
-    ['sampled', 'Sampled flights'],
-    ['field', 'Field of the avoider'],
-    ['space', 'Parameter space instead'],
+    ...(flies ? SIMULATED : []),
   ]
   return (
     <Menu name="Shown" said={null} on={false} icon={<IconStack2 className="i mut" aria-hidden />} above>

@@ -34,7 +34,7 @@ export function flownOf({
 }
 
 /** The what-if flight as another curve; empty without motion. */
-function whatIfOf(answer: FlightAnswer | null): Flown[] {
+export function whatIfOf(answer: FlightAnswer | null): Flown[] {
   if (!answer || Object.keys(answer.data).length === 0) return []
   const { trace: meta, columns, data } = answer
   const rows = data[columns[0]?.name ?? '']?.length ?? 0

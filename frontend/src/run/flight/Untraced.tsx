@@ -2,6 +2,9 @@
 import { resultOf } from '../../api/stages'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
+import { sceneOf } from './declared'
+import type { WhatIfState } from './useWhatIf'
+import { WhatIfButton } from './WhatIfButton'
 
 /** The reasons why cases have no trace, by name; the nominal one first. */
 export function untracedOf(data: Pick<RunData, 'stages'>): [string, string][] {
@@ -11,20 +14,49 @@ export function untracedOf(data: Pick<RunData, 'stages'>): [string, string][] {
   return Object.entries({ ...(nominal?.untraced ?? {}), ...(validated?.untraced ?? {}) })
 }
 
-export function Untraced({ data, className }: { data: RunData; className: string }) {
+interface Props {
+  data: RunData
+  /** The what-if, where no other card opens it. */
+  whatIf?: Pick<WhatIfState, 'whatIf' | 'toggle'> | null
+  className: string
+}
+
+export function Untraced({ data, whatIf = null, className }: Props) {
   const reasons = untracedOf(data)
   const shown = reasons.filter(([name]) => name === NOMINAL || name === data.chosen)
-  const traced = data.traces.length > 0
+  const scene = sceneOf(data)
   return (
     <div className={`note ${className}`} id="trace">
-      {traced
-        ? 'This run evaluates a simulator: there is no 3D view and no what-if.'
-        : `This system provides no trace: only the values of its results can be shown.${reasons.length > 0 ? ' It declares one, but returned none that could be stored.' : ''}`}
+      {scene ? (
+        `This run evaluates a simulator. The 3D view shows what its trace declares, z ${scene.frame === 'z_up' ? 'up' : 'down'}: positions from its columns, and nothing else.`
+      ) : data.traces.length > 0 ? (
+        <>
+          This run evaluates a simulator: there is no 3D view. <Declare />
+        </>
+      ) : (
+        `This system provides no trace: only the values of its results can be shown.${reasons.length > 0 ? ' It declares one, but returned none that could be stored.' : ''}`
+      )}
+      {whatIf && (
+        <p>
+          <WhatIfButton whatIf={whatIf} flies={false} />
+        </p>
+      )}
       {shown.map(([name, reason]) => (
         <p key={name}>
           No trace of {name === NOMINAL ? 'the nominal case' : calledOf(name)}: {reason}.
         </p>
       ))}
     </div>
+  )
+}
+
+/** What an operator adds for a 3D view. */
+export function Declare() {
+  return (
+    <span>
+      For a 3D view, its descriptor or decorator states under <code>scene</code> which columns of the trace are positions, and
+      whether z is up or down: see{' '}
+      <a href="/help/guides/your-own-simulator">the guide</a>.
+    </span>
   )
 }

@@ -3,6 +3,7 @@ import { IconAlertTriangle, IconX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { type CSSProperties, type KeyboardEvent, useState } from 'react'
 import { flushSync } from 'react-dom'
+import { hasScenario } from '../../api/campaign'
 import type { FlightAnswer, FlightValue } from '../../client'
 import { decimalsFor, field, fixed, NARROW, NONE, parse, plain, signed } from '../../format/numbers'
 import { unitText } from '../../format/units'
@@ -10,6 +11,7 @@ import { Card } from '../../ui/Card'
 import { IconButton } from '../../ui/IconButton'
 import { Sign } from '../../ui/Sign'
 import { NOMINAL } from '../data/chosen'
+import { CaseNote } from './CaseNote'
 import type { RunData, UncertainParameter } from '../data/data'
 import type { WhatIfState } from './useWhatIf'
 import { baseOf, STEPS, stepped, valuesOf, type WhatIf, within, withValue } from './whatif'
@@ -77,7 +79,7 @@ export function WhatIfCard({ data, state, className }: Props) {
           />
         ))}
         {data.parameters.length === 0 && (
-          <p className="small sec">The components of this campaign are not described in this installation.</p>
+          <p className="small sec">{hasScenario(data.campaign) ? 'The components of this campaign are' : 'The simulator of this campaign is'} not described in this installation.</p>
         )}
       </div>
     </Card>
@@ -87,10 +89,12 @@ export function WhatIfCard({ data, state, className }: Props) {
 const nameOf = (like: string): string => (like === NOMINAL ? 'nominal' : like === 'F1' ? 'worst (F1)' : like)
 
 /** The result: value and margin with units, or why there are none. */
-function Outcome({ data, state: { answer, refused, busy, whatIf } }: Omit<Props, 'className'>) {
+function Outcome({ data, state }: Omit<Props, 'className'>) {
+  const { answer, refused, busy, whatIf } = state
   const { run } = data
+  const flies = hasScenario(data.campaign)
   return (
-    <div className={styles.whatIfOut} role="status" aria-busy={busy} aria-label="What-if flight">
+    <div className={styles.whatIfOut} role="status" aria-busy={busy} aria-label={flies ? 'What-if flight' : 'What-if case'}>
       <div className={styles.whatIfFigures}>
         <Figure
           name={<Sign text={run.quantity || 'value'} />}
@@ -117,8 +121,9 @@ function Outcome({ data, state: { answer, refused, busy, whatIf } }: Omit<Props,
           <IconAlertTriangle className="i s" aria-hidden /> {stateOf(answer)}
         </p>
       ) : (
-        <p className="small sec">{wordsOf(answer, whatIf)}</p>
+        <p className="small sec">{flies || answer ? wordsOf(answer, whatIf) : busy ? 'Evaluating …' : 'Not evaluated yet.'}</p>
       )}
+      {!flies && <CaseNote {...state} />}
       {answer && answer.criteria.length > 1 && (
         <dl className={styles.whatIfMore}>
           {answer.criteria.slice(1).map((one) => (

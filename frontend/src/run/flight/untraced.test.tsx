@@ -15,7 +15,14 @@ const column = (name: string, group: string) => ({ name, symbol: name, unit: 'm'
 
 it('claims no trace only if none is stored', () => {
   expect(shown({})).toContain('This system provides no trace')
-  expect(shown({ traces: [{ name: 'nominal' }] })).toContain('there is no 3D view and no what-if')
+  expect(shown({ traces: [{ name: 'nominal', meta: {} }] })).toContain('This run evaluates a simulator: there is no 3D view.')
+})
+
+it('says what to declare for a 3D view, or what is drawn', () => {
+  expect(shown({ traces: [{ name: 'nominal', meta: {} }] })).toContain('under <code>scene</code> which columns of the trace')
+  const drawn = shown({ traces: [{ name: 'F1', meta: { scene: { frame: 'z_down' } } }] })
+  expect(drawn).toContain('shows what its trace declares, z down')
+  expect(drawn).not.toContain('no 3D view')
 })
 
 it('gives the reason of the nominal case and of the chosen finding', () => {

@@ -1,14 +1,15 @@
 // The what-if of a run's page: parameters, result, and synchronisation with address and 3D view.
 // Start reading at `useWhatIf`.
 import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from 'react'
-import { simulateFlight } from '../../api/calls'
+import { evaluateCase, simulateFlight } from '../../api/calls'
+import { hasScenario } from '../../api/campaign'
 import { Refusal } from '../../api/problems'
-import type { FlightAnswer } from '../../client'
+import type { CaseAnswer, FlightAnswer } from '../../client'
 import type { RunData } from '../data/data'
 import { useAddress } from '../data/useAddress'
 import type { View } from './view'
 import { NOMINAL } from '../data/chosen'
-import { readWhatIf, requestOf, takenFrom, type WhatIf, written } from './whatif'
+import { caseOf, QUICK, readWhatIf, requestOf, takenFrom, type WhatIf, written } from './whatif'
 
 /** Debounce interval of address changes [ms], which browsers limit. */
 const STILL = 500
@@ -19,11 +20,19 @@ export interface WhatIfState {
   /** Null while it is closed. */
   whatIf: WhatIf | null
   /** The newest result; that of earlier values while a request is pending. */
-  answer: FlightAnswer | null
+  answer: FlightAnswer | CaseAnswer | null
   /** The reason why there is no flight. */
   refused: string | null
   /** Whether a simulation is pending. */
   busy: boolean
+  /** Whether the values are simulated as they change; a simulator only if an evaluation is quick. */
+  follows: boolean
+  /** Whether the result is that of other values. */
+  stale: boolean
+  /** The measured time of an evaluation of a simulator [s]; null before the first one. */
+  seconds: number | null
+  /** Evaluates the values now. */
+  evaluate: () => void
   change: (next: WhatIf | null) => void
   /** Opens it with the parameters of the displayed flight, or closes it. */
   toggle: () => void
@@ -51,7 +60,8 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
     setOwn((written) => [...written, JSON.stringify(next)])
     write(written(next))
   })
-  const flight = useFlight(data.run.id, whatIf, view)
+  const flies = hasScenario(data.campaign)
+  const flight = useFlight(data.run.id, whatIf, view, flies)
 
   // An evaluation picked in the parameter space is adopted by the page.
   const shown = useSyncExternalStore(view.subscribe, () => view.known.shown)
@@ -63,7 +73,7 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
     if (taken) setWhatIf(taken)
   }
 
-  useDrawn(view, whatIf, flight.answer, known)
+  useDrawn(view, whatIf, flies ? flight.answer : null, known)
   const open = whatIf !== null
   const toggle = useCallback(() => {
     const like = findings.some(({ label }) => label === chosen) ? chosen : NOMINAL
@@ -88,48 +98,70 @@ function useWritten(whatIf: WhatIf | null, inAddress: string, write: (next: What
   }, [text, inAddress])
 }
 
+type Simulated = Pick<WhatIfState, 'answer' | 'refused' | 'busy' | 'follows' | 'stale' | 'seconds' | 'evaluate'>
+
 /** Simulates the newest values: one request at a time; superseded values are skipped. */
-function useFlight(run: string, whatIf: WhatIf | null, view: View): Pick<WhatIfState, 'answer' | 'refused' | 'busy'> {
-  const [answer, setAnswer] = useState<FlightAnswer | null>(null)
+function useFlight(run: string, whatIf: WhatIf | null, view: View, flies: boolean): Simulated {
+  const [answer, setAnswer] = useState<FlightAnswer | CaseAnswer | null>(null)
   const [refused, setRefused] = useState<string | null>(null)
   const [busy, setBusy] = useState(false)
+  const [timed, setTimed] = useState<{ run: string; seconds: number } | null>(null)
+  /** The values of the last result or refusal. */
+  const [of, setOf] = useState('')
   const wanted = useRef<WhatIf | null>(null)
   const running = useRef(false)
+  /** The values that were requested last. */
+  const asked = useRef('')
   const text = JSON.stringify(whatIf)
-  useEffect(() => {
-    wanted.current = JSON.parse(text) as WhatIf | null
-    if (wanted.current === null) {
-      setAnswer(null)
-      setRefused(null)
-      return
-    }
-    if (running.current) return
-    running.current = true
-    setBusy(true)
-    const work = async () => {
-      for (let done: WhatIf | null = null; wanted.current !== null && done !== wanted.current; ) {
-        const asked: WhatIf = wanted.current
-        const given = await simulateFlight(run, requestOf(asked, view.key)).catch(refusalFor)
-        if (given instanceof Refusal && given.status === 409 && wanted.current === asked) {
-          await new Promise((resolve) => setTimeout(resolve, AGAIN))
-          continue
-        }
-        done = asked
-        if (wanted.current === null) break
-        if (given instanceof Refusal) setAnswer(null)
-        else setAnswer(given)
-        setRefused(given instanceof Refusal ? given.message : null)
+  const key = `${run} ${view.key} ${text}`
+  const seconds = timed?.run === run ? timed.seconds : null
+  const follows = flies || (seconds !== null && seconds <= QUICK)
+  const start = useCallback(
+    (next: string) => {
+      asked.current = `${run} ${view.key} ${next}`
+      wanted.current = JSON.parse(next) as WhatIf | null
+      if (wanted.current === null) {
+        setAnswer(null)
+        setRefused(null)
+        return
       }
-      running.current = false
-      setBusy(false)
-    }
-    void work()
-  }, [run, text, view])
-  return { answer, refused, busy }
+      if (running.current) return
+      running.current = true
+      setBusy(true)
+      const simulated = (values: WhatIf): Promise<FlightAnswer | CaseAnswer> =>
+        flies ? simulateFlight(run, requestOf(values, view.key)) : evaluateCase(run, caseOf(values, view.key))
+      const work = async () => {
+        for (let done: WhatIf | null = null; wanted.current !== null && done !== wanted.current; ) {
+          const values: WhatIf = wanted.current
+          const given = await simulated(values).catch(refusalFor)
+          if (given instanceof Refusal && given.status === 409 && wanted.current === values) {
+            await new Promise((resolve) => setTimeout(resolve, AGAIN))
+            continue
+          }
+          done = values
+          if (wanted.current === null) break
+          if (given instanceof Refusal) setAnswer(null)
+          else setAnswer(given)
+          if (!(given instanceof Refusal) && 'seconds' in given) setTimed({ run, seconds: given.seconds })
+          setRefused(given instanceof Refusal ? given.message : null)
+          setOf(JSON.stringify(values))
+        }
+        running.current = false
+        setBusy(false)
+      }
+      void work()
+    },
+    [run, view, flies],
+  )
+  useEffect(() => {
+    if ((follows || text === 'null') && asked.current !== key) start(text)
+  }, [text, key, follows, start])
+  const evaluate = useCallback(() => start(text), [start, text])
+  return { answer, refused, busy, follows, stale: of !== text, seconds, evaluate }
 }
 
 /** Draws the flight in a view that was opened after the simulation, and hides it when the what-if closes. */
-function useDrawn(view: View, whatIf: WhatIf | null, answer: FlightAnswer | null, { parameters }: Pick<RunData, 'parameters'>): void {
+function useDrawn(view: View, whatIf: WhatIf | null, answer: WhatIfState['answer'], { parameters }: Pick<RunData, 'parameters'>): void {
   const open = whatIf !== null
   const was = useRef(open)
   useEffect(() => {

@@ -37,6 +37,7 @@ export class View {
   readonly run: string
   readonly key = uuid()
   known: Known = { shown: null, phase: 'opening', said: '', address: null, frame: 0 }
+  private readonly simulates: boolean
   private machine: Machine = CLOSED
   /** The last displayed state, also after a loss. */
   private last: ViewState | null = null
@@ -50,8 +51,10 @@ export class View {
   private hurry: () => void = () => undefined
   private readonly listeners = new Set<() => void>()
 
-  constructor(run: string) {
+  /** @param simulates Whether a view opened anew simulates its what-if itself; a simulator is only evaluated on request. */
+  constructor(run: string, simulates = true) {
     this.run = run
+    this.simulates = simulates
   }
 
   /** Opens the view at an address, until the returned function is called. */
@@ -149,7 +152,8 @@ export class View {
   private async ask(signal: AbortSignal): Promise<Event> {
     const { wanted, last, machine, pending } = this
     this.pending = {} // pending changes are sent once it is open
-    const change = merged(last ? again(last) : {}, { ...pending, ...wanted })
+    const before = last ? again(last, this.simulates) : {}
+    const change = merged(before, { ...pending, ...wanted })
     const asked = new Request(signal, machine.wait)
     const answer = await changeView(this.run, this.key, change, machine.wait, asked.signal).catch(refusedFor)
     asked.over()

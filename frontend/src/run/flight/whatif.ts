@@ -1,6 +1,6 @@
 // The what-if in the address: reference parameters, changed values, noise seed.
 // Start reading at `readWhatIf` and `valuesOf`.
-import type { FlightRequest, ViewState } from '../../client'
+import type { CaseRequest, FlightRequest, ViewState } from '../../client'
 import type { ChosenSearch } from '../data/chosen'
 import { NOMINAL } from '../data/chosen'
 import type { RunData, UncertainParameter } from '../data/data'
@@ -75,6 +75,15 @@ export const requestOf = ({ like, set, seed }: WhatIf, view: string): FlightRequ
   rows: ROWS,
   ...(seed !== null && { seed }),
 })
+
+/** The request for a case of a simulator, which has no noise seed. */
+export function caseOf(whatIf: WhatIf, view: string): CaseRequest {
+  const { like, parameters, rows } = requestOf(whatIf, view)
+  return { like, parameters, view, rows }
+}
+
+/** Up to this time of an evaluation, the what-if of a simulator follows the sliders [s]. */
+export const QUICK = 0.3
 
 /** Number of rows: enough for a curve, and little data while a slider moves. */
 const ROWS = 200

@@ -16,6 +16,13 @@ class Take(TypedDict):
     direction: Literal["rising", "falling", "either"] | None
 
 
+class Recorded(TypedDict):
+    """What a trace records: the references of the variables by column, and the distance of two rows in points."""
+
+    every: int
+    columns: dict[str, int]
+
+
 class Job(TypedDict):
     """Times in seconds; references are those of the variables in the model."""
 
@@ -37,4 +44,5 @@ class Job(TypedDict):
     """Type, reference and value of every variable that the descriptor fixes."""
     inputs: dict[str, int]
     """The reference of every parameter, by its name in the campaign."""
+    trace: Recorded
     result: Take

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from worker.systems.simulators.fmus import JOB
 from worker.systems.simulators.fmus.job import Job
+from worker.systems.simulators.fmus.recorded import Record
 from worker.systems.simulators.fmus.unit import Failed, Refused, Unit
 
 EXTRACTED = Path("fmu")
@@ -37,6 +38,11 @@ class Evaluate:
     def __call__(self, /, **values: float) -> dict[str, float]:
         assert self._unit is not None
         return self._unit.run(values)
+
+    def traced(self, /, **values: float) -> dict[str, object]:
+        assert self._unit is not None
+        record = Record(self._unit.job["trace"], self._unit.job["steps"])
+        return {"results": self._unit.run(values, record), "trace": record.columns}
 
 
 evaluate = Evaluate()

@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from campaigns.claims.say import say
+from campaigns.results.scene import Scene
+from worker.catalogue.columns import Column
 from worker.catalogue.fmu import DescribedFmu
 from worker.catalogue.simulator import Opening
 from worker.systems.base import Scope, Settings
@@ -73,6 +76,14 @@ class FmuSimulator(CommandSimulator):
     @property
     def caveat(self) -> str:
         return f"{super().caveat} Its variables are read every {self.described.step:g} s, and not in between."
+
+    @property
+    def _columns(self) -> Mapping[str, Column]:
+        return self.described.columns
+
+    @property
+    def _scene(self) -> Scene | None:
+        return self.described.drawn
 
     @property
     def _recycle(self) -> int:
@@ -148,6 +159,10 @@ def _job(described: DescribedFmu, result: str, reuse: str) -> Job:
         "reuse": reuse,
         "set": [(v.type, v.reference, value) for v, value in fixed],
         "inputs": {i.entry.name: i.variable.reference for i in described.inputs},
+        "trace": {
+            "every": described.every,
+            "columns": {name: v.reference for name, v in described.recorded.items()},
+        },
         "result": {
             "name": result,
             "variable": taken.variable,

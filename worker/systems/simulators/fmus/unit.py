@@ -27,6 +27,7 @@ from worker.systems.simulators.fmus.binding import (
     free,
 )
 from worker.systems.simulators.fmus.job import Job
+from worker.systems.simulators.fmus.recorded import Record
 from worker.systems.simulators.fmus.taken import NotTaken, Taken
 
 STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
@@ -67,14 +68,14 @@ class Unit:
         self._reference = (ctypes.c_uint * 1)(job["result"]["reference"])
         self._value = (ctypes.c_double * 1)()
 
-    def run(self, values: Mapping[str, float]) -> dict[str, float]:
-        """The results of one evaluation; raises Failed."""
+    def run(self, values: Mapping[str, float], record: Record | None = None) -> dict[str, float]:
+        """The results of one evaluation, which a record also sees; raises Failed."""
         self._time = None
         try:
             self._ready()
             self._set(values)
             self._initialise()
-            results = self._simulate()
+            results = self._simulate(record)
             self._fmu.terminate()
         except FMICallException as error:
             self._drop(free=error.status != FATAL)
@@ -133,7 +134,7 @@ class Unit:
             self._fmu.enterInitializationMode(**times)
         self._fmu.exitInitializationMode()
 
-    def _simulate(self) -> dict[str, float]:
+    def _simulate(self, record: Record | None) -> dict[str, float]:
         start, step = self.job["start"], self.job["step"]
         taken = Taken(self.job["result"])
         self._time = start
@@ -141,7 +142,10 @@ class Unit:
             if k:
                 self._step(start + (k - 1) * step, step)
                 self._time = start + k * step
-            taken.see(self._time, self._read())
+            self._read(self._reference, 1, self._value)
+            taken.see(self._time, float(self._value[0]))
+            if record is not None:
+                record.see(k, self._time, self._read)
         return {self.job["result"]["name"]: taken.value()}
 
     def _step(self, time: float, step: float) -> None:
@@ -153,13 +157,13 @@ class Unit:
             what = "ended the simulation" if ends else "returned early from a step"
             raise Failed(f"the model {what} at t = {reached:g} s, before {self.job['stop']:g} s")
 
-    def _read(self) -> float:
+    def _read(self, references: Any, count: int, values: Any) -> None:
+        """So many variables by their references, arrays of C."""
         fmu = self._fmu
         if self.job["fmi"] == 2:
-            fmu.fmi2GetReal(fmu.component, self._reference, 1, self._value)
+            fmu.fmi2GetReal(fmu.component, references, count, values)
         else:
-            fmu.fmi3GetFloat64(fmu.component, self._reference, 1, self._value, 1)
-        return float(self._value[0])
+            fmu.fmi3GetFloat64(fmu.component, references, count, values, count)
 
     def _sentence(self, error: FMICallException) -> str:
         if error.function == "fmi2DoStep" and error.status == DISCARD:

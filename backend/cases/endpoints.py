@@ -1,0 +1,71 @@
+"""POST /runs/{run}/cases: one case of a run's simulator with other parameters."""
+
+from __future__ import annotations
+
+import contextlib
+from functools import partial
+
+from fastapi import APIRouter, Request
+
+from backend.access.auth import CurrentVisitor
+from backend.cases import service
+from backend.cases.schemas import CaseAnswer, CaseRequest
+from backend.db.engine import read
+from backend.flights.turns import Turn, Turns
+from backend.http.deps import Engine, capacities
+from backend.http.errors import problems
+from backend.http.schema import RunName
+from backend.runs.service import number
+from backend.scenes.base.flight import from_live
+from backend.scenes.control.viewers import Handle
+from backend.scenes.viewer.viewer import GoneError, Viewer
+
+router = APIRouter(tags=["results"])
+
+
+@router.post(
+    "/runs/{run}/cases",
+    responses=problems(
+        "not-found",
+        "flight-overtaken",
+        "other-version",
+        "purged",
+        "unknown-finding",
+        "unknown-parameter",
+        "outside-limits",
+        "not-flyable",
+        "busy",
+        "case-failed",
+    ),
+)
+async def evaluate_case(
+    run: RunName, given: CaseRequest, request: Request, engine: Engine, visitor: CurrentVisitor
+) -> CaseAnswer:
+    """Evaluate one case of the run's simulator with other parameters (what-if); stores nothing, and is no evidence.
+
+    An evaluation that fails returns 200 with its status and reason. It is a single call, on the machine of the service,
+    which must have the run's simulator. Of one client's pending requests only the newest is processed; older ones
+    return 409. An evaluation that takes too long is ended with 503.
+    """
+    turns: Turns = request.app.state.turns
+    viewer = None
+    if given.view is not None:
+        viewer = await request.app.state.viewers.find(Handle(visitor, number(run), given.view), 0.0)
+    client = (visitor.key, run, given.client or given.view)
+    work = partial(_work, request, engine, run, given, viewer)
+    return await turns.run(client, capacities(request).cases, work, request.is_disconnected)
+
+
+def _work(
+    request: Request, engine: Engine, run: str, given: CaseRequest, viewer: Viewer | None, turn: Turn
+) -> CaseAnswer:
+    """In a thread: read, evaluate, draw."""
+    with read(engine) as reader:
+        wanted = service.case(reader, run, given)
+    answer = service.evaluated(request.app.state.cases, wanted, given.rows)
+    drawn = None
+    if viewer is not None and not turn.overtaken.is_set():
+        with contextlib.suppress(GoneError):  # the view was closed meanwhile; the answer is valid without it
+            viewer.show_what_if(from_live(answer), None, turn.order)
+            drawn = given.view
+    return service.response(wanted, answer, drawn, given.rows)

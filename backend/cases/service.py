@@ -1,0 +1,104 @@
+"""Validates a what-if request of a simulator, evaluates it and builds the response. Start reading at `case`.
+
+Simulators are code of the operator, so that they run in a child process of the service, as flights do, which evaluates
+in processes of its own. The service's machine must have the simulator of the run.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.cases.schemas import CaseAnswer, CaseRequest
+from backend.catalog.criteria import criteria
+from backend.catalog.service import described
+from backend.db.continuation import flown
+from backend.db.tables import Run
+from backend.flights import service as flights
+from backend.flights.service import Case
+from backend.http.errors import RefusedError
+from backend.runs.service import campaign, number
+from backend.scenes.base.flight import ROWS
+from backend.scenes.live.live import FlightRefusedError, Live, LiveError
+from campaigns.documents import JsonObject
+from campaigns.runs import run_name
+
+COMMAND = (sys.executable, "-P", "-m", "worker.processes.cases")
+LIMIT = 60.0
+"""Time limit of an evaluation [s]."""
+FIRST_LIMIT = 120.0
+"""Time limit of a simulator's first evaluation [s], which includes its start and may be repeated."""
+GRACE = 2.0
+"""Time for the processes to end, with all that they started [s]."""
+
+
+@dataclass(frozen=True)
+class Evaluable:
+    """A case of a simulator, ready to be evaluated."""
+
+    case: Case
+    simulator: str
+    """The version of the simulator that the run needs; empty if it was not recorded."""
+    digest: str | None
+    """That of the simulator's files when the run evaluated it; None if it was not recorded."""
+
+
+def process() -> Live:
+    """The child process that evaluates cases."""
+    return Live(COMMAND, LIMIT, FIRST_LIMIT, GRACE)
+
+
+def case(reader: sa.Connection, run: str, given: CaseRequest) -> Evaluable:
+    """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
+    run_id = number(run)
+    asked = campaign(reader, run_id)
+    if asked.simulator is None:
+        text = f"{run_name(run_id)} simulates a scenario: ask for a flight, POST /runs/{run_name(run_id)}/flights"
+        raise RefusedError(422, "not-flyable", text)
+    catalogue = described(reader, run_id)
+    base = flights.like(reader, run_id, given.like)
+    flights.permit(asked, catalogue, given.parameters, "simulator")
+    wanted = Case(
+        run_id=run_id,
+        document=asked.document(),
+        digest=asked.digest,
+        threshold=asked.criterion.threshold,
+        criteria=criteria(asked.document(), catalogue),
+        like=given.like,
+        values=base | given.parameters,
+        seed=None,
+    )
+    needs = reader.scalar(sa.select(Run.needs).where(Run.id == run_id)) or ""
+    return Evaluable(wanted, needs, flown(reader, run_id).simulator)
+
+
+def evaluated(live: Live, wanted: Evaluable, rows: int) -> JsonObject:
+    """The answer of the process; raises `RefusedError`."""
+    case = wanted.case
+    request = {"campaign": case.document, "simulator": wanted.simulator, "parameters": case.values}
+    try:
+        return live.ask(case.digest, request | {"rows": max(rows, ROWS)})
+    except FlightRefusedError as error:
+        raise RefusedError(422, "not-flyable", f"this case cannot be evaluated: {error}") from None
+    except LiveError as error:
+        text = (
+            f"the case could not be evaluated: {error}. The service waits {LIMIT:g} s, and {FIRST_LIMIT:g} s for the "
+            "first one"
+        )
+        raise RefusedError(503, "case-failed", text) from None
+
+
+def response(wanted: Evaluable, answer: Mapping[str, Any], drawn: str | None, rows: int) -> CaseAnswer:
+    """The response of the API."""
+    plain = flights.response(wanted.case, answer, drawn, rows if answer["columns"] else 0)
+    known = wanted.digest is not None
+    return CaseAnswer(
+        **plain.model_dump(),
+        seconds=answer["seconds"],
+        untraced=answer["untraced"],
+        changed=answer["digest"] != wanted.digest if known else None,
+    )

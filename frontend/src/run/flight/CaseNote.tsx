@@ -1,0 +1,37 @@
+// Below the result of a what-if of a simulator: when it is evaluated, how long that takes, and what the result is.
+import { IconPlayerPlay } from '@tabler/icons-react'
+import type { CaseAnswer, FlightAnswer } from '../../client'
+import { plain } from '../../format/numbers'
+import type { WhatIfState } from './useWhatIf'
+import styles from './flight.module.css'
+
+/** A time as "about 4 s": two digits are enough to decide whether to wait. */
+export const aboutOf = (seconds: number): string =>
+  seconds < 0.001 ? 'less than 0.001 s' : `about ${plain(Number(seconds.toPrecision(seconds < 10 ? 1 : 2)))} s`
+
+const isCase = (answer: FlightAnswer | CaseAnswer | null): answer is CaseAnswer => answer !== null && 'seconds' in answer
+
+type Props = Pick<WhatIfState, 'answer' | 'busy' | 'follows' | 'stale' | 'seconds' | 'evaluate'>
+
+export function CaseNote({ answer, busy, follows, stale, seconds, evaluate }: Props) {
+  return (
+    <div className={styles.caseNote}>
+      {follows && seconds !== null ? (
+        <p className="small sec">Evaluated as the values change: an evaluation takes {aboutOf(seconds)}.</p>
+      ) : (
+        <button type="button" className="btn s" disabled={busy} onClick={evaluate}>
+          <IconPlayerPlay className="i s" aria-hidden />
+          {busy ? 'Evaluating …' : `Evaluate${seconds === null ? '' : ` (${aboutOf(seconds)})`}`}
+        </button>
+      )}
+      {answer && stale && !follows && !busy && (
+        <p className="small sec">The result is that of other values; evaluate to update it.</p>
+      )}
+      {isCase(answer) && answer.untraced && <p className="small sec">No trace of it: {answer.untraced}.</p>}
+      {isCase(answer) && answer.changed && (
+        <p className="small sec">The files of the simulator have changed since this run.</p>
+      )}
+      <p className="small mut">One call on the machine of the service. It is not stored and is no evidence.</p>
+    </div>
+  )
+}

@@ -46,7 +46,10 @@ def refuse_other(given: str, campaign: Campaign) -> None:
         what = "the campaign has a scenario, which is simulated in this process"
     else:
         simulator = simulators().get(campaign.simulator.name)
-        if isinstance(simulator, Program) and isinstance(simulator.described, DescribedProgram):
+        if not isinstance(simulator, Program) or not isinstance(simulator.described, DescribedProgram):
+            what = f"simulator {campaign.simulator.name} is no program with a command, and evaluates on this machine"
+        elif simulator.described.given:
+            what = "the command of the campaign file is installed on no other machine, and evaluates on this one"
+        else:
             return
-        what = f"simulator {campaign.simulator.name} is no program with a command, and evaluates on this machine"
     raise WrongInputError(f"--evaluator {given}: {what}; leave --evaluator out")

@@ -13,10 +13,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from campaigns.claims.say import say
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import DescribedProgram
 from worker.catalogue.simulator import Opening
-from worker.systems.base import Floats, NoTrace, Trace
+from worker.systems.base import Floats, NoTrace, Scope, Trace
 from worker.systems.simulators import traced
 from worker.systems.simulators.cluster.address import chosen
 from worker.systems.simulators.slots import files
@@ -28,6 +29,9 @@ from worker.systems.threads import usual_threads
 if TYPE_CHECKING:
     from worker.systems.simulators.cluster.pool import DaskPool
     from worker.systems.simulators.slots.pool import SlotPool
+
+LONGEST = 160
+"""Characters of a command line in a sentence."""
 
 
 class CommandSimulator(Slotted):
@@ -41,7 +45,8 @@ class CommandSimulator(Slotted):
         self._halvings = halvings
         self.described = described
         self._fresh = fresh
-        self.evaluator = chosen() if isinstance(described, DescribedProgram) else None
+        self.given = described.given
+        self.evaluator = chosen() if isinstance(described, DescribedProgram) and not self.given else None
         self.elsewhere = "dask.distributed" if self.evaluator and self.evaluator.scheduler else ""
 
     def fresh(self) -> CommandSimulator:
@@ -56,6 +61,16 @@ class CommandSimulator(Slotted):
     def digest(self) -> str:
         """Over all files in the folder of the descriptor, when the simulator was opened."""
         return self.described.digest
+
+    @property
+    def scope(self) -> Scope:
+        scope = super().scope
+        if not self.given:
+            return scope
+        line = " ".join(self.given.split())
+        shown = line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
+        what = say(scope.what, f", run by a command that the campaign file gives, {shown}")
+        return Scope(what, scope.settings, f"{scope.version} {self.described.covers}")
 
     @property
     def slots(self) -> int:

@@ -13,7 +13,7 @@ import math
 import threading
 import uuid
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Awaitable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,6 +35,9 @@ MOST = 4096
 """Evaluations in one task."""
 DEATHS = 3
 """An evaluation fails after so many nodes died while they evaluated it alone."""
+KEPT = 0.25
+"""Results stay on their nodes for this time, and are then released together [s]: Dask sends messages at least 10 ms
+apart, so that releasing each result before the next task delayed that task, by 8 ms in all."""
 END = 5.0
 """Time for the nodes to close slots [s]."""
 
@@ -67,6 +70,8 @@ class DaskPool:
         self._suspects: deque[_Job] = deque()
         """Their node died; they run one at a time, so that no other is blamed."""
         self._running: dict[asyncio.Task[None], list[_Job]] = {}
+        self._kept: list[Awaitable[node.Done]] = []
+        """The tasks of the last `KEPT` seconds, whose results Dask releases when nothing refers to them."""
         self._mean = math.inf
         self._failure: EvaluatorLost | None = None
         self._connection = connections.acquire(evaluator)
@@ -155,7 +160,9 @@ class DaskPool:
         requests, client = [job.request for job in batch], None
         try:
             client = await self._connection.client()
-            done = await client.submit(node.evaluate, self._work, requests, pure=False, retries=0)
+            task = client.submit(node.evaluate, self._work, requests, pure=False, retries=0)
+            self._keep(task)
+            done = await task
         except KilledWorker as error:
             self._killed(batch, error)
         except (concurrent.futures.CancelledError, OSError, TimeoutError, node.NodeClosing):
@@ -170,6 +177,11 @@ class DaskPool:
             self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.given}: {_said(error)}"))
         else:
             self._deliver(batch, done)
+
+    def _keep(self, task: Awaitable[node.Done]) -> None:
+        if not self._kept:
+            self._connection.loop.call_later(KEPT, self._kept.clear)
+        self._kept.append(task)
 
     def _deliver(self, batch: list[_Job], done: node.Done) -> None:
         each = max(done.seconds / len(done.outcomes), 1e-6)
@@ -224,6 +236,7 @@ class DaskPool:
         tasks = list(self._running)
         left = self._left()
         await asyncio.gather(*tasks, return_exceptions=True)
+        self._kept.clear()
         client = self._connection.connected
         if client is not None:
             with contextlib.suppress(Exception):

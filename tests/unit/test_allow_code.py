@@ -177,7 +177,10 @@ def test_it_evaluates_on_this_machine(
     assert (system.elsewhere, system.slots) == ("", 1)
     system.close()
     assert invoke(["run", str(file), "--allow-code", "--evaluator", "local:2"]) == WRONG_INPUT
-    assert "the command of the campaign file is installed on no other machine" in capsys.readouterr().err
+    assert (
+        "the command of the campaign file is installed on no other machine; leave --evaluator out"
+        in capsys.readouterr().err
+    )
 
 
 def test_a_library_and_a_file_that_is_not_there_are_as_without_it(

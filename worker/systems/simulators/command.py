@@ -11,7 +11,7 @@ import sys
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from campaigns.claims.say import say
 from worker.catalogue.described import Described
@@ -20,21 +20,18 @@ from worker.catalogue.simulator import Opening
 from worker.systems.base import Floats, NoTrace, Scope, Trace
 from worker.systems.simulators import traced
 from worker.systems.simulators.cluster.address import chosen
+from worker.systems.simulators.cluster.work import Files
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.program import Program
-from worker.systems.simulators.slotted import Slotted
+from worker.systems.simulators.spread import Spread
 from worker.systems.threads import usual_threads
-
-if TYPE_CHECKING:
-    from worker.systems.simulators.cluster.pool import DaskPool
-    from worker.systems.simulators.slots.pool import SlotPool
 
 LONGEST = 160
 """Characters of a command line in a sentence."""
 
 
-class CommandSimulator(Slotted):
+class CommandSimulator(Spread):
     """Evaluates a described program; `fresh`: every evaluation in a process of its own; halvings of its step, if it
     declares one."""
 
@@ -46,8 +43,7 @@ class CommandSimulator(Slotted):
         self.described = described
         self._fresh = fresh
         self.given = described.given
-        self.evaluator = chosen() if isinstance(described, DescribedProgram) and not self.given else None
-        self.elsewhere = "dask.distributed" if self.evaluator and self.evaluator.scheduler else ""
+        self._spread_over(None if self.given else chosen())
 
     def fresh(self) -> CommandSimulator:
         return CommandSimulator(self.described, self.opening, True, self._halvings)
@@ -73,24 +69,12 @@ class CommandSimulator(Slotted):
         return Scope(what, scope.settings, f"{scope.version} {self.described.covers}")
 
     @property
-    def slots(self) -> int:
-        if self.evaluator is None:
-            return self.described.descriptor.slots or usual_threads()
-        return self._opened().size
+    def _slots_here(self) -> int:
+        return self.described.descriptor.slots or usual_threads()
 
-    def warm(self) -> None:
-        """Connect to the evaluator."""
-        if self.evaluator is not None:
-            self._opened()
-
-    def _opened(self) -> SlotPool | DaskPool:
-        if self.evaluator is None or self._pool is not None:
-            return super()._opened()
-        from worker.systems.simulators.cluster.pool import WORK, DaskPool
-
-        program, folder = self._program(Path(WORK)), self.described.folder
-        self._pool = DaskPool(self.evaluator, program, self._limits, folder, self.digest)
-        return self._pool
+    @property
+    def _files(self) -> Files:
+        return Files(str(self.described.folder), self.digest)
 
     @property
     def _limits(self) -> Limits:

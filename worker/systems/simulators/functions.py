@@ -22,12 +22,14 @@ from worker.catalogue.simulator import Opening
 from worker.search.base import Batch
 from worker.systems.base import Floats, Reasons, Scope, Seeds
 from worker.systems.simulators import calling
+from worker.systems.simulators.cluster.address import chosen
+from worker.systems.simulators.cluster.work import Files
 from worker.systems.simulators.identity import identified
 from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.program import Program
-from worker.systems.simulators.slotted import Slotted
+from worker.systems.simulators.spread import Spread
 from worker.systems.threads import usual_threads
 
 
@@ -161,7 +163,7 @@ class InProcess(_OfFunction):
         return found.astype(np.float64), begun
 
 
-class Isolated(_OfFunction, Slotted):
+class Isolated(_OfFunction, Spread):
     """Calls the function in slots: limits of time and memory, and no crash reaches this process.
 
     place: where a slot finds it, its `name` and its `file` or `module`.
@@ -175,13 +177,18 @@ class Isolated(_OfFunction, Slotted):
         super().__init__(entry, opening, settings, digest)
         self.place = place
         self._alone = alone
+        self._spread_over(chosen())
 
     def fresh(self) -> Isolated:
         return Isolated(self.place, self.entry, self.opening, self.of, self.files_digest, alone=True)
 
     @property
-    def slots(self) -> int:
+    def _slots_here(self) -> int:
         return self.of.slots or usual_threads()
+
+    @property
+    def _files(self) -> Files:
+        return Files(str(Path(self.place.get("file", "")).parent), self.digest, dict(self.place))
 
     @property
     def _limits(self) -> Limits:

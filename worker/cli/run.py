@@ -56,7 +56,7 @@ def run(
     """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.runs import sources as sources  # first: it records the files before they are loaded
 
-    _asked_right(file, onward, budget)
+    _asked_right(file, onward, budget, allow_code)
     writable(out)
     evaluators.use(evaluator)
     fly = _flying(threads or None, quiet=as_json, evaluator=evaluator)
@@ -84,13 +84,15 @@ def run(
     raise typer.Exit(CODES[verdict.verdict])
 
 
-def _asked_right(file: Path | None, onward: str, budget: str) -> None:
+def _asked_right(file: Path | None, onward: str, budget: str, allow_code: bool) -> None:
     if onward and file is not None:
         raise WrongInputError("give either a campaign or --continue RUN, not both")
     if not onward and file is None:
         raise WrongInputError("give a campaign file, the name of one in the library, or --continue RUN")
     if bool(onward) != bool(budget):
         raise WrongInputError("--continue RUN and --budget +N belong together: give both")
+    if onward and allow_code:
+        raise WrongInputError("--allow-code is for a campaign file; a run of a command in one cannot be extended")
 
 
 def _fresh(file: Path, fly: Fly, allow_code: bool) -> tuple[Campaign, MemoryStore, Verdict]:
@@ -144,7 +146,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObj
         "digest": campaign.digest,
         "seed": campaign.seed,
         "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")}
-        | {k: parts["provenance"][k] for k in ("command",) if k in parts["provenance"]},
+        | {k: parts["provenance"][k] for k in ("simulator", "command") if k in parts["provenance"]},
     }
 
 

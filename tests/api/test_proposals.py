@@ -20,6 +20,7 @@ from campaigns.flown import Code, Flown
 from campaigns.results.nominal import Measured
 from tests import results
 from tests.api.answers import problem
+from tests.api.document import conforms
 from tests.api.server import Service
 from tests.simulators import package, two_basins
 
@@ -60,6 +61,7 @@ def run(service: Service, digest: str, told: Measured | None) -> None:
 def asked(client: httpx.Client, **query: Any) -> dict[str, Any]:
     answer = client.get(ASKED, params={"parameters": 2} | query)
     assert answer.status_code == 200, answer.text
+    conforms(answer.json(), {"$ref": "#/components/schemas/Proposal"})
     return dict(answer.json())
 
 
@@ -82,7 +84,7 @@ def test_the_newest_run_of_the_same_files_is_named(bare: Service, client: httpx.
     assert found["known"] == "One evaluation took 420 ms (R-0002, 15 evaluations)."
     assert found["sentence"] == (
         "In 60 min on 2 slots: about 17,000 evaluations. "
-        "Proposed: lq-CMA-ES, DIRECT and CMA-ES with 5,000 each, about 53 min in all."
+        "Proposed: lq-CMA-ES, DIRECT and CMA-ES with 5,000 each, about 52 min in all."
     )
     assert found["searches"][0] == {"method": "lq_cma_es", "evaluations": 5000, "options": {"at_once": 2}}
     assert found["seconds"] == pytest.approx(3 * 2500 * 0.42)

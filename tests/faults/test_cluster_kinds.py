@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from tests.fmu import made
-from tests.fmu.test_evaluation import simulator
+from worker.catalogue.descriptor import read
 from worker.catalogue.files import digest_of, entry_of, read_file
+from worker.catalogue.fmu import DescribedFmu
 from worker.catalogue.simulator import Opening
 from worker.systems.base import Floats
 from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
 from worker.systems.simulators.cluster.connection import acquire, release
+from worker.systems.simulators.fmus.simulator import FmuSimulator, opened
 from worker.systems.simulators.functions import Isolated
 from worker.systems.simulators.slotted import Slotted
 
@@ -48,6 +50,14 @@ def function(folder: Path) -> Isolated:
     return Isolated(found.place, entry_of(found.declaration), opening, settings, digest_of(found.place))
 
 
+def fmu(folder: Path) -> FmuSimulator:
+    """The FMU of a folder."""
+    described = read(folder)
+    assert isinstance(described, DescribedFmu)
+    nominal = {f"simulator.{p.name}": p.default or 0.0 for p in described.entry.parameters}
+    return opened(described, Opening(nominal, "separation"))
+
+
 def compared(kind: Callable[[Path], Slotted], folder: Path, points: Floats, monkeypatch: pytest.MonkeyPatch) -> None:
     """Statuses, costs and reasons are the same here and there, also in fresh processes."""
     found = []
@@ -73,11 +83,11 @@ def test_a_function_has_the_same_results_there(tmp_path: Path, monkeypatch: pyte
 
 @pytest.mark.usefixtures("there")
 def test_an_fmu_has_the_same_results_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    usual = simulator(made.folder(tmp_path, 2))
+    usual = fmu(made.folder(tmp_path, 2))
     usual.close()
     points = np.repeat(usual.nominal[None, :], 6, axis=0)
     points[:, 0] = np.linspace(1.0, 5.0, 6)
-    compared(simulator, tmp_path, points, monkeypatch)
+    compared(fmu, tmp_path, points, monkeypatch)
 
 
 @pytest.mark.usefixtures("there")

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
-from worker.catalogue.folder import digest_of
+from worker.catalogue.folder import digest_of, digest_of_place
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.program import Program
 
@@ -44,11 +44,7 @@ class Files:
 
     def found(self) -> str:
         """The digest of these files on this machine; raises OSError."""
-        if not self.place:
-            return digest_of(Path(self.folder))
-        from worker.catalogue.files import digest_of as digest_of_place
-
-        return digest_of_place(dict(self.place))
+        return digest_of_place(self.place) if self.place else digest_of(Path(self.folder))
 
 
 @dataclass(frozen=True)

@@ -109,6 +109,20 @@ def test_what_other_files_took_is_not_what_these_take(bare: Service, client: htt
     assert asked(client)["measured"] is None
 
 
+def test_the_digests_of_other_live_workers_stay(bare: Service, client: httpx.Client) -> None:
+    none = Catalogue(version="1", components=[], methods=[])
+    with bare.engine.begin() as connection:
+        workers.arrive(connection, "with")
+        workers.beat(connection, "with", None, [ENTRY.version])
+        workers.publish(connection, none)
+    found = client.get("/api/v1/components").json()
+    assert (found["digests"], [s["name"] for s in found["simulators"]]) == ({ENTRY.name: "aa"}, [ENTRY.name])
+    with bare.engine.begin() as connection:
+        workers.leave(connection, "with")
+        workers.publish(connection, none)
+    assert "digests" not in client.get("/api/v1/components").json()
+
+
 def test_a_removed_run_is_not_named(bare: Service, client: httpx.Client) -> None:
     run(bare, "aa", measured())
     with bare.engine.begin() as connection:

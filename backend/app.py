@@ -31,6 +31,7 @@ from backend.middleware.frame import Frame
 from backend.middleware.heads import Heads
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews
+from backend.proposals import endpoints as proposals
 from backend.reports import endpoints as reports
 from backend.results import endpoints as results
 from backend.runs import endpoints as runs
@@ -96,7 +97,7 @@ def create(settings: Settings) -> FastAPI:
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
     features = (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
-    for feature in (*features, flights, cases, views):
+    for feature in (*features, flights, cases, proposals, views):
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)

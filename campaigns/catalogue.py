@@ -169,6 +169,8 @@ class Catalogue(Entry):
         list[SimulatorEntry], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)
     ] = []
     """Omitted if there is none, so that older snapshots keep their digests."""
+    digests: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)] = {}
+    """Of the files of simulators, by name, when this was published; not in snapshots, and omitted if empty."""
 
     def component(self, role: Role, name: str) -> ComponentEntry | None:
         """The component of that role and name, or None."""

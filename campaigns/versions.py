@@ -58,6 +58,8 @@ class Versions(BaseModel):
     """Digest of the simulator, in place of the loop's: everything of it that could change a number."""
     evaluator: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
     """What evaluated the simulator on other machines, of which the processors are not recorded."""
+    command: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
+    """The command line of the simulator, if the campaign file gave it instead of the installation."""
     step: float | None = None
     """[s]"""
     integrator: str | None = None

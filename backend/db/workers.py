@@ -30,7 +30,10 @@ def publish(connection: sa.Connection, catalogue: Catalogue, code: Code | None =
     """
     own = {entry.name for entry in catalogue.simulators}
     elsewhere = [entry for entry in simulators(connection) if entry.name not in own]
-    catalogue = catalogue.model_copy(update={"simulators": [*catalogue.simulators, *elsewhere]})
+    before = (connection.scalar(sa.select(CatalogueDocument.document)) or {}).get("digests", {})
+    digests = {entry.name: before[entry.name] for entry in elsewhere if entry.name in before} | catalogue.digests
+    update = {"simulators": [*catalogue.simulators, *elsewhere], "digests": digests}
+    catalogue = catalogue.model_copy(update=update)
     values = {"document": catalogue.model_dump(mode="json"), "published": now(connection)}
     values["code"] = None if code is None else code.digest
     if code is not None:

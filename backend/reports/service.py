@@ -158,6 +158,7 @@ def _origin(held: Held) -> list[tuple[str, str]]:
             ", ".join(v for v in (known.system, cpu.model, cpu.target) if v) or unknown,
         ),
         *([("Evaluated by", _elsewhere(known.evaluator))] if known.evaluator else []),
+        *([("Command", f"{known.command} (from the campaign file)")] if known.command else []),
         ("Lanes", str(known.lanes or unknown)),
         ("Worker, attempts", f"{held.run.worker or 'none'}, {held.run.attempts}"),
         ("Submitted", f"{words.moment(held.run.created)} by {held.run.owner or 'unknown'}"),

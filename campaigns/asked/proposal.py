@@ -1,12 +1,14 @@
 """Search methods and budgets that fit the time one evaluation takes: how many evaluations, and by which methods.
 
-The rules follow from the tables of `make search-bench`; docs/methods.md shows them. Start reading at `proposed`.
+The rules follow from the tables of `make search-bench`; docs/methods.md shows them. Start reading at `proposed`, and
+for a simulator that a run has measured at `Cost`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 FEW, SEVERAL, MANY = 25, 100, 500
 """Evaluations per parameter and method: below the first a global method does not count as a search in a verdict, above
@@ -37,12 +39,57 @@ class Budget:
 class Proposal:
     """Searches, the time that they take in all [s], and the sentence that says why these; without searches: why none.
 
-    The other stages of a run, such as certify and validate, take evaluations in addition.
+    note: what else to know of them, the end of the sentence. The other stages of a run, such as certify and validate,
+    take evaluations in addition.
     """
 
     searches: tuple[Budget, ...]
     seconds: float
     sentence: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one call of a simulator took [s], as a run measured it, with `slots` of them side by side.
+
+    run: its name; evaluations: of its first stage, of which `failed` failed.
+    """
+
+    run: str
+    seconds: float
+    slots: int
+    evaluations: int
+    failed: int = 0
+
+    def sentence(self, calls: int = 1) -> str:
+        """One evaluation took 0.42 s (R-0012, 15 evaluations)."""
+        failed = f", {self.failed} of them failed" if self.failed else ""
+        what = "evaluation" if calls == 1 else "call"
+        text = f"One {what} took {lasting(self.seconds)} ({self.run}, {self.evaluations} evaluations{failed})"
+        if calls == 1:
+            return text
+        return f"{text}; an evaluation of {calls} calls takes about {lasting(self.of(calls)[0])}"
+
+    def of(self, calls: int) -> tuple[float, int]:
+        """Time of an evaluation of several calls [s], and how many evaluations run side by side."""
+        at_once = max(self.slots // calls, 1)
+        return self.seconds * math.ceil(calls * at_once / self.slots), at_once
+
+    def proposed(self, parameters: int, patience: float, calls: int = 1) -> Proposal:
+        """What to search with within `patience` [s] on the slots of that run; raises ValueError as `proposed` does."""
+        if calls < 1:
+            raise ValueError(f"invalid number of calls {calls}: give at least 1")
+        seconds, at_once = self.of(calls)
+        found = proposed(seconds, parameters, at_once, patience)
+        if not found.searches:
+            return found
+        room = _two(math.floor(patience / seconds) * at_once)
+        slots = "1 slot" if self.slots == 1 else f"{self.slots} slots"
+        names = _listed([search.method for search in found.searches])
+        each = f"{found.searches[0].evaluations:,}{' each' if len(found.searches) > 1 else ''}"
+        text = f"In {lasting(patience)} on {slots}: about {room} evaluations. Proposed: {names} with {each}, "
+        return replace(found, sentence=f"{text}about {lasting(found.seconds)} in all{found.note}")
 
 
 def proposed(cost: float, parameters: int, slots: int = 1, patience: float = 3600.0) -> Proposal:
@@ -76,11 +123,16 @@ def _proposal(methods: tuple[str, ...], rounds: int, most: int, cost: float, slo
     searches = tuple(Budget(m, own * slots, _side_by_side(m, slots)) for m in methods)
     count, seconds = own * slots * len(methods), own * len(methods) * cost
     places = f" on {slots} slots" if slots > 1 else ""
-    names = [TITLES[m] for m in methods]
-    listed = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
     taken = "1 evaluation takes" if count == 1 else f"{count:,} evaluations take"
-    text = f"One evaluation takes about {lasting(cost)}: {taken} about {lasting(seconds)}{places}; use {listed}{note}"
-    return Proposal(searches, seconds, text)
+    text = (
+        f"One evaluation takes about {lasting(cost)}: {taken} about {lasting(seconds)}{places}; use {_listed(methods)}"
+    )
+    return Proposal(searches, seconds, text + note, note)
+
+
+def _listed(methods: Sequence[str]) -> str:
+    *names, last = [TITLES[m] for m in methods]
+    return f"{', '.join(names)} and {last}" if names else last
 
 
 def _side_by_side(method: str, slots: int) -> dict[str, int]:

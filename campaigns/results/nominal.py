@@ -9,6 +9,10 @@ from pydantic import Field
 from campaigns.results.base import Described, StageResult, Status, Untraced, Values
 
 
+def _absent(given: object) -> bool:
+    return given is None
+
+
 class Measured(Described):
     """Whether evaluations of a simulator repeat, measured before anything is searched."""
 
@@ -30,7 +34,12 @@ class Measured(Described):
     deviation: float | None
     """The standard deviation between evaluations of the same point, pooled over the points; null likewise."""
     seconds: float | None
-    """Time per evaluation in used processes [s]."""
+    """Time per evaluation in used processes [s]: the rate at which they ended, however many ran side by side."""
+    call_seconds: Annotated[float | None, Field(exclude_if=_absent)] = None
+    """Time that one call took in a used process, with as many side by side as there are slots [s]; omitted where it
+    was not measured."""
+    slots: Annotated[int | None, Field(exclude_if=_absent)] = None
+    """Calls that ran side by side; omitted where `call_seconds` is."""
 
     @property
     def repeats(self) -> bool:
@@ -49,6 +58,6 @@ class NominalResult(StageResult):
     reason: str = ""
     """Why it has no cost."""
     parameters: Values = {}
-    measured: Annotated[Measured | None, Field(exclude_if=lambda given: given is None)] = None
+    measured: Annotated[Measured | None, Field(exclude_if=_absent)] = None
     """Of a simulator; omitted for a closed loop, which repeats by construction."""
     untraced: Untraced = {}

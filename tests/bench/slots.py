@@ -13,7 +13,8 @@ from pathlib import Path
 
 from worker.catalogue.folder import digest_of
 from worker.systems.simulators.cluster.address import evaluator
-from worker.systems.simulators.cluster.pool import WORK, DaskPool
+from worker.systems.simulators.cluster.pool import DaskPool
+from worker.systems.simulators.cluster.work import WORK, Files
 from worker.systems.simulators.slots.outcome import Limits, Request
 from worker.systems.simulators.slots.pool import SlotPool
 from worker.systems.simulators.slots.program import Program
@@ -40,10 +41,10 @@ def measure() -> dict[str, float]:
             warm(pool)
             found["slot_us"] = 1e6 * best(lambda: pool.evaluate(requests(MANY, 0.0))) / MANY
             found["slot_one_by_one_us"] = 1e6 * best(lambda: [pool.evaluate(requests(1, 0.0)) for _ in range(50)]) / 50
-        program, nothing = Program(command, "lines", folder=WORK), Path(folder)
+        program, nothing = Program(command, "lines", folder=WORK), Files(folder, digest_of(Path(folder)))
         for workers in (1, 2, 4):
             cluster = evaluator(f"local:{workers}")
-            with DaskPool(cluster, program, Limits(), nothing, digest_of(nothing)) as there:
+            with DaskPool(cluster, program, Limits(), nothing) as there:
                 warm(there)
                 took = best(lambda: there.evaluate(requests(EACH * there.size, SLEEP)))
                 found[f"cluster_{workers}_of_ideal"] = EACH * SLEEP / took

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.e2e.browser import visiting
+from tests.e2e.browser import Visit, visiting
 from tests.faults.processes import until
 from tests.faults.serving import serving
 from tests.simulators import dropped, package
@@ -53,6 +53,28 @@ def test_launched_again_from_the_form_and_compared(tmp_path: Path, browser: Brow
         )
         visit.go("/runs/R-0002/flight")
         expect(page.get_by_role("heading", name="There is no 3D view")).to_be_visible()
+        proposal_is_used(visit)
+
+
+def proposal_is_used(visit: Visit) -> None:
+    """The launch page proposes searches from what the newest run measured, and the form takes them."""
+    page = visit.page
+    visit.go("/launch?from=R-0001")
+    card = page.locator("#section-proposal")
+    expect(card).to_contain_text(re.compile(r"One evaluation took .* \(R-0002, 15 evaluations\)\."))
+    expect(card).to_contain_text("In 60 min on 1 slot: about")
+    time, use = card.get_by_label("Time for all searches"), card.get_by_role("button", name="Use the proposal")
+    time.fill("soon")
+    expect(card).to_contain_text("Give the time as a number above 0")
+    expect(use).to_be_disabled()
+    time.fill("0.5")
+    expect(card).to_contain_text("In 30 s on 1 slot: about")
+    use.click()
+    expect(card).to_contain_text("The campaign states these searches.")
+    expect(use).to_be_disabled()
+    expect(page.get_by_label("CMA-ES, evaluations at most", exact=True)).to_have_value("5000")
+    expect(page.get_by_label("Run Genetic algorithm")).not_to_be_checked()
+    visit.shot("simulator-proposal")
 
 
 def test_a_run_without_a_trace(tmp_path: Path, browser: Browser) -> None:

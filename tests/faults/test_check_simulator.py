@@ -19,6 +19,8 @@ def test_one_that_can_be_used_as_it_is(capsys: pytest.CaptureFixture[str]) -> No
     assert "21 of 21 evaluations of 7 points have a value of d" in shown
     assert "repeats bit by bit: 7 points, 21 evaluations" in shown
     assert "Proposal" not in shown
+    (asked,) = [line for line in shown.splitlines() if line.startswith("methods and budgets for it: clearance ")]
+    assert invoke(asked.partition("clearance ")[2].split()) == 0
 
 
 @pytest.mark.parametrize("how", ["noise", "tiny noise", "drift", "noise of the process", "by call count"])

@@ -6,7 +6,6 @@ import asyncio
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,14 +14,14 @@ from distributed import KilledWorker
 from distributed.client import FutureCancelledError
 
 from worker.systems.simulators.cluster import connection as connections
-from worker.systems.simulators.cluster import node
 from worker.systems.simulators.cluster import pool as pools
 from worker.systems.simulators.cluster.address import Evaluator, EvaluatorLost
 from worker.systems.simulators.cluster.pool import DaskPool
+from worker.systems.simulators.cluster.work import Done, Files, NodeClosing, Work
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.program import Program
 
-Task = Callable[[list[int]], node.Done]
+Task = Callable[[list[int]], Done]
 """What a task does with its batch."""
 
 
@@ -56,7 +55,7 @@ class Fake:
     async def run(self, function: object, *given: object, **options: Any) -> None:
         pass
 
-    async def submit(self, function: object, work: node.Work, requests: Sequence[Any], **options: Any) -> node.Done:
+    async def submit(self, function: object, work: Work, requests: Sequence[Any], **options: Any) -> Done:
         batch = [r["k"] for r in requests]
         self.batches.append(batch)
         self.running += 1
@@ -75,8 +74,8 @@ class Fake:
         self.loop.close()
 
 
-def evaluated(batch: list[int], each: float = 0.01) -> node.Done:
-    return node.Done([Outcome("ok", k) for k in batch], each * len(batch))
+def evaluated(batch: list[int], each: float = 0.01) -> Done:
+    return Done([Outcome("ok", k) for k in batch], each * len(batch))
 
 
 def killed(runs: int) -> KilledWorker:
@@ -94,7 +93,7 @@ def cluster(monkeypatch: pytest.MonkeyPatch) -> Iterator[Fake]:
 
 @pytest.fixture
 def pool(cluster: Fake) -> Iterator[DaskPool]:
-    with DaskPool(cluster.evaluator, Program(["true"], "lines"), Limits(), Path("/"), "") as made:
+    with DaskPool(cluster.evaluator, Program(["true"], "lines"), Limits(), Files("/", "")) as made:
         yield made
 
 
@@ -143,7 +142,7 @@ def test_of_a_batch_whose_node_died_only_the_one_at_fault_fails(
     pool.evaluate(requests(50))
     cluster.batches.clear()
 
-    def task(batch: list[int]) -> node.Done:
+    def task(batch: list[int]) -> Done:
         if 13 in batch:
             raise killed(runs)
         return evaluated(batch)
@@ -159,14 +158,14 @@ def test_of_a_batch_whose_node_died_only_the_one_at_fault_fails(
 
 
 @pytest.mark.parametrize(
-    "error", [FutureCancelledError("key", "scheduler-connection-lost"), OSError("closed"), node.NodeClosing("node")]
+    "error", [FutureCancelledError("key", "scheduler-connection-lost"), OSError("closed"), NodeClosing("node")]
 )
 def test_what_a_lost_scheduler_or_a_closing_node_had_is_sent_again(
     cluster: Fake, pool: DaskPool, error: Exception
 ) -> None:
     left = [error] * 5
 
-    def task(batch: list[int]) -> node.Done:
+    def task(batch: list[int]) -> Done:
         if left:
             raise left.pop()
         return evaluated(batch)
@@ -176,7 +175,7 @@ def test_what_a_lost_scheduler_or_a_closing_node_had_is_sent_again(
 
 
 def test_any_other_error_ends_everything_with_a_sentence(cluster: Fake, pool: DaskPool) -> None:
-    def task(batch: list[int]) -> node.Done:
+    def task(batch: list[int]) -> Done:
         raise ModuleNotFoundError("No module named 'worker'")
 
     cluster.task = task
@@ -190,7 +189,7 @@ def test_any_other_error_ends_everything_with_a_sentence(cluster: Fake, pool: Da
 def test_an_error_of_a_connection_that_was_lost_is_not_one_of_the_evaluation(cluster: Fake, pool: DaskPool) -> None:
     left = [AttributeError("'NoneType' object has no attribute 'submit'")] * 3
 
-    def task(batch: list[int]) -> node.Done:
+    def task(batch: list[int]) -> Done:
         if left:
             cluster.connected = None
             raise left.pop()
@@ -233,3 +232,26 @@ def test_many_threads_may_submit_and_one_may_close(cluster: Fake, pool: DaskPool
     for thread in threads:
         thread.join()
     assert {f.result(timeout=10).kind for f in taken} <= {"ok", "not started"}
+
+
+def test_results_are_released_together_some_time_after_they_came(
+    cluster: Fake, pool: DaskPool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A release just before a task would delay the task; see `pools.KEPT`."""
+    due: list[Callable[[], None]] = []
+    usual = cluster.loop.call_later
+
+    def later(delay: float, call: Callable[..., None], *given: Any, **options: Any) -> Any:
+        return due.append(call) if delay == pools.KEPT else usual(delay, call, *given, **options)
+
+    monkeypatch.setattr(cluster.loop, "call_later", later)
+    for k in range(10):
+        pool.evaluate(requests(1))
+        assert len(pool._kept) == k + 1
+    (release,) = due
+    release()
+    assert pool._kept == []
+    pool.evaluate(requests(1))
+    assert len(due) == 2
+    pool.close()
+    assert pool._kept == []

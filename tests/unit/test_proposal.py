@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from campaigns import check
-from campaigns.asked.proposal import FEW, TITLES, lasting, proposed
+from campaigns.asked.proposal import FEW, TITLES, Cost, lasting, proposed
 from tests.unit.cases import searching
 from worker.catalogue.installed import catalogue, methods
 from worker.cli import WRONG_INPUT, invoke
@@ -101,3 +101,32 @@ def test_the_command_refuses_what_cannot_be(
 ) -> None:
     assert invoke(["propose", *arguments]) == WRONG_INPUT
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("slots", "calls", "expected"),
+    [(1, 1, (2.0, 1)), (4, 1, (2.0, 4)), (4, 2, (2.0, 2)), (4, 3, (2.0, 1)), (4, 5, (4.0, 1)), (2, 5, (6.0, 1))],
+)
+def test_calls_of_an_evaluation_go_through_the_slots_in_turns(
+    slots: int, calls: int, expected: tuple[float, int]
+) -> None:
+    assert Cost("R-0001", 2.0, slots, 15).of(calls) == expected
+
+
+@pytest.mark.parametrize(("cost", "parameters", "slots", "patience"), GRID)
+def test_what_a_measured_cost_proposes_is_what_the_command_proposes(
+    cost: float, parameters: int, slots: int, patience: float
+) -> None:
+    found = Cost("R-0001", cost, slots, 15).proposed(parameters, patience)
+    same = proposed(cost, parameters, slots, patience)
+    assert (found.searches, found.seconds, found.note) == (same.searches, same.seconds, same.note)
+    if found.searches:
+        assert found.sentence.startswith(f"In {lasting(patience)} on {slots} slot")
+        assert f"{found.searches[0].evaluations:,}" in found.sentence
+        assert all(TITLES[s.method] in found.sentence for s in found.searches)
+        assert found.sentence.endswith(found.note)
+
+
+def test_no_call_is_no_evaluation() -> None:
+    with pytest.raises(ValueError, match="calls 0"):
+        Cost("R-0001", 2.0, 1, 15).proposed(2, 60.0, calls=0)

@@ -59,6 +59,16 @@ class Described(ABC):
         """How a campaign and the pages see it."""
 
     @property
+    def given(self) -> str:
+        """The command line, if the campaign file gave it; empty for what the operator has installed."""
+        return ""
+
+    @property
+    def covers(self) -> str:
+        """What the digest is of, if that is not its folder."""
+        return ""
+
+    @property
     def digest(self) -> str:
         """SHA-256 over all files of its folder, by relative path and content."""
         return digest_of(self.folder)

@@ -8,8 +8,6 @@ declare: whatever it does (an error, a crash, an endless loop), it is reported a
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import importlib.util
 import json
 import os
 import signal
@@ -27,6 +25,7 @@ from worker.catalogue import describing
 from worker.catalogue.columns import Column
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import folders, listed
+from worker.catalogue.folder import digest_of_place
 from worker.catalogue.function import (
     DESCRIBING,
     Declaration,
@@ -128,29 +127,7 @@ def read_file(file: Path) -> list[PythonFunction]:
 
 def digest_of(place: dict[str, str]) -> str:
     """SHA-256 over the file of a function and the other Python files of its folder, or over its package."""
-    if "file" in place:
-        return _over(Path(place["file"]).parent, packages=True)
-    spec = importlib.util.find_spec(place["module"].partition(".")[0])
-    if spec is not None and spec.submodule_search_locations:
-        return _over(Path(next(iter(spec.submodule_search_locations))), packages=True)
-    return hashlib.sha256(Path(spec.origin).read_bytes() if spec and spec.origin else b"").hexdigest()
-
-
-def _over(folder: Path, packages: bool) -> str:
-    """The Python files of a folder, and of the packages in it."""
-    sink = hashlib.sha256()
-
-    def add(folder: Path, prefix: str) -> None:
-        for path in sorted(folder.iterdir()):
-            if path.suffix == ".py" and path.is_file():
-                content = path.read_bytes()
-                sink.update(f"{prefix}{path.name}\0{len(content)}\0".encode())
-                sink.update(content)
-            elif packages and (path / "__init__.py").is_file():
-                add(path, f"{prefix}{path.name}/")
-
-    add(folder, "")
-    return sink.hexdigest()
+    return digest_of_place(place)
 
 
 @lru_cache(maxsize=256)

@@ -36,17 +36,26 @@ def use(given: str) -> None:
 
 def refuse_other(given: str, campaign: Campaign) -> None:
     """Refuse a campaign that evaluates in this process although --evaluator was given."""
-    from worker.catalogue.descriptor import DescribedProgram
-    from worker.catalogue.installed import simulators
-    from worker.catalogue.simulator import Program
-
     if not given:
         return
     if campaign.simulator is None:
         what = "the campaign has a scenario, which is simulated in this process"
     else:
-        simulator = simulators().get(campaign.simulator.name)
-        if isinstance(simulator, Program) and isinstance(simulator.described, DescribedProgram):
+        what = _only_here(campaign.simulator.name)
+        if not what:
             return
-        what = f"simulator {campaign.simulator.name} is no program with a command, and evaluates on this machine"
     raise WrongInputError(f"--evaluator {given}: {what}; leave --evaluator out")
+
+
+def _only_here(name: str) -> str:
+    """Why a simulator evaluates on this machine alone; empty if nodes can evaluate it, or if it is unknown."""
+    from worker.catalogue.files import PythonFunction
+    from worker.catalogue.installed import simulators
+    from worker.catalogue.simulator import Program
+
+    simulator = simulators().get(name)
+    if isinstance(simulator, Program):
+        return "the command of the campaign file is installed on no other machine" if simulator.described.given else ""
+    if isinstance(simulator, PythonFunction) and simulator.declaration.settings.isolated:
+        return ""
+    return "" if simulator is None else f"simulator {name} is called in this process"

@@ -50,6 +50,8 @@ def check_simulator(
         typer.echo(f"time per evaluation: {measured.seconds:.3g} s")
     typer.echo(measured.text if values else "whether it repeats is unknown: no evaluation has a value")
     _advise(measured, bool(values), unit)
+    if values:
+        _propose(measured, len(campaign.uncertain))
     if values < measured.evaluations or not measured.repeats:
         raise typer.Exit(NOT_AS_IT_IS)
 
@@ -126,7 +128,7 @@ def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns]:
             Context(campaign, problem, evaluate, MemoryStore()), 0, noise.measuring(problem, chosen), 2**62
         ).columns
         assert columns is not None
-        return noise.measured(columns, points, problem.unit, problem.system.repeatable), columns
+        return noise.measured(columns, points, problem), columns
     finally:
         evaluate.close()
         problem.system.close()
@@ -138,6 +140,13 @@ def _declared(entry: SimulatorEntry) -> None:
         typer.echo(f"  parameter {p.name}: nominal {p.default:g}, {p.low:g} to {p.high:g} {p.unit}".rstrip())
     for r in entry.results:
         typer.echo(f"  result {r.name} [{r.unit or '1'}], worse when {r.worse}")
+
+
+def _propose(measured: Measured, parameters: int) -> None:
+    """The command that proposes methods and budgets for the time that was measured."""
+    if measured.call_seconds is not None:
+        given = f"--cost {measured.call_seconds:.3g} --parameters {parameters} --slots {measured.slots}"
+        typer.echo(f"methods and budgets for it: clearance propose {given}")
 
 
 def _advise(measured: Measured, values: bool, unit: str) -> None:

@@ -14,6 +14,7 @@ import typer
 
 from campaigns.documents import JsonObject
 from worker.cli import CODES, UnreachableError, WrongInputError
+from worker.cli import _code as code
 from worker.cli import _evaluator as evaluators
 from worker.cli import _interrupt as interrupt
 from worker.cli._out import writable
@@ -50,11 +51,12 @@ def run(
     data: Data = DATA,
     database: Database = "",
     evaluator: evaluators.Evaluator = "",
+    allow_code: code.AllowCode = False,
 ) -> None:  # fmt: skip
     """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.runs import sources as sources  # first: it records the files before they are loaded
 
-    _asked_right(file, onward, budget)
+    _asked_right(file, onward, budget, allow_code)
     writable(out)
     evaluators.use(evaluator)
     execute = _executing(threads or None, quiet=as_json, evaluator=evaluator)
@@ -64,7 +66,7 @@ def run(
         campaign, store, verdict, cites = execute_continued(onward, budget, data, database, execute)
     else:
         assert file is not None
-        campaign, store, verdict = _fresh(file, execute)
+        campaign, store, verdict = _fresh(file, execute, allow_code)
         cites = None
     result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {})
     if out is not None:
@@ -72,6 +74,7 @@ def run(
 
         write_results(out, campaign, store, result)
         write_evidence(out, campaign, store)
+        code.write_description(out, campaign)
     if as_json:
         typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:
@@ -81,23 +84,24 @@ def run(
     raise typer.Exit(CODES[verdict.verdict])
 
 
-def _asked_right(file: Path | None, onward: str, budget: str) -> None:
+def _asked_right(file: Path | None, onward: str, budget: str, allow_code: bool) -> None:
     if onward and file is not None:
         raise WrongInputError("give either a campaign or --continue RUN, not both")
     if not onward and file is None:
         raise WrongInputError("give a campaign file, the name of one in the library, or --continue RUN")
     if bool(onward) != bool(budget):
         raise WrongInputError("--continue RUN and --budget +N belong together: give both")
+    if onward and allow_code:
+        raise WrongInputError("--allow-code is for a campaign file; a run of a command in one cannot be extended")
 
 
-def _fresh(file: Path, execute: Execute) -> tuple[Campaign, MemoryStore, Verdict]:
+def _fresh(file: Path, execute: Execute, allow_code: bool) -> tuple[Campaign, MemoryStore, Verdict]:
     from campaigns import CampaignError, check
     from worker.catalogue.installed import catalogue
-    from worker.cli._campaign import read_campaign
     from worker.runs.store import MemoryStore
     from worker.systems.base import CampaignUnusable
 
-    campaign = read_campaign(file)
+    campaign = code.read(file, allow_code)
     if problems := check(campaign, catalogue()):
         if any(problem.field == "simulator.name" for problem in problems):
             _report_unusable()
@@ -141,7 +145,8 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObj
         "findings": [finding.model_dump() for finding in store.findings],
         "digest": campaign.digest,
         "seed": campaign.seed,
-        "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")},
+        "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")}
+        | {k: parts["provenance"][k] for k in ("simulator", "command") if k in parts["provenance"]},
     }
 
 

@@ -7,12 +7,15 @@ from typing import Annotated
 
 import typer
 
+from worker.cli import _code as code
+
 
 def validate(
     file: Annotated[Path, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")],
     normal: Annotated[
         bool, typer.Option("--normal", help="Print the campaign with every default written out.")
     ] = False,
+    allow_code: code.AllowCode = False,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of a campaign instead.")] = False,
 ) -> None:
     """Check a campaign file: print its problems, or its digest and the stages of a run."""
@@ -21,12 +24,11 @@ def validate(
     from campaigns import Campaign, CampaignError, check
     from campaigns.stages.plan import plan
     from worker.catalogue.installed import catalogue
-    from worker.cli._campaign import read_campaign
 
     if schema:
         typer.echo(json.dumps(Campaign.model_json_schema(), indent=2))
         return
-    campaign = read_campaign(file)
+    campaign = code.read(file, allow_code)
     problems = check(campaign, catalogue())
     if problems:
         raise CampaignError(str(file), problems)

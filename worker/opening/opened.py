@@ -18,6 +18,7 @@ from worker.catalogue.descriptor import read
 from worker.catalogue.files import BadFile, PythonFunction, digest_of, read_file
 from worker.catalogue.fmu import DescribedFmu
 from worker.catalogue.function import declared_in, loaded
+from worker.catalogue.inline import InlineProgram
 from worker.catalogue.installed import catalogue, simulators
 from worker.catalogue.simulator import Opening, Program
 from worker.catalogue.simulator import Simulator as Declared
@@ -107,6 +108,8 @@ def _python(simulator: PythonFunction, opening: Opening) -> System:
 def _program(simulator: Program, opening: Opening) -> CommandSimulator:
     """A program or an FMU, by its descriptor as it is now, which must still be the one that the catalogue shows."""
     described, changed = simulator.described, ""
+    if isinstance(described, InlineProgram):
+        return CommandSimulator(described, opening)
     try:
         described = read(described.folder)
         if described.entry != simulator.entry:

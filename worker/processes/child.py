@@ -42,6 +42,7 @@ def main() -> None:
     setup = json.loads(requests.readline())
     engine = connect(setup["database"])
     execute = resolve(setup["runner"])
+    from worker.catalogue.digests import with_digests
     from worker.catalogue.installed import catalogue
     from worker.processes import memory
 
@@ -49,7 +50,8 @@ def main() -> None:
     memory.bound()
     fresh = not sources.stale()
     if fresh:
-        write(engine, lambda connection: workers.publish(connection, document, code), PATIENCE)
+        published = with_digests(document)
+        write(engine, lambda connection: workers.publish(connection, published, code), PATIENCE)
     _send(answers, {"ready": True, "fresh": fresh, "simulators": [s.version for s in document.simulators]})
     serve(engine, execute, document, requests, answers)
 

@@ -38,6 +38,7 @@ def versions(system: System) -> Versions:
         loop=system.digest if system.settings.integrator else None,
         simulator=None if system.settings.integrator else system.digest,
         evaluator=system.elsewhere or None,
+        command=system.given or None,
     )
 
 

@@ -30,7 +30,7 @@ def run(context: Context, position: int) -> Outcome[NominalResult]:
         assert columns is not None
         if not (columns.status == OK).any():
             raise CampaignUnusable([Wrong("simulator.name", simulator.name, _lost(columns, len(points)))])
-        measured = noise.measured(columns, len(points), problem.unit, problem.system.repeatable)
+        measured = noise.measured(columns, len(points), problem)
     known = columns.status[0] == OK
     cost = float(columns.costs[0, 0]) if known else None
     result = NominalResult(

@@ -185,6 +185,8 @@ class System(ABC):
     settings: Settings = Settings()
     elsewhere: str = ""
     """What evaluates on other machines; empty: this process or others of its machine."""
+    given: str = ""
+    """The command line that the campaign file gave; empty: the system is one of this installation."""
     cost: float | None = None
     """Time per evaluation as measured over the latest batch [s]; None before the first. The batch size follows from it,
     so that progress and cancellation stay prompt."""

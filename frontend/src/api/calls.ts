@@ -18,6 +18,7 @@ import type {
   LibraryCampaign,
   ListRunsData,
   Preview,
+  Proposal,
   RunComponents,
   RunDetail,
   RunEdit,
@@ -151,6 +152,17 @@ export const checkCampaign = (given: Campaign | string, signal?: AbortSignal): P
 /** The nominal flight of a campaign; a new combination of components is compiled first. */
 export const previewCampaign = (given: Campaign, signal?: AbortSignal): Promise<Preview> =>
   post('/api/v1/campaigns/preview', given, signal)
+
+/** Search methods and budgets for a simulator, from what its evaluations took in the newest run of it. */
+export const proposeSearches = ({
+  simulator,
+  ...query
+}: {
+  simulator: string
+  parameters: number
+  patience: number
+  calls: number
+}): Promise<Proposal> => answer(sdk.proposeSearches({ path: { name: simulator }, query }))
 
 export const listDrafts = (): Promise<DraftSummary[]> => answer(sdk.listDrafts())
 export const getDraft = (draft: string): Promise<Draft> => answer(sdk.getDraft({ path: { draft } }))

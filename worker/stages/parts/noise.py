@@ -55,8 +55,9 @@ def measuring(problem: Problem, chosen: Floats) -> Asking[str]:
     return "evaluated the nominal case, and whether results repeat"
 
 
-def measured(columns: Columns, chosen: int, unit: str, declared: bool) -> Measured:
+def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
     """What these evaluations show; they are `TIMES` rounds of the same `chosen` points."""
+    declared = problem.system.repeatable
     costs, status = (of.reshape(-1, chosen) for of in (columns.costs[:, 0], columns.status))
     values = np.where(status == OK, costs, np.nan)
     bits = np.where(status == OK, costs + 0.0, 0.0).view(np.int64)  # -0.0 is 0.0
@@ -72,6 +73,8 @@ def measured(columns: Columns, chosen: int, unit: str, declared: bool) -> Measur
     failed = int(np.count_nonzero((status != OK) & (status != EXCLUDED)))
     last = len(columns.seconds) - chosen - 1
     seconds = None if last < 1 else float(columns.seconds[: last + 1].max() - columns.seconds[0]) / last
+    slots, asked = max(problem.system.slots, 1), problem.campaign.simulator
+    call = call_seconds(columns, chosen, slots, 1 if asked is None else asked.calls)
     return Measured(
         points=chosen,
         evaluations=status.size,
@@ -82,8 +85,22 @@ def measured(columns: Columns, chosen: int, unit: str, declared: bool) -> Measur
         spread=spread,
         deviation=deviation,
         seconds=seconds,
-        said=_said(chosen, status.size, failed, identical, declared, spread, unit),
+        call_seconds=call,
+        slots=None if call is None else slots,
+        said=_said(chosen, status.size, failed, identical, declared, spread, problem.unit),
     )
+
+
+def call_seconds(columns: Columns, chosen: int, slots: int, calls: int) -> float | None:
+    """Time of one call [s], from the second round: its processes were used before, and it begins when all are idle.
+
+    The calls of a round go through the slots in turns, and the time is that of a turn: a call is rather faster.
+    """
+    ended = columns.seconds
+    if len(ended) < 2 * chosen:
+        return None
+    took = float(ended[chosen : 2 * chosen].max() - ended[:chosen].max())
+    return took / -(-chosen * calls // slots) if took > 0.0 else None
 
 
 def _said(

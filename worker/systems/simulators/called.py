@@ -30,7 +30,7 @@ class Called(Simulated):
         self.inner, self.asked, self._borrowed = inner, asked, borrowed
         self.parameters, self.nominal, self.results = inner.parameters, inner.nominal, inner.results
         self.repeatable, self.block, self.settings = inner.repeatable, inner.block, inner.settings
-        self.elsewhere = inner.elsewhere
+        self.elsewhere, self.given = inner.elsewhere, inner.given
         self.step = inner.step if isinstance(inner, Simulated) else None
 
     def fresh(self) -> System:

@@ -11,27 +11,28 @@ import sys
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from campaigns.claims.say import say
 from campaigns.results.scene import Scene
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import DescribedProgram
 from worker.catalogue.simulator import Opening
-from worker.systems.base import Floats
+from worker.systems.base import Floats, Scope
 from worker.systems.simulators import traced
 from worker.systems.simulators.cluster.address import chosen
+from worker.systems.simulators.cluster.work import Files
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.program import Program
-from worker.systems.simulators.slotted import Slotted
+from worker.systems.simulators.spread import Spread
 from worker.systems.threads import usual_threads
 
-if TYPE_CHECKING:
-    from worker.systems.simulators.cluster.pool import DaskPool
-    from worker.systems.simulators.slots.pool import SlotPool
+LONGEST = 160
+"""Characters of a command line in a sentence."""
 
 
-class CommandSimulator(Slotted):
+class CommandSimulator(Spread):
     """Evaluates a described program; `fresh`: every evaluation in a process of its own; halvings of its step, if it
     declares one."""
 
@@ -42,8 +43,8 @@ class CommandSimulator(Slotted):
         self._halvings = halvings
         self.described = described
         self._fresh = fresh
-        self.evaluator = chosen() if isinstance(described, DescribedProgram) else None
-        self.elsewhere = "dask.distributed" if self.evaluator and self.evaluator.scheduler else ""
+        self.given = described.given
+        self._spread_over(None if self.given else chosen())
 
     def fresh(self) -> CommandSimulator:
         return CommandSimulator(self.described, self.opening, True, self._halvings)
@@ -59,24 +60,22 @@ class CommandSimulator(Slotted):
         return self.described.digest
 
     @property
-    def slots(self) -> int:
-        if self.evaluator is None:
-            return self.described.descriptor.slots or usual_threads()
-        return self._opened().size
+    def scope(self) -> Scope:
+        scope = super().scope
+        if not self.given:
+            return scope
+        line = " ".join(self.given.split())
+        shown = line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
+        what = say(scope.what, f", run by a command that the campaign file gives, {shown}")
+        return Scope(what, scope.settings, f"{scope.version} {self.described.covers}")
 
-    def warm(self) -> None:
-        """Connect to the evaluator."""
-        if self.evaluator is not None:
-            self._opened()
+    @property
+    def _slots_here(self) -> int:
+        return self.described.descriptor.slots or usual_threads()
 
-    def _opened(self) -> SlotPool | DaskPool:
-        if self.evaluator is None or self._pool is not None:
-            return super()._opened()
-        from worker.systems.simulators.cluster.pool import WORK, DaskPool
-
-        program, folder = self._program(Path(WORK)), self.described.folder
-        self._pool = DaskPool(self.evaluator, program, self._limits, folder, self.digest)
-        return self._pool
+    @property
+    def _files(self) -> Files:
+        return Files(str(self.described.folder), self.digest)
 
     @property
     def _limits(self) -> Limits:

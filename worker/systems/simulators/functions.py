@@ -24,12 +24,14 @@ from worker.catalogue.simulator import Opening
 from worker.search.base import Batch
 from worker.systems.base import Floats, NoTrace, Reasons, Scope, Seeds, Trace
 from worker.systems.simulators import calling, traced
+from worker.systems.simulators.cluster.address import chosen
+from worker.systems.simulators.cluster.work import Files
 from worker.systems.simulators.identity import identified
 from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots import child, files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.program import Program
-from worker.systems.simulators.slotted import Slotted
+from worker.systems.simulators.spread import Spread
 from worker.systems.threads import usual_threads
 
 
@@ -180,7 +182,7 @@ class InProcess(_OfFunction):
         return found.astype(np.float64), begun
 
 
-class Isolated(_OfFunction, Slotted):
+class Isolated(_OfFunction, Spread):
     """Calls the function in slots: limits of time and memory, and no crash reaches this process.
 
     place: where a slot finds it, its `name` and its `file` or `module`.
@@ -194,13 +196,18 @@ class Isolated(_OfFunction, Slotted):
         super().__init__(entry, opening, settings, digest, columns, scene)
         self.place = place
         self._alone = alone
+        self._spread_over(chosen())
 
     def fresh(self) -> Isolated:
         return Isolated(self.place, self.entry, self.opening, self.of, self.files_digest, True, self.columns)
 
     @property
-    def slots(self) -> int:
+    def _slots_here(self) -> int:
         return self.of.slots or usual_threads()
+
+    @property
+    def _files(self) -> Files:
+        return Files(str(Path(self.place.get("file", "")).parent), self.digest, dict(self.place))
 
     @property
     def _limits(self) -> Limits:

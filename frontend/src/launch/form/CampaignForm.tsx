@@ -5,6 +5,7 @@ import { CriterionForm } from './CriterionForm'
 import { MethodsTable } from './MethodsTable'
 import { hasScenario } from '../../api/campaign'
 import type { Parameter } from '../campaign/parameters'
+import { ProposalCard } from '../proposal/ProposalCard'
 import { ScenarioForm } from './ScenarioForm'
 import { SettingsForm } from './SettingsForm'
 import { ResultForm, SimulatorForm } from './SimulatorForm'
@@ -27,6 +28,7 @@ export function CampaignForm({ draft, catalogue, parameters }: CampaignFormProps
       ) : (
         <ResultForm campaign={campaign} catalogue={catalogue} set={set} />
       )}
+      {!hasScenario(campaign) && <ProposalCard campaign={campaign} catalogue={catalogue} set={set} />}
       <MethodsTable campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
       <SettingsForm campaign={campaign} set={set} />
       {hasScenario(campaign) ? (

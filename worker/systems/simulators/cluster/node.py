@@ -9,7 +9,6 @@ It imports nothing heavy: the scheduler loads it too.
 from __future__ import annotations
 
 import atexit
-import contextlib
 import logging
 import os
 import shutil
@@ -22,64 +21,34 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
-from functools import cache
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
-from worker.catalogue.folder import digest_of
-from worker.systems.simulators.slots.outcome import Limits, Outcome, Request
+from worker.systems.simulators.cluster.work import (
+    ROOT,
+    WORK,
+    Done,
+    NodeClosing,
+    NodeUnusable,
+    Work,
+    check,
+    forget,
+    name,
+)
+from worker.systems.simulators.slots.outcome import Outcome, Request
 from worker.systems.simulators.slots.pool import AHEAD, SHORT, SlotPool
 from worker.systems.simulators.slots.program import Program
 
-WORK = "{work}"
-"""Stands for the node's own temporary folder in the folder of a program."""
-ROOT = Path(__file__).parents[4]
-"""The folder of the installation."""
 ENOUGH = 0.4
 """A task begins no evaluation after this time [s]; it returns what has ended."""
 IDLE = 60.0
 """Slots without work for this long are closed [s]."""
 
 
-class NodeUnusable(Exception):
-    """A node would not compute what this process would; the message names it and the difference."""
-
-
-class NodeClosing(Exception):
-    """The node is shutting down, or the pool was closed: what it evaluated has no result."""
-
-
-@dataclass(frozen=True)
-class Work:
-    """What a node needs to evaluate a simulator: the program, its limits, and what must be the same there.
-
-    key: identifies the slots that belong together; python, root: interpreter and installation where the program was
-    written down; folder, digest: the simulator's files; code: the digest of the code that runs slots.
-    """
-
-    key: str
-    program: Program
-    limits: Limits
-    folder: str
-    digest: str
-    python: str = sys.executable
-    root: str = str(ROOT)
-    code: str = ""
-
-
-@dataclass(frozen=True)
-class Done:
-    """The outcomes of the first evaluations of a batch, and how long the task took [s]."""
-
-    outcomes: list[Outcome]
-    seconds: float
-
-
 def evaluate(work: Work, requests: Sequence[Request]) -> Done:
     """Evaluate a batch one after another; it may return fewer outcomes than requests, at least one."""
     began = time.monotonic()
-    _check(work)
+    check(work)
     slot = _take(work)
     try:
         outcomes = slot.evaluate(requests, began + ENOUGH)
@@ -94,7 +63,7 @@ def release(key: str) -> None:
     """Close the slots of a pool; what they evaluate has no result."""
     with _lock:
         found = _idle.pop(key, []) + _busy.pop(key, [])
-        _checked.discard(key)
+        forget(key)
         _released.append(key)
     for slot in found:
         slot.close()
@@ -109,12 +78,6 @@ def dask_setup(worker: object) -> None:
     """Dask calls it when a worker of `local:N` starts: Ctrl-C is for the process that closes the cluster."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
-
-
-@cache
-def code() -> str:
-    """The digest of the code that runs slots."""
-    return digest_of(Path(__file__).parents[1])
 
 
 class NodeSlot:
@@ -152,12 +115,12 @@ class NodeSlot:
         try:
             return self._pool.submit(request)
         except RuntimeError as error:
-            raise (NodeClosing if self.closed else NodeUnusable)(f"{_name()}: {error}") from None
+            raise (NodeClosing if self.closed else NodeUnusable)(f"{name()}: {error}") from None
 
     def _ended(self, future: Future[Outcome]) -> Outcome:
         outcome = future.result()
         if self.closed:
-            raise NodeClosing(_name())
+            raise NodeClosing(name())
         self._mean += 0.1 * (outcome.duration - self._mean)
         return outcome
 
@@ -165,7 +128,6 @@ class NodeSlot:
 _lock = threading.Lock()
 _idle: dict[str, list[NodeSlot]] = {}
 _busy: dict[str, list[NodeSlot]] = {}
-_checked: set[str] = set()
 _released: deque[str] = deque(maxlen=1000)
 """Their tasks may still arrive."""
 _reaper: threading.Timer | None = None
@@ -174,7 +136,7 @@ _reaper: threading.Timer | None = None
 def _take(work: Work) -> NodeSlot:
     with _lock:
         if work.key in _released:
-            raise NodeClosing(_name())
+            raise NodeClosing(name())
         idle = _idle.get(work.key)
         slot = idle.pop() if idle else None
         if slot is not None:
@@ -183,7 +145,7 @@ def _take(work: Work) -> NodeSlot:
     try:
         made = NodeSlot(work)
     except OSError as error:
-        raise NodeUnusable(f"{_name()} cannot start a slot: {error}") from None
+        raise NodeUnusable(f"{name()} cannot start a slot: {error}") from None
     with _lock:
         released = work.key in _released
         if not released:
@@ -191,7 +153,7 @@ def _take(work: Work) -> NodeSlot:
             _reap_later()
     if released:
         made.close()
-        raise NodeClosing(_name())
+        raise NodeClosing(name())
     return made
 
 
@@ -239,36 +201,6 @@ def _close_all() -> None:
         release(key)
 
 
-def _check(work: Work) -> None:
-    """Compare code and files with those of the process that asks, once; raises `NodeUnusable`."""
-    if work.code != code():
-        raise NodeUnusable(
-            f"{_name()} has another version of Clearance in {ROOT}: install the same one on all nodes, and restart "
-            "their Dask workers"
-        )
-    if work.key not in _checked:
-        different = _differs(work)
-        if different:
-            raise NodeUnusable(different)
-        _checked.add(work.key)
-
-
-def _differs(work: Work) -> str:
-    folder = Path(work.folder)
-    if not folder.is_dir():
-        return f"{_name()} has no folder {folder}: put the simulator's folder under the same path on all nodes"
-    try:
-        digest = digest_of(folder)
-    except OSError as error:
-        return f"{_name()} cannot read the simulator's folder {folder}: {error.strerror}"
-    if digest == work.digest:
-        return ""
-    return (
-        f"{_name()} has other files in {folder} (digest {digest[:12]}, expected {work.digest[:12]}): "
-        "copy the simulator's folder to all nodes"
-    )
-
-
 def _here(work: Work, folder: str) -> Program:
     """The program with this node's folder; one of ours with its interpreter and installation, too."""
     program = replace(work.program, folder=work.program.folder.replace(WORK, folder))
@@ -292,13 +224,3 @@ def _numbered() -> tuple[int, socket.socket]:
         except OSError:
             claim.close()
             number += 1
-
-
-def _name() -> str:
-    """The node in a sentence."""
-    from distributed import get_worker
-
-    address = ""
-    with contextlib.suppress(ValueError):  # outside a task
-        address = f" ({get_worker().address})"
-    return f"node {socket.gethostname()}{address}"

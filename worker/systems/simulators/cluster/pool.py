@@ -13,21 +13,18 @@ import math
 import threading
 import uuid
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Awaitable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
-from pathlib import Path
 
 from distributed import KilledWorker
 
 from worker.systems.simulators.cluster import connection as connections
 from worker.systems.simulators.cluster import node
 from worker.systems.simulators.cluster.address import Evaluator, EvaluatorLost
-from worker.systems.simulators.cluster.node import WORK
+from worker.systems.simulators.cluster.work import Done, Files, NodeClosing, NodeUnusable, Work, code
 from worker.systems.simulators.slots.outcome import Limits, Outcome, Request
 from worker.systems.simulators.slots.program import Program
-
-__all__ = ["WORK", "DaskPool"]
 
 TARGET = 0.2
 """A task should take so long [s]: one costs 2 to 4 ms."""
@@ -35,6 +32,9 @@ MOST = 4096
 """Evaluations in one task."""
 DEATHS = 3
 """An evaluation fails after so many nodes died while they evaluated it alone."""
+KEPT = 0.25
+"""Results stay on their nodes for this time, and are then released together [s]: Dask sends messages at least 10 ms
+apart, so that releasing each result before the next task delayed that task, by 8 ms in all."""
 END = 5.0
 """Time for the nodes to close slots [s]."""
 
@@ -51,14 +51,14 @@ class _Job:
 class DaskPool:
     """Evaluates a program on a cluster; usable from any thread, and as a context manager.
 
-    program: its folder may contain `WORK`; folder, digest: the simulator's files, the same on every node.
+    program: its folder may contain `WORK`; files: those of the simulator, the same on every node.
     Raises `EvaluatorLost` when the cluster cannot be reached.
     """
 
-    def __init__(self, evaluator: Evaluator, program: Program, limits: Limits, folder: Path, digest: str) -> None:
+    def __init__(self, evaluator: Evaluator, program: Program, limits: Limits, files: Files) -> None:
         self.sent = 0
         """Number of tasks that were sent."""
-        self._work = node.Work(uuid.uuid4().hex, program, limits, str(folder), digest, code=node.code())
+        self._work = Work(uuid.uuid4().hex, program, limits, files, code=code())
         self._lock = threading.Lock()
         self._arrived: deque[_Job] = deque()
         self._due = False
@@ -67,6 +67,8 @@ class DaskPool:
         self._suspects: deque[_Job] = deque()
         """Their node died; they run one at a time, so that no other is blamed."""
         self._running: dict[asyncio.Task[None], list[_Job]] = {}
+        self._kept: list[Awaitable[Done]] = []
+        """The tasks of the last `KEPT` seconds, whose results Dask releases when nothing refers to them."""
         self._mean = math.inf
         self._failure: EvaluatorLost | None = None
         self._connection = connections.acquire(evaluator)
@@ -155,10 +157,12 @@ class DaskPool:
         requests, client = [job.request for job in batch], None
         try:
             client = await self._connection.client()
-            done = await client.submit(node.evaluate, self._work, requests, pure=False, retries=0)
+            task = client.submit(node.evaluate, self._work, requests, pure=False, retries=0)
+            self._keep(task)
+            done = await task
         except KilledWorker as error:
             self._killed(batch, error)
-        except (concurrent.futures.CancelledError, OSError, TimeoutError, node.NodeClosing):
+        except (concurrent.futures.CancelledError, OSError, TimeoutError, NodeClosing):
             self._again(batch)  # the scheduler died, or the node is shutting down
         except EvaluatorLost as error:
             self._again(batch)
@@ -171,7 +175,12 @@ class DaskPool:
         else:
             self._deliver(batch, done)
 
-    def _deliver(self, batch: list[_Job], done: node.Done) -> None:
+    def _keep(self, task: Awaitable[Done]) -> None:
+        if not self._kept:
+            self._connection.loop.call_later(KEPT, self._kept.clear)
+        self._kept.append(task)
+
+    def _deliver(self, batch: list[_Job], done: Done) -> None:
         each = max(done.seconds / len(done.outcomes), 1e-6)
         self._mean = each if math.isinf(self._mean) else self._mean + 0.3 * (each - self._mean)
         for job, outcome in zip(batch, done.outcomes, strict=False):
@@ -224,6 +233,7 @@ class DaskPool:
         tasks = list(self._running)
         left = self._left()
         await asyncio.gather(*tasks, return_exceptions=True)
+        self._kept.clear()
         client = self._connection.connected
         if client is not None:
             with contextlib.suppress(Exception):
@@ -241,4 +251,4 @@ def _finish(job: _Job, outcome: Outcome) -> None:
 def _said(error: Exception) -> str:
     """What went wrong on a node, in one line."""
     text = " ".join(str(error).split())[:400]
-    return text if isinstance(error, node.NodeUnusable) else f"{type(error).__name__}: {text}"
+    return text if isinstance(error, NodeUnusable) else f"{type(error).__name__}: {text}"

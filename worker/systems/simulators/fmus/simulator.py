@@ -15,6 +15,7 @@ from worker.catalogue.columns import Column
 from worker.catalogue.fmu import DescribedFmu
 from worker.catalogue.simulator import Opening
 from worker.systems.base import Scope, Settings
+from worker.systems.simulators.cluster.work import WORK
 from worker.systems.simulators.command import CommandSimulator
 from worker.systems.simulators.fmus import JOB
 from worker.systems.simulators.fmus.job import Job
@@ -130,11 +131,14 @@ def _farther(nominal: float, low: float, high: float) -> float:
 
 
 def program(described: DescribedFmu, result: str, reuse: str, function: str, work: Path) -> Program:
-    """The process of a slot, and its job as a file."""
-    file = work / "job.json"
-    file.write_text(json.dumps(_job(described, result, reuse)), encoding="utf-8")
+    """The process of a slot, and its job as a file; on another machine the job itself, which is some kilobytes."""
+    job = json.dumps(_job(described, result, reuse))
+    if work != Path(WORK):
+        file = work / "job.json"
+        file.write_text(job, encoding="utf-8")
+        job = str(file)
     command = [sys.executable, str(files.CHILD), f"{ENTRY}:{function}"]
-    environment = {**described.descriptor.environment, JOB: str(file)}
+    environment = {**described.descriptor.environment, JOB: job}
     return Program(command, "framed", environment, str(work / "{slot}"))
 
 

@@ -1,0 +1,74 @@
+// Methods and budgets that fit a length of time, from what an evaluation of the simulator took in an earlier run.
+import { keepPreviousData, useQuery } from '@tanstack/react-query'
+import { useState } from 'react'
+import { proposeSearches } from '../../api/calls'
+import type { Campaign } from '../../api/campaign'
+import type { Catalogue } from '../../client'
+import { Card } from '../../ui/Card'
+import type { SetValue } from '../fields/PartCard'
+import { askedOf, minutesOf, searchesOf, stated } from './proposal'
+import styles from './proposal.module.css'
+
+interface ProposalCardProps {
+  campaign: Campaign
+  catalogue: Catalogue
+  set: SetValue
+}
+
+const TIME = 'proposal-time'
+
+export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
+  const [text, setText] = useState('60')
+  const minutes = minutesOf(text)
+  const asked = askedOf(campaign, minutes)
+  const { data, error, isPlaceholderData } = useQuery({
+    queryKey: ['proposal', asked],
+    queryFn: () => (asked ? proposeSearches(asked) : Promise.reject(new Error('nothing was asked'))),
+    enabled: asked !== null,
+    placeholderData: keepPreviousData,
+  })
+  const searches = data && asked && !isPlaceholderData ? searchesOf(data, catalogue) : []
+  const same = searches.length > 0 && stated(campaign, searches)
+  const use = () => set(['stages', 'search'], searches)
+  return (
+    <Card title="Proposal" note="Methods and budgets for the time that you allow the searches." id="section-proposal">
+      <p className={styles.known}>{known(asked !== null, data?.known, error)}</p>
+      {data?.measured && (
+        <>
+          <div className={styles.time}>
+            <label className="lbl" htmlFor={TIME}>
+              Time for all searches
+            </label>
+            <span className="inp">
+              <input
+                id={TIME}
+                inputMode="decimal"
+                autoComplete="off"
+                aria-invalid={minutes === null}
+                value={text}
+                onChange={(event) => setText(event.target.value)}
+              />
+              <span className="un">min</span>
+            </span>
+            <button type="button" className="btn" disabled={searches.length === 0 || same} onClick={use}>
+              Use the proposal
+            </button>
+          </div>
+          <p aria-live="polite">{said(minutes, data.sentence, same)}</p>
+          <p className="small mut">The other stages take evaluations in addition, mostly Validate: see Evaluations at most.</p>
+        </>
+      )}
+    </Card>
+  )
+}
+
+function known(asked: boolean, sentence: string | undefined, error: Error | null): string {
+  if (sentence) return sentence
+  if (error) return `There is no proposal: ${error.message}`
+  return asked ? 'Looking up what an evaluation takes …' : 'A proposal needs a simulator and at least one uncertain parameter.'
+}
+
+function said(minutes: number | null, sentence: string, same: boolean): string {
+  if (minutes === null) return 'Give the time as a number above 0, at most a year.'
+  return same ? `${sentence} The campaign states these searches.` : sentence
+}

@@ -1,0 +1,104 @@
+"""FMUs and Python functions on a cluster: the results of local slots, to the bit, and the same files on every node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.fmu import made
+from worker.catalogue.descriptor import read
+from worker.catalogue.files import digest_of, entry_of, read_file
+from worker.catalogue.fmu import DescribedFmu
+from worker.catalogue.simulator import Opening
+from worker.systems.base import Floats
+from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
+from worker.systems.simulators.cluster.connection import acquire, release
+from worker.systems.simulators.fmus.simulator import FmuSimulator, opened
+from worker.systems.simulators.functions import Isolated
+from worker.systems.simulators.slotted import Slotted
+
+LOCAL = "local:1"
+FUNCTION = """
+import clearance
+
+@clearance.simulator(parameters={"x": (0.0, 1.0), "y": (0.0, 1.0)}, timeout=20)
+def bowl(x, y):
+    if x > 0.9:
+        raise ValueError("too far")
+    return (x - 0.3) ** 2 + (y - 0.6) ** 2
+"""
+
+
+@pytest.fixture(scope="module")
+def there() -> Iterator[None]:
+    """A cluster of one process, which stays for all tests."""
+    connection = acquire(evaluator(LOCAL))
+    connection.call(connection.open())
+    yield
+    release(connection)
+
+
+def function(folder: Path) -> Isolated:
+    """The function of a file in this folder."""
+    (folder / "bowl.py").write_text(FUNCTION, encoding="utf-8")
+    (found,) = read_file(folder / "bowl.py")
+    opening = Opening({"simulator.x": 0.5, "simulator.y": 0.5}, "value")
+    settings = found.declaration.settings
+    return Isolated(found.place, entry_of(found.declaration), opening, settings, digest_of(found.place))
+
+
+def fmu(folder: Path) -> FmuSimulator:
+    """The FMU of a folder."""
+    described = read(folder)
+    assert isinstance(described, DescribedFmu)
+    nominal = {f"simulator.{p.name}": p.default or 0.0 for p in described.entry.parameters}
+    return opened(described, Opening(nominal, "separation"))
+
+
+def compared(kind: Callable[[Path], Slotted], folder: Path, points: Floats, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Statuses, costs and reasons are the same here and there, also in fresh processes."""
+    found = []
+    for address in ("", LOCAL):
+        monkeypatch.setenv(SETTING, address)
+        simulated = kind(folder)
+        try:
+            batch, reasons = simulated.evaluate(points)
+            again = [(c.cost, c.reason) for c in simulated.compare(points[:1], [None])]
+            found.append((batch.status.tolist(), batch.costs.tobytes(), reasons, again, simulated.digest))
+            assert type(simulated._pool).__name__ == ("DaskPool" if address else "SlotPool")
+        finally:
+            simulated.close()
+    assert found[0] == found[1]
+
+
+@pytest.mark.usefixtures("there")
+def test_a_function_has_the_same_results_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    points = np.random.default_rng(1).random((20, 2))
+    points[3, 0] = 0.95
+    compared(function, tmp_path, points, monkeypatch)
+
+
+@pytest.mark.usefixtures("there")
+def test_an_fmu_has_the_same_results_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = fmu(made.folder(tmp_path, 2))
+    usual.close()
+    points = np.repeat(usual.nominal[None, :], 6, axis=0)
+    points[:, 0] = np.linspace(1.0, 5.0, 6)
+    compared(fmu, tmp_path, points, monkeypatch)
+
+
+@pytest.mark.usefixtures("there")
+def test_a_function_whose_file_changed_ends_the_run_with_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(SETTING, LOCAL)
+    simulated = function(tmp_path)
+    (tmp_path / "bowl.py").write_text(FUNCTION + "# changed\n", encoding="utf-8")
+    try:
+        with pytest.raises(EvaluatorLost, match=r"has other files in .* copy the simulator's folder to all nodes"):
+            simulated.evaluate(np.array([[0.5, 0.5]]))
+    finally:
+        simulated.close()

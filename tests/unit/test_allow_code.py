@@ -1,0 +1,199 @@
+"""A campaign file that contains the command of its simulator: refused, unless the command line permits it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from campaigns import CampaignError
+from tests.simulators import package
+from tests.simulators.adversaries import adversary
+from worker.audit import judge
+from worker.catalogue import installed
+from worker.catalogue.inline import NAME, InlineProgram
+from worker.cli import WRONG_INPUT, invoke
+from worker.cli import _code as code
+from worker.opening import opened
+from worker.stages.parts import offered
+from worker.systems.simulators.cluster.address import SETTING
+
+PROGRAM = """
+import json, sys
+for line in sys.stdin:
+    given = json.loads(line)["parameters"]
+    value = 3.0 + (given["x"] - 0.3) ** 2 + (given["y"] - 0.6) ** 2
+    print(json.dumps({"results": {"separation": value}}), flush=True)
+"""
+GIVEN: dict[str, Any] = {
+    "name": "bowl",
+    "command": ["{python}", "-S", "{folder}/bowl.py"],
+    "parameters": {name: {"nominal": 0.5, "low": 0.0, "high": 1.0} for name in "xy"},
+    "results": {"separation": {"unit": "m", "title": "Separation"}},
+    "timeout": 20,
+    "slots": 1,
+}
+
+
+@pytest.fixture(autouse=True)
+def undone() -> Iterator[None]:
+    """What a campaign file gave is installed for its process, which here has further tests."""
+    yield
+    for name in ("bowl", NAME):
+        installed.simulators().pop(name, None)
+    installed.catalogue.cache_clear()
+
+
+def written(folder: Path, **changes: Any) -> Path:
+    """A campaign file with a command, next to its program; None removes a key."""
+    (folder / "bowl.py").write_text(PROGRAM, encoding="utf-8")
+    given = {key: value for key, value in (GIVEN | changes).items() if value is not None}
+    file = folder / "campaign.yaml"
+    stages = {"sensitivity": None, "search": [{"method": "direct", "evaluations": 20}], "validate": {"neighbours": 0}}
+    document = package.campaign(2.0, simulator=given, stages=stages)
+    file.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize("command", ["run", "validate"])
+def test_without_the_option_it_is_refused_and_never_started(
+    tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = written(tmp_path, command=["sh", "-c", f"touch {tmp_path}/made"])
+    assert invoke([command, str(file)]) == WRONG_INPUT
+    said = " ".join(capsys.readouterr().err.split())
+    assert "simulator.command: a campaign contains no code and no settings of a program" in said
+    assert "--allow-code permits its command" in said
+    assert not (tmp_path / "made").exists()
+
+
+def test_the_option_changes_nothing_of_any_other_campaign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert invoke(["validate", "unicycle_static"]) == 0
+    before = capsys.readouterr().out
+    assert invoke(["validate", "unicycle_static", "--allow-code"]) == 0
+    assert capsys.readouterr().out == before
+    file = tmp_path / "campaign.json"
+    file.write_text(json.dumps(package.campaign(simulator={"name": "drop", "python": "x"})), encoding="utf-8")
+    assert invoke(["validate", str(file), "--allow-code"]) == WRONG_INPUT
+    assert "a campaign contains no code" in capsys.readouterr().err
+    file.write_text("a: [1", encoding="utf-8")
+    assert invoke(["validate", str(file), "--allow-code"]) == WRONG_INPUT
+
+
+def test_a_run_names_the_command_and_identifies_its_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 5)  # each in a process of its own
+    monkeypatch.setattr(judge.audit, "__defaults__", (offered.AT_MOST, 5))
+    file, out = written(tmp_path), tmp_path / "out"
+    assert invoke(["run", str(file), "--allow-code", "--json", "--out", str(out)]) == 2  # one method cannot clear
+    found = json.loads(capsys.readouterr().out)
+    assert found["versions"]["command"] == "'{python}' -S '{folder}/bowl.py'"
+    assert "run by a command that the campaign file gives, " in found["scope"]
+    assert "of its description in the campaign file and of bowl.py" in found["scope"]
+    assert found["worst"]["cost"] == pytest.approx(3.0, abs=0.05)
+    assert json.loads((out / "campaign.json").read_text())["simulator"] == {"name": "bowl", "parameters": {}}
+    text = (out / "simulator.yaml").read_text(encoding="utf-8")
+    assert text.startswith(f"# From {file}, where {{folder}} was {tmp_path}\n")
+    assert yaml.safe_load(text) == GIVEN
+    assert invoke(["audit", str(out)]) == 0
+
+
+def test_calls_and_retries_stay_those_of_the_campaign(tmp_path: Path) -> None:
+    campaign = code.read(written(tmp_path, name=None, repeats={"count": 3}, retries=1), allowed=True)
+    assert campaign.simulator is not None
+    assert (campaign.simulator.name, campaign.simulator.calls, campaign.simulator.retries) == (NAME, 3, 1)
+    system = opened.system(campaign)
+    assert system.given.startswith("'{python}' -S ")
+    system.close()
+
+
+def test_the_digest_changes_with_the_description_and_with_the_program(tmp_path: Path) -> None:
+    def digest(**changes: Any) -> str:
+        system = opened.system(code.read(written(tmp_path, **changes), allowed=True))
+        found = system.digest
+        system.close()
+        return found
+
+    first = digest()
+    assert digest() == first
+    assert digest(timeout=21) != first
+    assert digest(command=["{python}", "{folder}/bowl.py"]) != first
+    option = digest(command=["{python}", "{folder}/bowl.py", "--file={folder}/data.csv"])
+    (tmp_path / "data.csv").write_text("1", encoding="utf-8")
+    assert digest(command=["{python}", "{folder}/bowl.py", "--file={folder}/data.csv"]) != option
+
+
+@pytest.mark.parametrize(
+    ("changed", "field", "said"),
+    [
+        ({"command": "python bowl.py"}, "simulator.command", "a list of words is expected"),
+        ({"command": [1]}, "simulator.command.0", "a list of words is expected"),
+        ({"command": []}, "simulator.command", "at least 1 item"),
+        ({"parameters": None}, "simulator.parameters", "this key is required"),
+        ({"parameters": {"x": 0.5}}, "simulator.parameters.x", ""),
+        ({"results": None}, "simulator.results", "this key is required"),
+        ({"comand": ["x"]}, "simulator.comand", "not a key of a simulator's descriptor"),
+        ({"fmu": "model.fmu"}, "simulator.fmu", "not a key of a simulator's descriptor"),
+        ({"name": "../bowl"}, "simulator.name", ""),
+        ({"timeout": float("inf")}, "simulator.timeout", ""),
+        ({"repeats": {"count": 0}}, "simulator.repeats.count", ""),
+    ],
+)
+def test_a_description_that_cannot_be_used_is_refused_by_its_key(
+    tmp_path: Path, changed: dict[str, Any], field: str, said: str
+) -> None:
+    with pytest.raises(CampaignError) as refused:
+        code.read(written(tmp_path, **changed), allowed=True)
+    problems = [p for p in refused.value.problems if p.field == field]
+    assert len(problems) == 1, refused.value
+    assert said in problems[0].message
+    assert "bowl" not in installed.simulators()
+
+
+def test_it_does_not_take_the_place_of_an_installed_simulator(tmp_path: Path) -> None:
+    with adversary(), pytest.raises(CampaignError, match="this installation has a simulator of that name"):
+        code.read(written(tmp_path, name="adversary"), allowed=True)
+
+
+def test_another_file_takes_the_place_of_an_earlier_one(tmp_path: Path) -> None:
+    for unit in ("m", "km"):
+        code.read(written(tmp_path, results={"separation": {"unit": unit}}), allowed=True)
+        entry = installed.catalogue().simulator("bowl")
+        assert entry is not None
+        assert entry.results[0].unit == unit
+
+
+def test_it_evaluates_on_this_machine(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(SETTING, "dask://127.0.0.1:1?patience=1")
+    file = written(tmp_path)
+    system = opened.system(code.read(file, allowed=True))
+    assert (system.elsewhere, system.slots) == ("", 1)
+    system.close()
+    assert invoke(["run", str(file), "--allow-code", "--evaluator", "local:2"]) == WRONG_INPUT
+    assert (
+        "the command of the campaign file is installed on no other machine; leave --evaluator out"
+        in capsys.readouterr().err
+    )
+
+
+def test_a_library_and_a_file_that_is_not_there_are_as_without_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert invoke(["run", str(tmp_path / "none.yaml"), "--allow-code"]) == WRONG_INPUT
+    assert "the file cannot be read" in capsys.readouterr().err
+
+
+def test_files_that_cannot_be_read_are_not_in_the_digest(tmp_path: Path) -> None:
+    code.read(written(tmp_path, command=["/" + "x" * 5000, str(tmp_path), "{folder}/bowl.py"]), allowed=True)
+    known = installed.simulators()["bowl"]
+    described = getattr(known, "described", None)
+    assert isinstance(described, InlineProgram)
+    assert [path.name for path in described.files] == ["bowl.py"]
+    assert described.covers.endswith("and of bowl.py")

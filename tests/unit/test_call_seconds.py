@@ -1,0 +1,46 @@
+"""What one call took, read from the times at which the evaluations of the first stage ended."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from campaigns.results.nominal import Measured
+from worker.stages.parts.noise import call_seconds
+from worker.stages.parts.store import Columns
+
+POINTS = 5
+START = 3.0
+"""Of the first process [s]."""
+
+
+def ended(slots: int, each: float, calls: int = 1) -> Columns:
+    """The first stage of a simulator of which every call takes `each` [s]; the fresh processes take twice as long."""
+    turns = [-(-(k + 1) * calls // slots) * each for k in range(POINTS)]
+    first = START + each * -(-calls // slots)
+    seconds = [first, *(first + t for t in turns[: POINTS - 1])]
+    seconds += [seconds[-1] + t for t in turns]
+    seconds += [seconds[-1] + 2 * t for t in turns]
+    zeros = np.zeros((len(seconds), 1))
+    return Columns(zeros, zeros, np.zeros(len(seconds), dtype=np.uint8), np.array(seconds), {})
+
+
+@pytest.mark.parametrize(("slots", "calls"), [(1, 1), (2, 1), (4, 1), (5, 1), (64, 1), (1, 5), (2, 3), (4, 5), (64, 5)])
+def test_it_is_that_of_one_call_however_many_run_side_by_side(slots: int, calls: int) -> None:
+    assert call_seconds(ended(slots, 0.42, calls), POINTS, slots, calls) == pytest.approx(0.42)
+
+
+def test_it_is_unknown_where_nothing_was_measured() -> None:
+    whole = ended(1, 0.42)
+    short = Columns(*(of[: 2 * POINTS - 1] for of in (whole.points, whole.costs, whole.status, whole.seconds)), {})
+    assert call_seconds(short, POINTS, 1, 1) is None
+    still = Columns(whole.points, whole.costs, whole.status, np.zeros_like(whole.seconds), {})
+    assert call_seconds(still, POINTS, 1, 1) is None
+
+
+def test_results_of_earlier_versions_have_none_and_stay_as_they_were() -> None:
+    before = {"points": 5, "evaluations": 15, "failed": 0, "identical": True, "declared": True, "by_process": False}
+    before |= {"spread": 0.0, "deviation": 0.0, "seconds": 0.1, "said": []}
+    told = Measured.model_validate(before)
+    assert (told.call_seconds, told.slots) == (None, None)
+    assert told.model_dump(mode="json") == {**before, "text": ""}

@@ -1,0 +1,83 @@
+"""The digests of simulators' files in a published catalogue are those that a run stores."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+from campaigns.asked.load import load_document
+from tests.simulators import package
+from worker.catalogue import installed
+from worker.catalogue.descriptor import read
+from worker.catalogue.digests import with_digests
+from worker.catalogue.files import read_file
+from worker.catalogue.simulator import Program
+from worker.opening import opened
+
+FUNCTION = """
+import clearance
+
+@clearance.simulator(parameters={"x": (0.0, 1.0), "y": (0.0, 1.0)}, results={"separation": clearance.Output(unit="m")})
+def a_function(x, y):
+    return x + y
+"""
+
+
+@pytest.fixture(autouse=True)
+def undone() -> Iterator[None]:
+    yield
+    for name in ("a_program", "a_function"):
+        installed.simulators().pop(name, None)
+    installed.catalogue.cache_clear()
+
+
+def add_program(folder: Path) -> None:
+    folder.mkdir()
+    document = {
+        "name": "a_program",
+        "command": ["true"],
+        "parameters": {name: {"nominal": 0.5, "low": 0, "high": 1} for name in "xy"},
+        "results": {"separation": {"unit": "m"}},
+    }
+    (folder / "simulator.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    installed.simulators()["a_program"] = Program(read(folder))
+
+
+def add_function(folder: Path) -> None:
+    folder.mkdir()
+    (folder / "function.py").write_text(FUNCTION, encoding="utf-8")
+    (installed.simulators()["a_function"],) = read_file(folder / "function.py")
+
+
+def digest(name: str) -> str:
+    """That of the simulator as a run opens it."""
+    system = opened.system(load_document(package.campaign(simulator={"name": name})))
+    found = system.digest
+    system.close()
+    return found
+
+
+def test_they_are_those_of_the_opened_simulators_and_follow_their_files(tmp_path: Path) -> None:
+    add_program(tmp_path / "program")
+    add_function(tmp_path / "functions")
+    installed.catalogue.cache_clear()
+    names = ("a_program", "a_function")
+    before = with_digests(installed.catalogue()).digests
+    assert {name: before[name] for name in names} == {name: digest(name) for name in names}
+    (tmp_path / "program" / "data").write_text("1", encoding="utf-8")
+    (tmp_path / "functions" / "helper.py").write_text("", encoding="utf-8")
+    after = with_digests(installed.catalogue()).digests
+    assert all(before[name] != after[name] for name in names)
+    assert "digests" not in installed.catalogue().model_dump(mode="json")
+
+
+def test_files_that_cannot_be_read_have_none_and_prevent_nothing(tmp_path: Path) -> None:
+    add_program(tmp_path / "program")
+    add_function(tmp_path / "functions")
+    for path in sorted(tmp_path.rglob("*"), reverse=True):
+        path.rmdir() if path.is_dir() else path.unlink()
+    (tmp_path / "program").touch()
+    assert not {"a_function"} & with_digests(installed.catalogue()).digests.keys()

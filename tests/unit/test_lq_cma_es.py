@@ -11,8 +11,10 @@ import pytest
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
 from worker.search.base import Floats
+from worker.search.methods import lq_cma_es
 from worker.search.methods.lq_cma_es import method
 from worker.search.parts.one_thread import one_thread
+from worker.search.parts.pycma import strategy
 
 
 def bowl(x: Floats) -> Floats:
@@ -163,3 +165,28 @@ def test_a_generation_of_failures_is_evaluated_in_full() -> None:
         points = search.send(batch(np.full(len(points), np.nan)))
     search.close()
     assert asked > 40
+
+
+def test_a_population_stops_growing_where_the_model_ranks_nearly_all() -> None:
+    """Without a limit it doubles every twenty evaluations on a bowl, and asks for millions of points."""
+    sizes, ask = [], strategy
+
+    def noted(start: Floats, deviation: float, population: int, *rest: object) -> object:
+        sizes.append(population)
+        return ask(start, deviation, population, *rest)  # type: ignore[arg-type]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lq_cma_es, "strategy", noted)
+        patch.setattr(lq_cma_es, "LARGEST", 20)
+        run(method, bowl, 2, 150)
+        assert sizes[:3] == [6, 12, 20]
+        assert set(sizes[2:]) == {20}
+        sizes.clear()
+        run(method, bowl, 2, 100, options={"population": 30})
+        assert set(sizes) == {30}
+
+
+@pytest.mark.parametrize("scale", [1.7e308, 1e-300])
+def test_costs_at_the_limits_of_numbers_are_searched(scale: float) -> None:
+    found = run(method, lambda x: scale * np.sin(9 * x.sum(axis=1)), 2, 60)
+    assert found.lowest < -0.99 * scale

@@ -40,6 +40,8 @@ TAU = 0.85
 """The model ranks the rest of a generation if its rank correlation with the evaluations reaches this (algorithm 1)."""
 LEAST = 0.02
 """Fraction of a generation that is evaluated in any case (algorithm 1)."""
+LARGEST = 1000
+"""No population grows beyond this: where the model ranks all but a few, it would double with every few evaluations."""
 
 # Set on `tests.unit.small_budgets_tuning`.
 NARROW = 0.05
@@ -76,7 +78,7 @@ def search(space: Space, options: Options) -> Search:
     while True:
         start = yield from _start(space, options, explored)
         yield from _descend(space, start, population, options, explored)
-        population = int(population * options.growth + 0.5)
+        population = max(population, min(int(population * options.growth + 0.5), LARGEST))
 
 
 def _start(space: Space, options: Options, explored: Explored) -> Generator[Floats, Batch, Floats]:

@@ -39,7 +39,8 @@ class Explored:
     def spread(self) -> float:
         """How far the lowest value is below the median of the sample; 0 without values."""
         valued = self.sampled[np.isfinite(self.sampled)]
-        return float(np.median(valued)) - self.lowest if len(valued) else 0.0
+        with np.errstate(over="ignore"):  # infinite where costs are as large as floating-point numbers can be
+            return float(np.median(valued)) - self.lowest if len(valued) else 0.0
 
     def grow(self, count: int) -> Generator[Floats, Batch, None]:
         """Evaluate further points of the sample."""

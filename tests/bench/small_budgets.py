@@ -1,6 +1,7 @@
 """Every search method at small budgets: part of `make search-bench`.
 
-`python -m tests.bench.small_budgets [METHOD ...]` prints this table alone, of all or of the given methods.
+`python -m tests.bench.small_budgets [METHOD ...]` prints this table alone, of all or of the given methods; `--seeds N`
+takes N seeds, `--processes N` as many processes, and `--tuning` the functions on which constants are set.
 
 A score of 1 means that the minimum was found, 0 that the result is the median of as many random points as the smallest
 budget: score = 1 - log(1 + gap / tolerance) / log(1 + gap of random points / tolerance), clipped at 0, with the
@@ -10,8 +11,8 @@ tolerance 1e-3 of the gap of the random points. It is averaged over problems and
 
 from __future__ import annotations
 
+import argparse
 import os
-import sys
 import time
 from multiprocessing import get_context
 from multiprocessing.pool import Pool
@@ -22,12 +23,19 @@ import numpy as np
 from campaigns.results.base import FAILED
 from tests.unit.searching import batch, space
 from tests.unit.small_budgets import JUDGED
+from tests.unit.small_budgets_tuning import TUNING
 from worker.catalogue.installed import methods
 from worker.search.base import Floats
 
 BUDGETS, SEEDS, FIRST_SEED = (20, 50, 100), 3, 1000
 """Evaluations per parameter; seeds from 1000 on, which nothing else uses."""
 TOLERANCE = 1e-3
+TUNING_SEED = 1
+"""Constants are set with seeds from here on."""
+PROBLEMS = {**JUDGED, **TUNING}
+FAILING = {False: "half fails 4", True: "hole 4"}
+"""Where evaluations fail: among the problems that judge and among those of tuning."""
+SET = {False: "nothing was tuned", True: "constants are set"}
 
 
 class Task(NamedTuple):
@@ -46,24 +54,26 @@ class Outcome(NamedTuple):
     own: float
 
 
-def measured(pool: Pool, only: list[str] | None = None) -> dict[str, Any]:
+def measured(pool: Pool, only: list[str] | None = None, seeds: int = SEEDS, tuning: bool = False) -> dict[str, Any]:
     """Scores of every method, or only of these, by group and budget."""
     names = only or [m.name for m in methods().values() if m.kind != "multi"]
-    tasks = [Task(m, p, FIRST_SEED + s) for m in names for p in JUDGED for s in range(SEEDS)]
+    problems, first = (TUNING, TUNING_SEED) if tuning else (JUDGED, FIRST_SEED)
+    tasks = [Task(m, p, first + s) for m in names for p in problems for s in range(seeds)]
     tasks.sort(key=lambda t: not methods()[t.method].costly)
     outcomes = dict(zip(tasks, pool.map(outcome, tasks, chunksize=1), strict=True))
-    found: dict[str, Any] = {"budgets_per_parameter": BUDGETS, "seeds": SEEDS, "methods": {}}
+    found: dict[str, Any] = {"budgets_per_parameter": BUDGETS, "seeds": seeds, "problems": len(problems)}
+    found |= {"tuning": tuning, "methods": {}}
     for name in names:
         own = {t: o for t, o in outcomes.items() if t.method == name}
         groups = {
-            "many valleys": [o for t, o in own.items() if JUDGED[t.problem].valleys],
-            "few valleys": [o for t, o in own.items() if not JUDGED[t.problem].valleys],
+            "many valleys": [o for t, o in own.items() if problems[t.problem].valleys],
+            "few valleys": [o for t, o in own.items() if not problems[t.problem].valleys],
         }
         found["methods"][name] = {g: list(np.mean([o.scores for o in rows], axis=0)) for g, rows in groups.items()} | {
             "problems": {
-                p: list(np.mean([o.scores for t, o in own.items() if t.problem == p], axis=0)) for p in JUDGED
+                p: list(np.mean([o.scores for t, o in own.items() if t.problem == p], axis=0)) for p in problems
             },
-            "failed of half fails": float(np.mean([o.failed for t, o in own.items() if t.problem == "half fails 4"])),
+            "failed of half fails": float(np.mean([o.failed for t, o in own.items() if t.problem == FAILING[tuning]])),
             "own_ms": 1e3 * float(np.mean([o.own for o in own.values()])),
         }
     return found
@@ -71,7 +81,7 @@ def measured(pool: Pool, only: list[str] | None = None) -> dict[str, Any]:
 
 def outcome(task: Task) -> Outcome:
     """The scores of one search at each budget; a method whose points depend on the budget searches for each."""
-    problem = JUDGED[task.problem]
+    problem = PROBLEMS[task.problem]
     f, random = problem.at(task.seed), np.random.default_rng(task.seed)
     sizes = [b * problem.dimension for b in BUDGETS]
     drawn = f(random.random((100 * sizes[0], problem.dimension)))
@@ -93,7 +103,7 @@ def outcome(task: Task) -> Outcome:
 
 def _values(task: Task, budget: int) -> tuple[Floats, float]:
     """The values of at most `budget` evaluations, NaN where failed, and the method's own time [s]."""
-    method, problem = methods()[task.method], JUDGED[task.problem]
+    method, problem = methods()[task.method], PROBLEMS[task.problem]
     f, known = problem.at(task.seed), dict[bytes, float]()
     values: list[float] = []
     search = method.search(space(problem.dimension, budget, seed=task.seed), method.options())
@@ -126,9 +136,10 @@ def markdown(found: dict[str, Any]) -> list[str]:
     lines = [
         "## Small budgets",
         "",
-        f"Mean score at {', '.join(f'{b} n' for b in BUDGETS)} evaluations over {len(JUDGED)} problems and {SEEDS} "
-        "seeds on which nothing was tuned: 1 is the minimum, 0 the median of 20 n random points, on a logarithmic "
-        "scale. Failed: fraction of evaluations that fail where about 40 % of the box does. Own time per evaluation.",
+        f"Mean score at {', '.join(f'{b} n' for b in BUDGETS)} evaluations over {found['problems']} problems and "
+        f"{found['seeds']} seeds on which {SET[found['tuning']]}: 1 is the minimum, 0 the median of 20 n random "
+        f"points, on a logarithmic scale. Failed: fraction of evaluations that fail on {FAILING[found['tuning']]!r}. "
+        "Own time per evaluation.",
         "",
         f"| method | {' | '.join(heads)} | failed | own [ms] |",
         f"|---|{'---|' * (len(heads) + 2)}",
@@ -144,9 +155,18 @@ def markdown(found: dict[str, Any]) -> list[str]:
 
 def main() -> None:
     """Measure and print the table of small budgets alone, of all methods or of those named."""
+    given = argparse.ArgumentParser(description="Scores of search methods at small budgets")
+    given.add_argument("method", nargs="*", metavar="METHOD", help="all by default")
+    given.add_argument("--seeds", type=int, default=SEEDS)
+    given.add_argument("--processes", type=int, default=os.cpu_count())
+    given.add_argument("--tuning", action="store_true")
+    asked = given.parse_args()
+    known = [m.name for m in methods().values() if m.kind != "multi"]
+    if wrong := [name for name in asked.method if name not in known]:
+        given.error(f"no such method: {', '.join(wrong)}; give some of {', '.join(known)}")
     os.environ["OMP_NUM_THREADS"] = "1"
-    with get_context("spawn").Pool(os.cpu_count()) as pool:
-        print("\n".join(markdown(measured(pool, sys.argv[1:]))))
+    with get_context("spawn").Pool(asked.processes) as pool:
+        print("\n".join(markdown(measured(pool, asked.method, asked.seeds, asked.tuning))))
 
 
 if __name__ == "__main__":

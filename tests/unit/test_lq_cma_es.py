@@ -11,12 +11,18 @@ import pytest
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
 from worker.search.base import Floats
+from worker.search.methods import lq_cma_es
 from worker.search.methods.lq_cma_es import method
 from worker.search.parts.one_thread import one_thread
+from worker.search.parts.pycma import strategy
 
 
 def bowl(x: Floats) -> Floats:
     return np.asarray(((x - 0.4) ** 2 * 10.0 ** np.arange(x.shape[1])).sum(axis=1))
+
+
+LIBRARY = {"initial": 0, "deviation": 0.3}
+"""The options of pycma's own loop."""
 
 
 def library(function: object, dimension: int, budget: int, seed: int) -> Floats:
@@ -45,7 +51,7 @@ def library(function: object, dimension: int, budget: int, seed: int) -> Floats:
 @pytest.mark.parametrize(("name", "budget"), [("Hartman 6", 80), ("Branin", 50)])
 def test_its_points_are_those_of_the_librarys_own_loop(name: str, budget: int) -> None:
     f = on_unit_cube(name, 3)
-    own = run(method, f, f.dimension, budget, seed=7).points[:budget]
+    own = run(method, f, f.dimension, budget, seed=7, options=LIBRARY).points[:budget]
     assert np.array_equal(own, library(f, f.dimension, budget, 7))
 
 
@@ -55,7 +61,7 @@ def test_a_quadratic_cost_is_solved_in_tens_of_evaluations() -> None:
 
 
 def test_a_generation_is_evaluated_in_growing_parts() -> None:
-    found = run(method, lambda x: np.sin(1e5 * x).sum(axis=1), 2, 60, options={"population": 20})
+    found = run(method, lambda x: np.sin(1e5 * x).sum(axis=1), 2, 60, options={"population": 20, "initial": 0})
     sizes = list(map(len, found.batches))
     assert sizes[:5] == [5, 3, 4, 6, 2], "no model ranks noise: 5, 8, 12, 18, 20 of 20 points"
     alone = run(method, bowl, 4, 80)
@@ -75,6 +81,51 @@ def test_restarts_double_the_population() -> None:
     assert len(found.minima) >= 3
     assert [m.evaluations % size for m, size in zip(found.minima[:2], (6, 12), strict=True)] == [0, 0]
     assert "the cost" in found.minima[0].text
+
+
+def test_a_sample_comes_first_and_the_first_descent_begins_at_its_lowest_point() -> None:
+    found = run(method, bowl, 3, 60)
+    first = found.batches[0]
+    assert len(first) == 12
+    assert np.array_equal(found.minima[0].start, first[np.argmin(bowl(first))])
+    assert np.linalg.norm(found.batches[1] - found.minima[0].start, axis=1).max() < 1.0
+
+
+def test_the_sample_fills_the_places_side_by_side_too() -> None:
+    sizes = [len(b) for b in run(method, two, 3, 100, options={"at_once": 5, "population": 10}).batches]
+    assert sizes[0] == 15
+    assert {size % 5 for size in sizes} == {0}
+
+
+def two(x: Floats) -> Floats:
+    """A wide bowl down to 1 and a narrow one down to 0."""
+    wide, deep = ((x - 0.7) ** 2).sum(axis=1), ((x - 0.2) ** 2).sum(axis=1)
+    return np.minimum(1 + wide, 12 * deep)
+
+
+def test_a_search_that_begins_in_the_wrong_valley_leaves_it_for_others() -> None:
+    found = [run(method, two, 3, 200, seed=seed) for seed in (1, 2, 4)]  # with seed 3 it misses the right one
+    assert [f.minima[0].cost > 0.5 for f in found] == [False, True, False], "one begins in the wrong valley"
+    assert all(f.lowest < 0.5 for f in found)
+    assert all(len(f.minima) >= 3 and f.minima[0].evaluations < 60 for f in found)
+    behind = [(f, i) for f in found for i, m in enumerate(f.minima) if "would not" in m.text]
+    assert behind
+    for f, i in behind:
+        assert min(m.cost for m in f.minima[:i]) < f.minima[i].cost
+
+
+def test_a_search_whose_sample_fails_samples_on() -> None:
+    sizes, failed = [], 40
+    search = method.search(space(2, 200), method.options())
+    points = next(search)
+    while sum(sizes) < failed:
+        sizes.append(len(points))
+        points = search.send(batch(np.full(len(points), np.nan)))
+    assert set(sizes[1:]) == {2}
+    values = np.arange(float(len(points)))
+    nearby = search.send(batch(values))
+    search.close()
+    assert np.linalg.norm(nearby - points[0], axis=1).max() < 1.0, "it begins at the first that has a value"
 
 
 def test_what_fails_is_replaced_by_the_next_best_and_never_modelled(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -114,3 +165,28 @@ def test_a_generation_of_failures_is_evaluated_in_full() -> None:
         points = search.send(batch(np.full(len(points), np.nan)))
     search.close()
     assert asked > 40
+
+
+def test_a_population_stops_growing_where_the_model_ranks_nearly_all() -> None:
+    """Without a limit it doubles every twenty evaluations on a bowl, and asks for millions of points."""
+    sizes, ask = [], strategy
+
+    def noted(start: Floats, deviation: float, population: int, *rest: object) -> object:
+        sizes.append(population)
+        return ask(start, deviation, population, *rest)  # type: ignore[arg-type]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lq_cma_es, "strategy", noted)
+        patch.setattr(lq_cma_es, "LARGEST", 20)
+        run(method, bowl, 2, 150)
+        assert sizes[:3] == [6, 12, 20]
+        assert set(sizes[2:]) == {20}
+        sizes.clear()
+        run(method, bowl, 2, 100, options={"population": 30})
+        assert set(sizes) == {30}
+
+
+@pytest.mark.parametrize("scale", [1.7e308, 1e-300])
+def test_costs_at_the_limits_of_numbers_are_searched(scale: float) -> None:
+    found = run(method, lambda x: scale * np.sin(9 * x.sum(axis=1)), 2, 60)
+    assert found.lowest < -0.99 * scale

@@ -3,11 +3,17 @@
 Hansen, A global surrogate assisted CMA-ES (GECCO 2019), as pycma: a model that is linear at first, then diagonal, then
 fully quadratic is fitted to the latest evaluations, the better ones with more weight. Of every generation, the points
 that the model ranks best are evaluated, in growing parts, until the model and the evaluations agree on the order
-(Kendall's tau at least 0.85); the model ranks the others. The minimum of the model joins the next generation. Restarts
-with twice the population (Auger and Hansen, IPOP, CEC 2005) until the budget ends. A point without a value ranks last
-and never enters the model; the next best point is evaluated in its place, and points whose nearest evaluated point
-failed come after the others. For expensive evaluations: it takes
-milliseconds of its own for each one. Global by its restarts.
+(Kendall's tau at least 0.85); the model ranks the others. The minimum of the model joins the next generation. A point
+without a value ranks last and never enters the model; the next best point is evaluated in its place, and points whose
+nearest evaluated point failed come after the others.
+
+Added for budgets of tens of evaluations per parameter: a space-filling sample comes first. A descent begins at its
+lowest point that is not near to a lower evaluation or to where another descent began or ended (as in MLSL: Rinnooy Kan
+and Timmer 1987), with a model of what was evaluated around it. A descent that has become narrow ends when it no longer
+improves, or when it would not come below the lowest cost if it went on improving as lately. Restarts with twice the
+population (Auger and Hansen, IPOP, CEC 2005) until the budget ends. With `initial: 0` and `deviation: 0.3` it is
+pycma's own loop from random points. For expensive evaluations: it takes milliseconds of its own for each one. Global by
+its restarts. Start reading at `search`.
 """
 
 from __future__ import annotations
@@ -21,10 +27,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
+from worker.search.parts.explored import Explored
 from worker.search.parts.lowest import Lowest
 from worker.search.parts.one_thread import one_thread
-from worker.search.parts.pycma import ending, last, strategy
+from worker.search.parts.progress import Progress
+from worker.search.parts.pycma import STOPS, ending, last, strategy
 
 Flags = NDArray[np.bool_]
 
@@ -32,6 +40,19 @@ TAU = 0.85
 """The model ranks the rest of a generation if its rank correlation with the evaluations reaches this (algorithm 1)."""
 LEAST = 0.02
 """Fraction of a generation that is evaluated in any case (algorithm 1)."""
+LARGEST = 1000
+"""No population grows beyond this: where the model ranks all but a few, it would double with every few evaluations."""
+
+# Set on `tests.unit.small_budgets_tuning`.
+NARROW = 0.05
+"""A descent may end early once its deviations are below this fraction of every range."""
+LATELY = 6
+"""Evaluations per parameter over which the improvement of a descent is measured."""
+SETTLED = 1e-5
+"""An improvement by less than this fraction of the spread of the costs is none."""
+BEHIND = Ended("converged", "it would not come below the lowest cost found")
+AROUND = 2.0
+"""Radius, in deviations of a first generation, within which earlier evaluations enter a new model."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +60,8 @@ class Options:
     """The deviation is a fraction of each parameter's range."""
 
     population: Annotated[int, Field(ge=0, le=10_000, description="First population; 0: 4 + 3 ln(n)")] = 0
-    deviation: Annotated[float, Field(gt=0, le=1, description="Deviation of the first generation")] = 0.3
+    initial: Annotated[int, Field(ge=0, le=100, description="Points per parameter of the first sample; 0: none")] = 4
+    deviation: Annotated[float, Field(gt=0, le=1, description="Deviation of the first generation")] = 0.25
     growth: Annotated[float, Field(ge=1, le=10, description="Growth factor of the population at a restart")] = 2.0
     step: Annotated[
         float, Field(ge=1e-12, le=0.1, description="A descent ends when its deviations are below this fraction")
@@ -50,60 +72,98 @@ class Options:
 
 
 def search(space: Space, options: Options) -> Search:
-    """One request is a part of a generation; it restarts until the budget ends."""
+    """One request is the sample or a part of a generation; it restarts until the budget ends."""
     population = max(options.population or 4 + int(3 * np.log(space.dimension)), 4)
+    explored = Explored(space)
     while True:
-        yield from _descend(space, population, options)
-        population = int(population * options.growth + 0.5)
+        start = yield from _start(space, options, explored)
+        yield from _descend(space, start, population, options, explored)
+        population = max(population, min(int(population * options.growth + 0.5), LARGEST))
 
 
-def _descend(space: Space, population: int, options: Options) -> Generator[Floats, Batch, None]:
-    """One run of the strategy from a random point, with a model of its own."""
-    from cma.fitness_models import LQModel  # imported late, as the strategy is
+def _start(space: Space, options: Options, explored: Explored) -> Generator[Floats, Batch, Floats]:
+    """The point at which the next descent begins; the sample grows until there is one."""
+    if options.initial == 0:
+        return space.random.random(space.dimension)
+    while (start := explored.start()) is None:
+        count = space.dimension * (1 if len(explored.sample) else options.initial)
+        yield from explored.grow(-(-count // options.at_once) * options.at_once)
+    return start
 
-    start = space.random.random(space.dimension)
-    best = Lowest(start)
-    tested = Tested(LQModel(max_absolute_size=population), space.dimension)
+
+def _descend(
+    space: Space, start: Floats, population: int, options: Options, explored: Explored
+) -> Generator[Floats, Batch, None]:
+    """One run of the strategy from a point, with a model of its own."""
+    best, progress = Lowest(start), Progress(LATELY * space.dimension)
     text = "the search ended"
     try:
+        tested = _model(start, population, options, explored)
         running = strategy(start, options.deviation, population, space.random, options.step)
         while True:
             with _quiet():
                 asked = running.ask()
+            known = len(tested.points)
             values = yield from _generation(np.clip(np.array(asked), 0.0, 1.0), tested, options.at_once, best)
             with _quiet():
                 running.tell(asked, last(values).tolist())
                 stopped = running.stop()
-                if stopped:
-                    text = ending(stopped)
-                    return
+            explored.add(tested.points[known:], tested.values[known:])
+            progress.add(best.evaluations, best.cost)
+            narrow = options.initial > 0 and float(np.max(running.stds)) < NARROW
+            ended = ending(stopped) if stopped else _ended(progress, explored) if narrow else None
+            if ended is not None:
+                text = ended
+                return
+            with _quiet():
                 lowest = tested.lowest()
                 if lowest is not None:
                     running.inject([lowest])
     finally:
+        explored.visit(start if best.point is None else best.point)
         best.report(space, text)
 
 
+def _model(start: Floats, population: int, options: Options, explored: Explored) -> Tested:
+    """A new model for a descent, of what was evaluated around its start."""
+    from cma.fitness_models import LQModel  # imported late, as the strategy is
+
+    tested = Tested(LQModel(max_absolute_size=population), len(start))
+    if options.initial:
+        explored.visit(start)
+        with _quiet():
+            tested.add(*explored.around(start, AROUND * options.deviation * float(np.sqrt(len(start)))))
+    return tested
+
+
+def _ended(progress: Progress, explored: Explored) -> Ended | None:
+    """Why a narrow descent ends: it no longer improves, or too slowly to pass the lowest cost; None if neither."""
+    if progress.cost - progress.gain > explored.lowest:
+        return BEHIND
+    return STOPS["tolfun"] if progress.gain <= SETTLED * explored.spread else None
+
+
 class Tested:
-    """The evaluated points of one run: the model of those with a value, and which have none."""
+    """The evaluated points of one run with their values, infinite where failed, and the model of the others."""
 
     def __init__(self, model: Any, dimension: int) -> None:
         self.model = model
-        self.points, self.failed = np.empty((0, dimension)), np.empty(0, dtype=bool)
+        self.points, self.values = np.empty((0, dimension)), np.empty(0)
 
     def add(self, points: Floats, values: Floats) -> None:
         """Points (m, n) with their values (m,), infinite where failed."""
-        failed = ~np.isfinite(values)
-        for point, value in zip(points[~failed], values[~failed], strict=True):
+        valued = np.isfinite(values)
+        for point, value in zip(points[valued], values[valued], strict=True):
             self.model.add_data_row(point, value)
-        self.points, self.failed = np.concatenate([self.points, points]), np.concatenate([self.failed, failed])
+        self.points, self.values = np.concatenate([self.points, points]), np.concatenate([self.values, values])
 
     def doubtful(self, points: Floats) -> Flags:
         """The points (m, n) whose nearest evaluated point failed."""
-        if not self.failed.any():
+        failed = np.isinf(self.values)
+        if not failed.any():
             return np.zeros(len(points), dtype=bool)
         distances = ((points[:, None, :] - self.points[None, :, :]) ** 2).sum(axis=2)
-        return np.asarray(self.failed[distances.argmin(axis=1)])
+        return np.asarray(failed[distances.argmin(axis=1)])
 
     def modelled(self, points: Floats) -> Floats:
         """The model's values (m,); 0 before it has any data."""

@@ -16,7 +16,7 @@ import sqlalchemy as sa
 from backend.cases.schemas import CaseAnswer, CaseRequest
 from backend.catalog.criteria import criteria
 from backend.catalog.service import described
-from backend.db.continuation import flown
+from backend.db.continuation import versions
 from backend.db.tables import Run
 from backend.flights import service as flights
 from backend.flights.service import Case
@@ -73,7 +73,7 @@ def case(reader: sa.Connection, run: str, given: CaseRequest) -> Evaluable:
         seed=None,
     )
     needs = reader.scalar(sa.select(Run.needs).where(Run.id == run_id)) or ""
-    return Evaluable(wanted, needs, flown(reader, run_id).simulator)
+    return Evaluable(wanted, needs, versions(reader, run_id).simulator)
 
 
 def evaluated(live: Live, wanted: Evaluable, rows: int) -> JsonObject:

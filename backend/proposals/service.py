@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import asdict
 
 import sqlalchemy as sa
-from campaigns.flown import Flown
 
 from backend.catalog.service import required
 from backend.db import workers
@@ -17,6 +16,7 @@ from campaigns.asked.proposal import Cost, lasting
 from campaigns.catalogue import SimulatorEntry
 from campaigns.results import NominalResult
 from campaigns.runs import run_name
+from campaigns.versions import Versions
 
 RECENT_RUNS = 50
 """Number of recent runs of the simulator among which the newest measurement is searched."""
@@ -61,7 +61,7 @@ def _newest(reader: sa.Connection, entry: SimulatorEntry, digest: str | None) ->
     return None, other
 
 
-def _measured(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[tuple[float, Flown, Cost]]:
+def _measured(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[tuple[float, Versions, Cost]]:
     """The measurements by runs of the simulator with this declaration, the newest first: start, versions, cost."""
     nominal = sa.and_(Stage.run_id == Run.id, Stage.kind == "nominal", Stage.state == "done")
     asked = (
@@ -75,4 +75,4 @@ def _measured(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[tuple[fl
         measured = NominalResult.model_validate(result).measured
         if measured is not None and measured.call_seconds and measured.slots:
             counts = (measured.call_seconds, measured.slots, measured.evaluations, measured.failed)
-            yield started or 0.0, Flown.of(flown), Cost(run_name(run_id), *counts)
+            yield started or 0.0, Versions.of(flown), Cost(run_name(run_id), *counts)

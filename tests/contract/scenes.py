@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.catalogue import ComponentEntry, ParameterEntry
 from tests.problems import Problem
@@ -87,13 +88,25 @@ def around(component: Component) -> dict[str, Any]:
     return scene(component).document
 
 
+@cache
+def published() -> frozenset[str]:
+    """The avoiders of the library's campaigns, which other tests compile and compare with published values."""
+    return frozenset(load_file(path).given_scenario.avoider.component for path in library().values())
+
+
 def together() -> list[tuple[Component, ...]]:
-    """Every component, in as few scenes as there are avoiders: the others are dealt to them in turn."""
+    """Every component in few scenes, except that of the avoiders in `published` only some are needed.
+
+    A scene has one avoider; all other components are dealt to the scenes in turn.
+    """
     found: list[tuple[Component, ...]] = []
     for dimension in (2, 3):
-        hands: list[list[Component]] = [[a] for a in _of("avoider") if entry(a).dimension == dimension]
         vehicles = [v for v in _of("vehicle") if v.dimension == dimension]
         pairs = [(v, c) for v in vehicles for c in _of("controller") if v.name in c.fits]
+        avoiders = [a for a in _of("avoider") if entry(a).dimension == dimension]
+        avoiders.sort(key=lambda a: a.name in published())
+        needed = max(len(pairs), sum(a.name not in published() for a in avoiders))
+        hands: list[list[Component]] = [[a] for a in avoiders[:needed]]
         for k, hand in enumerate(hands):
             hand.extend(pairs[k % len(pairs)])
         # Components with both dimensions are tested in the plane, where loops compile in half the time.

@@ -14,7 +14,18 @@ from urllib.parse import urlsplit
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, BrowserType, ConsoleMessage, Error, Locator, Page, Request, WebSocket, expect
+from playwright.sync_api import (
+    Browser,
+    BrowserType,
+    ConsoleMessage,
+    Error,
+    Locator,
+    Page,
+    Request,
+    Route,
+    WebSocket,
+    expect,
+)
 
 from tests.faults.processes import REPOSITORY
 
@@ -105,6 +116,22 @@ class Visit:
     def _opened(self, socket: WebSocket) -> None:
         if urlsplit(socket.url).netloc != urlsplit(self.address).netloc:
             self.wrong.append(f"left the service: {socket.url}")
+
+
+@contextmanager
+def undrawn(page: Page) -> Iterator[None]:
+    """3D views that a page opens meanwhile stay empty: where they are beside the point, and not pictured."""
+
+    def empty(route: Route) -> None:
+        if route.request.frame.parent_frame is None:
+            route.continue_()
+        else:
+            route.fulfill(body="", content_type="text/html")
+
+    if not pictured():
+        page.route("**/view/**", empty)
+    yield
+    page.unroute("**/view/**")
 
 
 @contextmanager

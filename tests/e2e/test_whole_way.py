@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, FrameLocator, expect
 
 from backend.db.engine import connect, default_url
 from tests.audited import audited
-from tests.e2e.browser import PATIENCE, Visit, near, pixels, visiting
+from tests.e2e.browser import PATIENCE, Visit, near, pixels, undrawn, visiting
 from tests.e2e.looking import api, looks
 from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import until
@@ -301,8 +301,9 @@ def test_a_slider_simulates_the_case_again(signed_in: Visit) -> None:
     card.get_by_role("button", name="Back to nominal").click()
     expect(cost).to_have_text("0.9436")
     expect(page).not_to_have_url(re.compile("set="))
-    signed_in.page.goto(shared)
-    expect(page.locator("#what-if").get_by_test_id("what-if-cost")).to_have_text(worst)
+    with undrawn(page):
+        page.goto(shared)
+        expect(page.locator("#what-if").get_by_test_id("what-if-cost")).to_have_text(worst)
     looks(signed_in, "what-if", flown)
     page.get_by_role("button", name="Close the what-if").click()
     expect(page.locator("#what-if")).to_have_count(0)
@@ -328,9 +329,10 @@ def test_the_view_in_a_window_of_its_own_has_the_same_controls(signed_in: Visit)
     window.shot("flight-window-1440-light", full=False)
     # An address of the view itself, as earlier links have it, leads here.
     run = re.findall(r"R-\d+", page.url)[0]
-    window.go(f"/view/{run}/F1/t/3.25/cam/top/dark")
-    expect(page).to_have_url(re.compile(rf"/runs/{run}/flight\?.*finding=F1.*t=3\.25.*cam=top"))
-    expect(bar.get_by_role("slider", name="Time")).to_have_value("3.25")
+    with undrawn(page):
+        window.go(f"/view/{run}/F1/t/3.25/cam/top/dark")
+        expect(page).to_have_url(re.compile(rf"/runs/{run}/flight\?.*finding=F1.*t=3\.25.*cam=top"))
+        expect(bar.get_by_role("slider", name="Time")).to_have_value("3.25")
     page.close()
     assert window.wrong == []
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from backend.db.queue import Claim, submit
 from backend.db.rows import as_result
 from backend.db.store import RunStore
 from backend.db.tables import Finding, Run, Stage, Trace
-from campaigns import Campaign
+from campaigns.results.verdict import Verdict
 from tests.audited import audited
 from tests.faults import postgres
 from tests.faults.long import SAMPLE, case
@@ -55,7 +56,7 @@ def test_a_search_killed_twice_ends_as_if_it_never_had_been(database: sa.Engine,
         assert run().state == "done", last.text()
     assert (run().worker, run().fence) == ("third", 3)
     assert stages()[:SEARCH] == before, "a finished stage was done again"
-    _same_as_undisturbed(database, run_id, campaign, run(), stages())
+    _same_as_undisturbed(database, run_id, run(), stages())
 
 
 def test_a_database_server_that_is_down_is_waited_for(tmp_path: Path) -> None:
@@ -82,9 +83,14 @@ def test_a_database_server_that_is_down_is_waited_for(tmp_path: Path) -> None:
         engine.dispose()
 
 
-def _same_as_undisturbed(engine: sa.Engine, run_id: int, campaign: Campaign, run: Any, stages: Any) -> None:
-    undisturbed = MemoryStore()
-    verdict = execute(campaign, undisturbed)
+@cache
+def _undisturbed() -> tuple[MemoryStore, Verdict]:
+    store = MemoryStore()
+    return store, execute(case(), store)
+
+
+def _same_as_undisturbed(engine: sa.Engine, run_id: int, run: Any, stages: Any) -> None:
+    undisturbed, verdict = _undisturbed()
     assert (run.verdict, run.reason) == (verdict.verdict, verdict.reason)
     audited(engine, run_id=run_id)
     assert run.nominal_cost == (verdict.nominal and verdict.nominal.cost)

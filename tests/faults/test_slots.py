@@ -34,8 +34,8 @@ MARK = "86399.125"
 
 EXPECTED = {
     "segfault": (FAILED, "killed by SIGSEGV"),
-    "hang": (TIMEOUT, "no answer within 2 s"),
-    "spin": (TIMEOUT, "no answer within 2 s"),
+    "hang": (TIMEOUT, "no answer within 4 s"),
+    "spin": (TIMEOUT, "no answer within 4 s"),
     "leak": (FAILED, "MemoryError"),
     "exit code": (FAILED, "exit code 3"),
     "killed": (FAILED, "killed by SIGKILL"),
@@ -64,7 +64,7 @@ def simulator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[CommandSimul
         "command": [sys.executable, str(Path(misbehaving.__file__))],
         "parameters": {"do": {"nominal": 0, "low": 0, "high": 100}},
         "results": {"d": {"unit": "m"}},
-        "timeout": 2,
+        "timeout": 4,
         "memory": 400_000_000,
         "slots": 2,
         "environment": {"MARK": MARK},

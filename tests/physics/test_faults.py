@@ -54,6 +54,7 @@ class TestNeutral:
             )
         assert flight(short(campaign, 40, name))[:, :n] == pytest.approx(flight(bare)[:, :n], rel=1e-12, abs=1e-12)
 
+    @pytest.mark.nightly
     def test_all_together_change_nothing_when_compiled(self) -> None:
         sampled = {"horizon": 6.0, "guidance": {"period": 0.05}}
         bare = Problem(changed(CASE, **sampled))

@@ -221,7 +221,7 @@ def everything(sampled: bool) -> Problem:
     )
 
 
-@pytest.mark.parametrize("sampled", [False, True])
+@pytest.mark.parametrize("sampled", [pytest.param(False, marks=pytest.mark.nightly), True])
 class TestWithinLimits:
     """Whatever the parameters within their limits: a finite cost or a status with a reason, never a crash or a NaN."""
 

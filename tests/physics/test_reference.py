@@ -51,6 +51,10 @@ class System:
         return 0.0
 
 
+PATIENCE = 5_000
+"""Calls without progress after which `flown` gives up a tolerance."""
+
+
 def flown(system: System, instants: Any, asks: Any = None, before: float = 0.0) -> tuple[Floats, Floats]:
     """The result of `flight.fly`, and the last state."""
     instants = np.array(instants, dtype=float)
@@ -58,7 +62,7 @@ def flown(system: System, instants: Any, asks: Any = None, before: float = 0.0) 
     asked = np.zeros(len(instants) - 1, dtype=bool) if asks is None else np.array(asks)
     with np.errstate(all="ignore"):
         room = np.zeros((CHANNEL_ROWS, 1)), np.zeros(1), np.zeros(4)
-        flight.fly(system, instants, asked, before, 5000, b, *room, found)
+        flight.fly(system, instants, asked, before, PATIENCE, b, *room, found)
     return found, b[X]
 
 
@@ -134,7 +138,7 @@ class TestStepper:
 class TestFlight:
     def test_a_closed_form(self) -> None:
         found, x = flown(System(rational, exactly(0.0)), [0.0, 1.0, 10.0])
-        assert x == pytest.approx(exactly(10.0), abs=2e-10)
+        assert x == pytest.approx(exactly(10.0), abs=2 * flight.RELATIVE)
         assert (found[1], found[2], found[4]) == (flight.OK, 10.0, 0.0)
 
     @pytest.fixture
@@ -146,7 +150,12 @@ class TestFlight:
         system = System(rational, exactly(0.0))
         flown(system, [0.0, 10.0])
         theirs = solve_ivp(
-            lambda t, x: rational(t, x, x)[0], (0.0, 10.0), exactly(0.0), method="DOP853", rtol=1e-10, atol=1e-10
+            lambda t, x: rational(t, x, x)[0],
+            (0.0, 10.0),
+            exactly(0.0),
+            method="DOP853",
+            rtol=flight.RELATIVE,
+            atol=flight.RELATIVE,
         )
         assert system.calls < 1.2 * theirs.nfev
 
@@ -217,7 +226,7 @@ class TestWhatCannotBeFlown:
         found, _ = flown(system, [0.0, 2.0])
         assert found[1] in (flight.STUCK, flight.SHORT)
         assert found[2] == pytest.approx(1.0, abs=1e-2)
-        assert system.calls < 50_000
+        assert system.calls < 3 * (1 + flight.LENIENT) * PATIENCE
 
     @pytest.mark.parametrize(
         "slope",
@@ -235,7 +244,7 @@ class TestWhatCannotBeFlown:
         found, _ = flown(system, [0.0, 0.9, 2.0, 3.0])
         assert found[1] in (flight.SHORT, flight.NOT_FINITE, flight.STUCK)
         assert found[2] <= 2.0
-        assert system.calls < 50_000
+        assert system.calls < 3 * (1 + flight.LENIENT) * PATIENCE
 
     def test_the_envelope_and_the_precondition(self) -> None:
         system = System(lambda t, x, p: (1.0, 0.0), 0.0)

@@ -215,6 +215,7 @@ class TestFormulations:
         assert reference.Reference(made.system).simulate(made.system.nominal).cost == pytest.approx(fine, abs=1e-5)
         assert cost(made) == pytest.approx(fine, abs=2e-3)
 
+    @pytest.mark.nightly
     @pytest.mark.skipif(not vectorised.supported(), reason="reads machine code of x86-64")
     def test_every_loop_over_the_lanes_vectorises(self) -> None:
         # the one with the most to do at a guidance sample; the others: python -m tests.bench.vectorised

@@ -23,7 +23,7 @@ BEFORE = 1e-8
 APART = 1e-9
 """The smallest distance between instants [s]."""
 
-STUCK, PER_STRETCH = 5_000, 0.1
+STUCK, PER_STRETCH = 1_500, 0.1
 """Calls of the right-hand side within which a simulation must make progress: a constant, and a number per stretch."""
 
 

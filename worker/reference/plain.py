@@ -19,6 +19,7 @@ from worker.reference.flight import (
     FARTHEST,
     HEADWAY,
     LARGEST,
+    LENIENT,
     NOT_FINITE,
     OK,
     OUTSIDE,
@@ -45,8 +46,9 @@ class _Headway:
     def __init__(self, horizon: float, patience: int) -> None:
         self.least, self.patience, self.calls, self.mark = HEADWAY * horizon, patience, 0, 0.0
 
-    def restart(self, t: float) -> None:
+    def relax(self, t: float) -> None:
         self.calls, self.mark = 0, t
+        self.patience *= LENIENT
 
     def watch(self, t: float) -> None:
         self.calls += 1
@@ -145,7 +147,7 @@ def _fly(flights: Flights, simulation: _Plain, found: Floats) -> None:
                 raise
             tolerances = COARSE, COARSE
             found[3], found[4], found[5] = start, ended.code, ended.when
-            simulation.headway.restart(start)
+            simulation.headway.relax(start)
             simulation.stretch(start, end, tolerances)
     found[2] = simulation.horizon
 

@@ -59,6 +59,7 @@ class World:
         self._scale: list[Any] = []
         """The nodes of the height scale."""
         self._visible = True
+        self._scene.configure_default_lights(cast_shadow=False)
         self._background()
         self.fit([])
 

@@ -1,5 +1,4 @@
 // The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
-import type { StageProgress } from '../../client'
 import { lostOf, unknownOf, withoutValue } from '../../format/counts'
 import { count, decimalsFor, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
@@ -8,6 +7,7 @@ import { methodLook } from '../../ui/methods'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import runStyles from '../run.module.css'
+import { whereOf } from './where'
 
 export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> }) {
   const { run, campaign } = data
@@ -78,10 +78,4 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> 
       </div>
     </div>
   )
-}
-
-/** Where a method found the worst case; a lower value than its own best came from the refinement in validation. */
-function whereOf(stage: StageProgress | undefined, worst: number | null): string {
-  if (stage?.best_index == null) return ''
-  return worst !== null && stage.best !== null && worst < stage.best ? ', refined in validation' : `, evaluation ${count(stage.best_index + 1)}`
 }

@@ -125,6 +125,15 @@ def test_a_slow_one_is_evaluated_once(folder: Path, systems: Systems) -> None:
     assert time.monotonic() - began < 4.2
 
 
+def test_one_that_hangs_is_a_timeout_once(folder: Path, systems: Systems, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cases, "LONGEST", 0.7)
+    assert ask(systems, a=0.2)["status"] == "ok"
+    began = time.monotonic()
+    found = ask(systems, a=0.5)
+    assert (found["status"], found["reason"], found["untraced"]) == ("timeout", "no answer within 0.7 s", "")
+    assert found["seconds"] <= time.monotonic() - began < 1.9, "it is not evaluated a second time"
+
+
 def test_with_repeats_it_is_a_single_call(folder: Path, systems: Systems) -> None:
     describe(folder, trace={}, scene=None)
     simulator = {"name": "asked", "repeats": {"count": 5}, "retries": 2}

@@ -34,12 +34,12 @@ from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
 from campaigns.checked import said
 from campaigns.results import TraceHead
-from campaigns.results.base import OK, STATUS
+from campaigns.results.base import OK, STATUS, Status
 from worker.catalogue import installed
 from worker.opening import opened
 from worker.processes import memory
 from worker.processes.live import finite, plain, send
-from worker.systems.base import CampaignUnusable, Floats, NoTrace, System, Trace
+from worker.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace
 from worker.systems.simulators.called import Called
 from worker.systems.simulators.slotted import Slotted
 
@@ -47,6 +47,8 @@ IDLE = 60.0
 """Time without a request after which the processes of the simulators end [s]."""
 QUICK = 2.0
 """If the first evaluation takes less, it is repeated: its time includes the start of the process [s]."""
+LONGEST = 50.0
+"""Time limit of an evaluation, shorter than that of the service [s]."""
 MOST_ROWS = 2000
 PLACE = "clearance-cases-"
 """How the folder of such a process begins; its number follows."""
@@ -160,7 +162,7 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
     system = opened.system(campaign).single()
     inner = system.inner if isinstance(system, Called) else system
     if isinstance(inner, Slotted):
-        inner.most_slots = 1
+        inner.most_slots, inner.most_seconds = 1, LONGEST
     systems[campaign.digest] = Opened(system, campaign.criterion.threshold)
     return systems[campaign.digest]
 
@@ -208,15 +210,20 @@ class _Found:
 def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     """The evaluation with its trace, or without one if there is none, and how long it took [s]."""
     began, why = time.monotonic(), ""
+    vector = system.nominal.copy()
+    for path, value in values.items():
+        vector[system.names[path]] = value
+    given = {p.path: float(v) for p, v in zip(system.parameters, vector, strict=False)}
     try:
         trace = system.trace("case", values)
         if trace is not None:
             return time.monotonic() - began, _Found(trace.meta, trace)
     except NoTrace as error:
+        if isinstance(error, NoResult) and error.timeout:
+            # A failure may be one of the trace alone, which is found out by evaluating without it.
+            head = TraceHead(parameters=given, status=Status.TIMEOUT, reason=error.reason)
+            return time.monotonic() - began, _Found(head)
         why = str(error)
-    vector = system.nominal.copy()
-    for path, value in values.items():
-        vector[system.names[path]] = value
     began = time.monotonic()
     batch, reasons = system.evaluate(vector[None])
     seconds = time.monotonic() - began
@@ -224,7 +231,6 @@ def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     cost = float(batch.costs[0, 0]) if good else None
     result = system.results[0]
     own = cost if cost is None or result.worse == "low" else 0.0 - cost
-    given = {p.path: float(v) for p, v in zip(system.parameters, vector, strict=False)}
     status = STATUS[int(batch.status[0])]
     head = TraceHead(parameters=given, status=status, reason=reasons.get(0, ""), cost=cost, values={result.name: own})
     return seconds, _Found(head, untraced=why if good else "")

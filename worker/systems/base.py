@@ -44,6 +44,14 @@ class NoTrace(Exception):
     """There is no trace of this case, although the system gives traces; the message says why."""
 
 
+class NoResult(NoTrace):
+    """There is no trace, because the evaluation that was to return it timed out (`timeout`) or failed; `reason`."""
+
+    def __init__(self, reason: str, timeout: bool) -> None:
+        super().__init__(f"the evaluation that was to return it has no result: {reason}")
+        self.reason, self.timeout = reason, timeout
+
+
 @dataclass(frozen=True)
 class Parameter:
     """An input of a system: path in a campaign, unit, nominal value, limits, one line of text, and the printed symbol,

@@ -22,7 +22,7 @@ from worker.catalogue.columns import Column
 from worker.catalogue.function import Settings
 from worker.catalogue.simulator import Opening
 from worker.search.base import Batch
-from worker.systems.base import Floats, NoTrace, Reasons, Scope, Seeds, Trace
+from worker.systems.base import Floats, NoResult, Reasons, Scope, Seeds, Trace
 from worker.systems.simulators import calling, traced
 from worker.systems.simulators.cluster.address import chosen
 from worker.systems.simulators.cluster.work import Files
@@ -124,7 +124,7 @@ class InProcess(_OfFunction):
         answer = calling.traced(self.call, own, self.every, self.of.vectorized)
         results = answer["results"]
         if "failed" in results:
-            raise NoTrace(f"{traced.LOST}: {results['failed']}")
+            raise NoResult(results["failed"], timeout=False)
         head = traced.head(self.results[0], results["results"][self.results[0].name], given, self.scene)
         return traced.read(name, self.columns, child.plain(answer), head)
 

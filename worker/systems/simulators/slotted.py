@@ -11,6 +11,7 @@ import threading
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -19,7 +20,7 @@ import numpy as np
 from campaigns.results.base import FAILED, OK, TIMEOUT
 from campaigns.results.scene import Scene
 from worker.search.base import Batch
-from worker.systems.base import Evaluated, Floats, NoTrace, Reasons, Seeds, Trace
+from worker.systems.base import Evaluated, Floats, NoResult, Reasons, Seeds, Trace
 from worker.systems.simulators import traced
 from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots.outcome import Limits, Outcome
@@ -39,6 +40,8 @@ class Slotted(Simulated):
     _work: tempfile.TemporaryDirectory[str] | None = None
     most_slots: int | None = None
     """Fewer processes side by side than `slots`, set before the first evaluation."""
+    most_seconds: float | None = None
+    """A shorter time limit of an evaluation [s], set likewise."""
 
     @property
     @abstractmethod
@@ -86,7 +89,7 @@ class Slotted(Simulated):
         outcome = self._opened().submit({"parameters": self._request(vector), "trace": True}).result()
         value, reason = self._read(outcome)
         if reason:
-            raise NoTrace(f"{traced.LOST}: {reason}")
+            raise NoResult(reason, outcome.kind == "timeout")
         head = traced.head(self.results[0], value, self._by_path(vector), self._scene)
         return traced.read(name, columns, outcome.answer, head)
 
@@ -104,7 +107,10 @@ class Slotted(Simulated):
             prefix = f"clearance-{self.entry.name}-"
             self._work = tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True)
             slots = min(self.slots, self.most_slots or self.slots)
-            self._pool = SlotPool(self._program(Path(self._work.name)), slots, self._limits)
+            limits = self._limits
+            if self.most_seconds is not None:
+                limits = replace(limits, timeout=min(limits.timeout, self.most_seconds))
+            self._pool = SlotPool(self._program(Path(self._work.name)), slots, limits)
         return self._pool
 
     def _evaluated(self, outcomes: Sequence[Outcome]) -> Evaluated:

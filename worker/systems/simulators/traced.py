@@ -18,7 +18,6 @@ from worker.systems.base import Floats, NoTrace, Result, Trace
 
 MOST_ROWS = 100_000
 TIME = "time"
-LOST = "the evaluation that was to return it has no result"
 
 
 class Column(Protocol):

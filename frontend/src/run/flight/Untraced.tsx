@@ -28,7 +28,7 @@ export function Untraced({ data, whatIf = null, className }: Props) {
   return (
     <div className={`note ${className}`} id="trace">
       {scene ? (
-        `This run evaluates a simulator. The 3D view shows what its trace declares, z ${scene.frame === 'z_up' ? 'up' : 'down'}: positions from its columns, and nothing else.`
+        `This run evaluates a simulator. The 3D view shows what its trace declares, z ${scene.frame === 'z_up' ? 'up' : 'down'}: positions from its columns, obstacles as stated.`
       ) : data.traces.length > 0 ? (
         <>
           This run evaluates a simulator: there is no 3D view. <Declare />

@@ -253,5 +253,9 @@ def test_results_are_released_together_some_time_after_they_came(
     assert pool._kept == []
     pool.evaluate(requests(1))
     assert len(due) == 2
+    # A result of a long task is released at once: if its node dies with it, the scheduler would run it again in vain.
+    cluster.task = lambda batch: evaluated(batch, pools.QUICK)
+    pool.evaluate(requests(1))
+    assert len(pool._kept) == 1
     pool.close()
     assert pool._kept == []

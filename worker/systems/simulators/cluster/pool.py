@@ -33,8 +33,11 @@ MOST = 4096
 DEATHS = 3
 """An evaluation fails after so many nodes died while they evaluated it alone."""
 KEPT = 0.25
-"""Results stay on their nodes for this time, and are then released together [s]: Dask sends messages at least 10 ms
-apart, so that releasing each result before the next task delayed that task, by 8 ms in all."""
+"""Results of quick tasks stay on their nodes for this time, and are then released together [s]: Dask sends messages at
+least 2 to 10 ms apart, so that releasing each result before the next task nearly doubled the time of that task."""
+QUICK = 0.05
+"""[s]. If a node dies with a result that was not released, the scheduler runs the task again in vain: that must be
+short."""
 END = 5.0
 """Time for the nodes to close slots [s]."""
 
@@ -68,7 +71,7 @@ class DaskPool:
         """Their node died; they run one at a time, so that no other is blamed."""
         self._running: dict[asyncio.Task[None], list[_Job]] = {}
         self._kept: list[Awaitable[Done]] = []
-        """The tasks of the last `KEPT` seconds, whose results Dask releases when nothing refers to them."""
+        """Quick tasks that ended within the last `KEPT` seconds; Dask releases a result when nothing refers to it."""
         self._mean = math.inf
         self._failure: EvaluatorLost | None = None
         self._connection = connections.acquire(evaluator)
@@ -158,8 +161,9 @@ class DaskPool:
         try:
             client = await self._connection.client()
             task = client.submit(node.evaluate, self._work, requests, pure=False, retries=0)
-            self._keep(task)
             done = await task
+            if done.seconds < QUICK:
+                self._keep(task)
         except KilledWorker as error:
             self._killed(batch, error)
         except (concurrent.futures.CancelledError, OSError, TimeoutError, NodeClosing):

@@ -94,6 +94,9 @@ export const asCampaign = (document: unknown): Campaign => document as Campaign
 /** Whether it has a scenario, in which something moves; a simulator returns values, and at most columns over time. */
 export const hasScenario = (campaign: Campaign): boolean => !campaign.simulator
 
+/** The word for what is evaluated: a flight, or a case of a simulator. */
+export const caseWord = (campaign: Campaign): 'flight' | 'case' => (hasScenario(campaign) ? 'flight' : 'case')
+
 /** The parts of a scenario that may occur any number of times. */
 export const LISTS = ['obstacles', 'environment', 'faults'] as const
 export type List = (typeof LISTS)[number]

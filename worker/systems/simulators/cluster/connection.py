@@ -192,7 +192,7 @@ class Connection:
         if self._cluster is not None:
             streams += getattr(self._cluster.scheduler, "stream_comms", {}).values()
         for stream in streams:
-            if hasattr(stream, "interval"):
+            if stream is not None and hasattr(stream, "interval"):
                 stream.interval = PROMPT
 
     async def _watch(self) -> None:

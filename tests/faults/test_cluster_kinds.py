@@ -15,7 +15,7 @@ from worker.catalogue.fmu import DescribedFmu
 from worker.catalogue.simulator import Opening
 from worker.systems.base import Floats
 from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
-from worker.systems.simulators.cluster.connection import acquire, release
+from worker.systems.simulators.cluster.connection import PROMPT, Connection, acquire, release
 from worker.systems.simulators.fmus.simulator import FmuSimulator, opened
 from worker.systems.simulators.functions import Isolated
 from worker.systems.simulators.slotted import Slotted
@@ -33,12 +33,19 @@ def bowl(x, y):
 
 
 @pytest.fixture(scope="module")
-def there() -> Iterator[None]:
+def there() -> Iterator[Connection]:
     """A cluster of one process, which stays for all tests."""
     connection = acquire(evaluator(LOCAL))
     connection.call(connection.open())
-    yield
+    yield connection
     release(connection)
+
+
+def test_no_message_waits_for_the_one_before(there: Connection) -> None:
+    assert there.connected is not None
+    assert there._cluster is not None
+    streams = [there.connected.scheduler_comm, *there._cluster.scheduler.stream_comms.values()]
+    assert [stream.interval for stream in streams] == [PROMPT, PROMPT]
 
 
 def function(folder: Path) -> Isolated:

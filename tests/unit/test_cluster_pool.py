@@ -232,30 +232,3 @@ def test_many_threads_may_submit_and_one_may_close(cluster: Fake, pool: DaskPool
     for thread in threads:
         thread.join()
     assert {f.result(timeout=10).kind for f in taken} <= {"ok", "not started"}
-
-
-def test_results_are_released_together_some_time_after_they_came(
-    cluster: Fake, pool: DaskPool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A release just before a task would delay the task; see `pools.KEPT`."""
-    due: list[Callable[[], None]] = []
-    usual = cluster.loop.call_later
-
-    def later(delay: float, call: Callable[..., None], *given: Any, **options: Any) -> Any:
-        return due.append(call) if delay == pools.KEPT else usual(delay, call, *given, **options)
-
-    monkeypatch.setattr(cluster.loop, "call_later", later)
-    for k in range(10):
-        pool.evaluate(requests(1))
-        assert len(pool._kept) == k + 1
-    (release,) = due
-    release()
-    assert pool._kept == []
-    pool.evaluate(requests(1))
-    assert len(due) == 2
-    # A result of a long task is released at once: if its node dies with it, the scheduler would run it again in vain.
-    cluster.task = lambda batch: evaluated(batch, pools.QUICK)
-    pool.evaluate(requests(1))
-    assert len(pool._kept) == 1
-    pool.close()
-    assert pool._kept == []

@@ -33,6 +33,9 @@ ATTEMPT = 5.0
 """Time for one attempt to connect [s]."""
 END = 10.0
 """Time to close a connection, or a cluster on this machine [s]."""
+PROMPT = 0.001
+"""Least time between two messages of a stream [s]. Dask's own, 10 ms to the scheduler and 5 ms to a worker, delay a
+task that follows the release of a result: one evaluation at a time took twice as long."""
 CONFIGURED = {
     # A worker takes no task ahead: it would wait behind a long one while another worker is idle.
     "distributed.scheduler.worker-saturation": 1.0,
@@ -174,6 +177,7 @@ class Connection:
 
     async def _count(self, client: Client) -> int:
         """The number of threads now."""
+        self._speed_up(client)
         threads: int = sum((await asyncio.wait_for(client.nthreads(), ATTEMPT)).values())
         if threads != self.threads:
             self.threads = threads
@@ -181,6 +185,15 @@ class Connection:
             for changed in self.changed:
                 changed()
         return threads
+
+    def _speed_up(self, client: Client) -> None:
+        """Send messages soon, also those of our own scheduler; a stream without such a setting stays as it is."""
+        streams = [getattr(client, "scheduler_comm", None)]
+        if self._cluster is not None:
+            streams += getattr(self._cluster.scheduler, "stream_comms", {}).values()
+        for stream in streams:
+            if stream is not None and hasattr(stream, "interval"):
+                stream.interval = PROMPT
 
     async def _watch(self) -> None:
         """Notice that the scheduler died, or all workers left, while nothing else would."""

@@ -13,7 +13,7 @@ import math
 import threading
 import uuid
 from collections import deque
-from collections.abc import Awaitable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 
@@ -32,12 +32,6 @@ MOST = 4096
 """Evaluations in one task."""
 DEATHS = 3
 """An evaluation fails after so many nodes died while they evaluated it alone."""
-KEPT = 0.25
-"""Results of quick tasks stay on their nodes for this time, and are then released together [s]: Dask sends messages at
-least 2 to 10 ms apart, so that releasing each result before the next task nearly doubled the time of that task."""
-QUICK = 0.05
-"""[s]. If a node dies with a result that was not released, the scheduler runs the task again in vain: that must be
-short."""
 END = 5.0
 """Time for the nodes to close slots [s]."""
 
@@ -70,8 +64,6 @@ class DaskPool:
         self._suspects: deque[_Job] = deque()
         """Their node died; they run one at a time, so that no other is blamed."""
         self._running: dict[asyncio.Task[None], list[_Job]] = {}
-        self._kept: list[Awaitable[Done]] = []
-        """Quick tasks that ended within the last `KEPT` seconds; Dask releases a result when nothing refers to it."""
         self._mean = math.inf
         self._failure: EvaluatorLost | None = None
         self._connection = connections.acquire(evaluator)
@@ -160,10 +152,7 @@ class DaskPool:
         requests, client = [job.request for job in batch], None
         try:
             client = await self._connection.client()
-            task = client.submit(node.evaluate, self._work, requests, pure=False, retries=0)
-            done = await task
-            if done.seconds < QUICK:
-                self._keep(task)
+            done = await client.submit(node.evaluate, self._work, requests, pure=False, retries=0)
         except KilledWorker as error:
             self._killed(batch, error)
         except (concurrent.futures.CancelledError, OSError, TimeoutError, NodeClosing):
@@ -178,11 +167,6 @@ class DaskPool:
             self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.given}: {_said(error)}"))
         else:
             self._deliver(batch, done)
-
-    def _keep(self, task: Awaitable[Done]) -> None:
-        if not self._kept:
-            self._connection.loop.call_later(KEPT, self._kept.clear)
-        self._kept.append(task)
 
     def _deliver(self, batch: list[_Job], done: Done) -> None:
         each = max(done.seconds / len(done.outcomes), 1e-6)
@@ -237,7 +221,6 @@ class DaskPool:
         tasks = list(self._running)
         left = self._left()
         await asyncio.gather(*tasks, return_exceptions=True)
-        self._kept.clear()
         client = self._connection.connected
         if client is not None:
             with contextlib.suppress(Exception):

@@ -164,6 +164,8 @@ def main() -> None:
     known = [m.name for m in methods().values() if m.kind != "multi"]
     if wrong := [name for name in asked.method if name not in known]:
         given.error(f"no such method: {', '.join(wrong)}; give some of {', '.join(known)}")
+    if min(asked.seeds, asked.processes) < 1:
+        given.error(f"{asked.seeds} seeds, {asked.processes} processes: give at least 1 of each")
     os.environ["OMP_NUM_THREADS"] = "1"
     with get_context("spawn").Pool(asked.processes) as pool:
         print("\n".join(markdown(measured(pool, asked.method, asked.seeds, asked.tuning))))

@@ -85,6 +85,8 @@ def main() -> None:
                 return
             send(answers, answer(line, systems))
     finally:
+        # When this closes its output, the thread that started it may end, which sends another one.
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
         close(systems)
         shutil.rmtree(place, ignore_errors=True)
 

@@ -18,6 +18,7 @@ from backend.http.errors import RefusedError
 from backend.runs.service import number
 from backend.scenes.base import setting
 from backend.scenes.base.address import Address, parse
+from backend.scenes.base.progress import Progress
 from backend.scenes.control.relay import relay
 from backend.scenes.control.viewers import Handle, Viewers
 from backend.scenes.viewer.viewer import Viewer
@@ -136,6 +137,6 @@ def _build(server: viser.ViserServer, socket: WebSocket, run_id: int, address: A
     state = socket.app.state
     with read(state.engine) as reader:
         fixed = setting.load(reader, run_id)
-        progress = setting.Progress(fixed, run_id, address.flight)
+        progress = Progress(fixed, run_id, address.flight)
         progress.look(reader)
     return Viewer(server, state.engine, state.live, fixed, progress, address)

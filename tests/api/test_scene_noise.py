@@ -9,7 +9,8 @@ from backend.db.records import Columns, StagePlan
 from backend.runs.service import number
 from backend.scenes.base.flight import from_live
 from backend.scenes.base.noise import STATED, WHOLE, Noise, draws
-from backend.scenes.base.setting import Progress, load
+from backend.scenes.base.progress import Progress
+from backend.scenes.base.setting import load
 from backend.scenes.cloud.evaluations import load as cloud_of
 from backend.scenes.panel.sampled import _sample
 from campaigns import library, load_file

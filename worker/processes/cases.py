@@ -94,12 +94,10 @@ def main() -> None:
 def _place() -> Path:
     """A folder of its own for temporary files; those of processes that were killed are removed."""
     for left in Path(tempfile.gettempdir()).glob(f"{PLACE}*"):
-        number = left.name.removeprefix(PLACE)
+        number = left.name.removeprefix(PLACE).partition("-")[0]
         if number.isdigit() and not Path(f"/proc/{number}").exists():
             shutil.rmtree(left, ignore_errors=True)
-    place = Path(tempfile.gettempdir()) / f"{PLACE}{os.getpid()}"
-    place.mkdir(mode=0o700)
-    return place
+    return Path(tempfile.mkdtemp(prefix=f"{PLACE}{os.getpid()}-"))
 
 
 def answer(line: str | bytes, systems: Systems) -> JsonObject:

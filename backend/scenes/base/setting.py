@@ -1,11 +1,10 @@
-"""The fixed part of a scene, from the campaign, and the progress of the run. Start reading at `load`."""
+"""The fixed part of a scene, from the campaign. Start reading at `load`."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
@@ -13,23 +12,21 @@ from numpy.typing import NDArray
 
 from backend.catalog.looks import Looks, looks
 from backend.catalog.service import described
-from backend.db.tables import Finding, Run, Stage, Trace
+from backend.db.tables import Trace
 from backend.http.errors import RefusedError
 from backend.results import service as results
-from backend.results.improvements import Improvements
 from backend.runs.service import campaign
 from backend.runs.versions import readable
 from backend.scenes.base import declared
 from backend.scenes.base.axes import Axes, axes_of
-from backend.scenes.base.flight import Flight, from_stored
-from backend.scenes.base.noise import seeds
+from backend.scenes.base.flight import from_stored
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ComponentEntry, ParameterEntry
 from campaigns.checked.check import parameters
 from campaigns.documents import JsonObject
 from campaigns.looks import ObstacleLook
 from campaigns.results.scene import Scene
-from campaigns.runs import ENDED, run_name
+from campaigns.runs import run_name
 
 NOMINAL, WORST = "nominal", "F1"
 
@@ -283,59 +280,3 @@ def _methods(asked: Campaign, catalogue: Catalogue | None) -> list[tuple[int, st
     titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods}
     first = 1 + (asked.stages.sensitivity is not None)
     return [(first + i, s.method, titles.get(s.method, s.method)) for i, s in enumerate(asked.stages.search)]
-
-
-class Progress:
-    """The results of a run so far, polled while it is active."""
-
-    def __init__(self, setting: Setting, run_id: int, shown: str = WORST) -> None:
-        """`shown` is the flight shown with the nominal one."""
-        self._setting, self._run_id, self.shown = setting, run_id, shown
-        self.flights: dict[str, Flight] = {}
-        self.findings: dict[str, dict[str, float]] = {}
-        """{label: {path: value}}"""
-        self.seeds: dict[str, int] = {}
-        """Noise seeds of the findings that drew their own realisation."""
-        self.curves = {position: Improvements() for position, _, _ in setting.methods}
-        self.over = False
-        self._seen: JsonObject = {}
-
-    @property
-    def choices(self) -> list[str]:
-        """The flights that can be selected: findings, or the nominal flight alone."""
-        return [*self.findings, NOMINAL]
-
-    def show(self, label: str, reader: sa.Connection) -> None:
-        """Select another flight to be shown with the nominal one."""
-        if self.shown != NOMINAL:
-            self.flights.pop(self.shown, None)
-            self._seen.pop(self.shown, None)
-        self.shown = label
-        self.look(reader)
-
-    def look(self, reader: sa.Connection) -> bool:
-        """Read new results; true if there are any."""
-        before = self._state()
-        self.over = reader.scalar(sa.select(Run.state).where(Run.id == self._run_id)) in ENDED
-        shown = sa.select(Trace.name, Trace.meta).where(
-            Trace.run_id == self._run_id, Trace.name.in_((NOMINAL, self.shown))
-        )
-        for name, meta in reader.execute(shown).all():
-            if self._seen.get(name) != meta:  # stored for the first time, or again by a later stage
-                self._seen[name] = meta
-                flight = from_stored(results.stored(reader, self._run_id, name))
-                if flight is not None:
-                    self.flights[name] = flight
-        found = sa.select(Finding.label, Finding.parameters).where(Finding.run_id == self._run_id)
-        rows = sorted(reader.execute(found).all(), key=lambda row: (len(row.label), row.label))
-        self.findings = {row.label: row.parameters for row in rows}
-        self.seeds = seeds(reader, self._run_id)
-        stored = sa.select(Stage.position, Stage.evaluations).where(Stage.run_id == self._run_id)
-        for position, evaluations in reader.execute(stored).all():
-            if position in self.curves and evaluations > self.curves[position].read:
-                self.curves[position].catch_up(reader, self._run_id, position)
-        return before != self._state()
-
-    def _state(self) -> tuple[Any, ...]:
-        read = [curve.read for curve in self.curves.values()]
-        return dict(self.flights), self.findings, read, self.over

@@ -17,9 +17,10 @@ from backend.scenes.base.flight import ROWS, Flight, from_live
 from backend.scenes.base.noise import STATED
 from backend.scenes.base.palette import DARK, Palette
 from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.progress import Progress
 from backend.scenes.base.schemas import NONE as NO_AXIS
 from backend.scenes.base.schemas import VALUE
-from backend.scenes.base.setting import NOMINAL, Progress, Setting, UnknownParameterError
+from backend.scenes.base.setting import NOMINAL, Setting, UnknownParameterError
 from backend.scenes.cloud import words
 from backend.scenes.cloud.drawn import CloudDrawn
 from backend.scenes.cloud.evaluations import Axes, Axis, Cloud, Evaluation, axes, load, met

@@ -9,7 +9,8 @@ from backend.scenes.base.axes import rotated
 from backend.scenes.base.flight import Flight
 from backend.scenes.base.palette import Palette
 from backend.scenes.base.part import Part
-from backend.scenes.base.setting import NOMINAL, WORST, Progress, Setting
+from backend.scenes.base.progress import Progress
+from backend.scenes.base.setting import NOMINAL, WORST, Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.cameras import Sight
 from backend.scenes.drawing.drawn import DOTS, Drawn, Style

@@ -16,7 +16,8 @@ import viser
 
 from backend.scenes.base.flight import Flight
 from backend.scenes.base.palette import DARK, LIGHT, Palette
-from backend.scenes.base.setting import NOMINAL, Progress, Setting
+from backend.scenes.base.progress import Progress
+from backend.scenes.base.setting import NOMINAL, Setting
 from backend.scenes.control.relay import open_server
 from backend.scenes.drawing.cameras import FIELD_OF_VIEW, pose
 from backend.scenes.drawing.drawn import Drawn

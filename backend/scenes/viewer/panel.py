@@ -11,8 +11,9 @@ import sqlalchemy as sa
 import viser
 
 from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.progress import Progress
 from backend.scenes.base.schemas import NONE, LayersChange
-from backend.scenes.base.setting import Progress, Setting, UnknownParameterError
+from backend.scenes.base.setting import Setting, UnknownParameterError
 from backend.scenes.cloud.tab import CloudTab, Take
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.following import Following

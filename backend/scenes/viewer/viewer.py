@@ -18,8 +18,9 @@ from backend.scenes.base.address import Address, Camera
 from backend.scenes.base.flight import Flight
 from backend.scenes.base.palette import DARK, LIGHT, rgb
 from backend.scenes.base.part import Part
+from backend.scenes.base.progress import Progress
 from backend.scenes.base.schemas import LayersChange, ViewChange, ViewState
-from backend.scenes.base.setting import Progress, Setting
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.following import FRAME, Following
 from backend.scenes.drawing.vectors import Vectors

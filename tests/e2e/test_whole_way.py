@@ -329,10 +329,9 @@ def test_the_view_in_a_window_of_its_own_has_the_same_controls(signed_in: Visit)
     window.shot("flight-window-1440-light", full=False)
     # An address of the view itself, as earlier links have it, leads here.
     run = re.findall(r"R-\d+", page.url)[0]
-    with undrawn(page):
-        window.go(f"/view/{run}/F1/t/3.25/cam/top/dark")
-        expect(page).to_have_url(re.compile(rf"/runs/{run}/flight\?.*finding=F1.*t=3\.25.*cam=top"))
-        expect(bar.get_by_role("slider", name="Time")).to_have_value("3.25")
+    window.go(f"/view/{run}/F1/t/3.25/cam/top/dark")
+    expect(page).to_have_url(re.compile(rf"/runs/{run}/flight\?.*finding=F1.*t=3\.25.*cam=top"))
+    expect(bar.get_by_role("slider", name="Time")).to_have_value("3.25")
     page.close()
     assert window.wrong == []
 

@@ -7,7 +7,6 @@ from typing import Any
 import httpx
 import pytest
 import sqlalchemy as sa
-from campaigns.flown import Code, Flown
 
 from backend.db import queue, workers
 from backend.db.queue import Queue
@@ -18,6 +17,7 @@ from campaigns.asked.load import load_document
 from campaigns.asked.proposal import lasting
 from campaigns.catalogue import Catalogue
 from campaigns.results.nominal import Measured
+from campaigns.versions import Code, Versions
 from tests import results
 from tests.api.answers import problem
 from tests.api.document import conforms
@@ -52,7 +52,7 @@ def run(service: Service, digest: str, told: Measured | None) -> None:
     assert claim is not None
     store = RunStore(service.engine, claim)
     store.plan([StagePlan("nominal", None, 15)])
-    store.flies(Flown(simulator=digest), Code("c", {}))
+    store.record_versions(Versions(simulator=digest), Code("c", {}))
     store.begin(0)
     store.finish(0, results.nominal().model_copy(update={"measured": told}), 1.0)
     store.conclude(results.verdict("inconclusive", "Over.", 0.9, 0.3))

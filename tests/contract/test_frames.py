@@ -17,7 +17,7 @@ import pytest
 
 from campaigns import Catalogue, check
 from campaigns.asked.load import load_document
-from campaigns.checked.check import flyable
+from campaigns.checked.check import simulation_problems
 from tests.contract.scenes import around, entry, own
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Component, Controller, Parameter, Signal, Vehicle
@@ -268,7 +268,7 @@ def test_a_vehicle_with_other_axes_is_refused_with_both_named(component: Compone
     assert [p for p in found if p.given == component.name and "z down" in p.message and "z up" in p.message]
     assert all(p.given in [c.name for c in DECLARED] for p in found)
     # What is stored can be shown.
-    assert flyable(campaign, turned(catalogue())) == []
+    assert simulation_problems(campaign, turned(catalogue())) == []
 
 
 def test_what_has_no_sense_of_its_own_fits_either() -> None:

@@ -17,6 +17,7 @@ VIEW = ViewState(
     revision=1,
     flight="F1",
     time=10.0,
+    horizon=40.0,
     camera="chase",
     eye=None,
     playing=False,

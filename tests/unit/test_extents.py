@@ -11,7 +11,7 @@ import pytest
 from campaigns import Catalogue, check, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
-from campaigns.checked.check import flyable
+from campaigns.checked.check import simulation_problems
 from campaigns.claims.spans import words
 from tests.problems import Problem
 from tests.unit.cases import campaign, document
@@ -130,7 +130,7 @@ def test_stored_campaigns_that_are_refused_now_can_be_shown_but_not_asked_for_ag
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     earlier = campaign(scenario__obstacles=[WALL], scenario__horizon=0.1)
-    assert flyable(earlier, catalogue()) == []
+    assert simulation_problems(earlier, catalogue()) == []
     batch, _ = (problem := Problem(earlier, compiled=False)).evaluate(problem.nominal_point[None])
     assert batch.status.tolist() == [0]
     with pytest.raises(CannotContinue, match="surface_separation"):

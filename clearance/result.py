@@ -9,7 +9,7 @@ import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -208,16 +208,11 @@ def of(held: Held, verdict: Concluded) -> Result:
     assert isinstance(first, NominalResult)
     nominal = Nominal(_by_name(held, first.parameters), first.cost, first.margin, first.reason)
     return Result(
-        **_evaluations(held),
+        **vars(evaluations(held)),
         verdict=Verdict(verdict.verdict.value, verdict.sentence, verdict.scope, checks),
         findings=tuple(_finding(held, f) for f in held.store.found()),
         nominal=nominal,
     )
-
-
-def interrupted(held: Held) -> Evaluations:
-    """What was evaluated before an interrupt."""
-    return Evaluations(**_evaluations(held))
 
 
 def _finding(held: Held, f: Stored) -> Finding:
@@ -234,23 +229,8 @@ def _by_name(held: Held, parameters: Mapping[str, float]) -> dict[str, float]:
     return {name: parameters[f"simulator.{name}"] for name in held.names}
 
 
-class _Stored(TypedDict):
-    """The fields of `Evaluations`."""
-
-    names: tuple[str, ...]
-    points: Floats
-    costs: Floats
-    status: Texts
-    stage: Texts
-    method: Texts
-    reasons: Mapping[int, str]
-    threshold: float
-    quantity: str
-    unit: str
-    held: Held
-
-
-def _evaluations(held: Held) -> _Stored:
+def evaluations(held: Held) -> Evaluations:
+    """What was evaluated until now, such as before an interrupt."""
     from campaigns.results.base import STATUS
 
     problem, store = held.problem, held.store
@@ -268,19 +248,19 @@ def _evaluations(held: Held) -> _Stored:
         status += [STATUS[s] for s in columns.status.tolist()]
         stage += [record.plan.kind] * len(columns.status)
         method += [record.plan.method or ""] * len(columns.status)
-    return {
-        "names": held.names,
-        "points": _fixed(np.concatenate(points) if points else np.empty((0, len(order)))),
-        "costs": _fixed(np.concatenate(costs) if costs else np.empty(0)),
-        "status": _fixed(np.array(status, dtype=np.str_)),
-        "stage": _fixed(np.array(stage, dtype=np.str_)),
-        "method": _fixed(np.array(method, dtype=np.str_)),
-        "reasons": reasons,
-        "threshold": problem.threshold,
-        "quantity": problem.quantity,
-        "unit": problem.unit,
-        "held": held,
-    }
+    return Evaluations(
+        names=held.names,
+        points=_fixed(np.concatenate(points) if points else np.empty((0, len(order)))),
+        costs=_fixed(np.concatenate(costs) if costs else np.empty(0)),
+        status=_fixed(np.array(status, dtype=np.str_)),
+        stage=_fixed(np.array(stage, dtype=np.str_)),
+        method=_fixed(np.array(method, dtype=np.str_)),
+        reasons=reasons,
+        threshold=problem.threshold,
+        quantity=problem.quantity,
+        unit=problem.unit,
+        held=held,
+    )
 
 
 def _fixed(array: Array) -> Array:

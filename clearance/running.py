@@ -14,7 +14,7 @@ from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.asked.load import load_document
 from campaigns.documents import JsonObject
 from clearance.asked import Asked
-from clearance.result import Held, Interrupted, Result, interrupted, of
+from clearance.result import Held, Interrupted, Result, evaluations, of
 from worker.catalogue.files import PythonFunction
 from worker.catalogue.installed import catalogue
 from worker.cli._interrupt import deferred
@@ -42,7 +42,7 @@ def run(asked: Asked, document: JsonObject, progress: bool) -> Result:
     except CampaignUnusable as error:
         raise ValueError("; ".join(problem.message for problem in error.problems)) from None
     except KeyboardInterrupt:
-        partial = interrupted(held)
+        partial = evaluations(held)
         raise Interrupted(partial) from None
     return of(held, verdict)
 

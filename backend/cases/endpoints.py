@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from functools import partial
 
 from fastapi import APIRouter, Request
@@ -11,14 +10,12 @@ from backend.access.auth import CurrentVisitor
 from backend.cases import service
 from backend.cases.schemas import CaseAnswer, CaseRequest
 from backend.db.engine import read
+from backend.flights.drawing import drew, viewer_of
 from backend.flights.turns import Turn, Turns
 from backend.http.deps import Engine, capacities
 from backend.http.errors import problems
 from backend.http.schema import RunName
-from backend.runs.service import number
-from backend.scenes.base.flight import from_live
-from backend.scenes.control.viewers import Handle
-from backend.scenes.viewer.viewer import GoneError, Viewer
+from backend.scenes.viewer.viewer import Viewer
 
 router = APIRouter(tags=["results"])
 
@@ -48,9 +45,7 @@ async def evaluate_case(
     return 409. An evaluation that takes too long is ended with 503.
     """
     turns: Turns = request.app.state.turns
-    viewer = None
-    if given.view is not None:
-        viewer = await request.app.state.viewers.find(Handle(visitor, number(run), given.view), 0.0)
+    viewer = await viewer_of(request, visitor, run, given.view)
     client = (visitor.key, run, given.client or given.view)
     work = partial(_work, request, engine, run, given, viewer)
     return await turns.run(client, capacities(request).cases, work, request.is_disconnected)
@@ -63,9 +58,5 @@ def _work(
     with read(engine) as reader:
         wanted = service.case(reader, run, given)
     answer = service.evaluated(request.app.state.cases, wanted, given.rows)
-    drawn = None
-    if viewer is not None and not turn.overtaken.is_set():
-        with contextlib.suppress(GoneError):  # the view was closed meanwhile; the answer is valid without it
-            viewer.show_what_if(from_live(answer), None, turn.order)
-            drawn = given.view
+    drawn = given.view if drew(viewer, answer, None, turn) else None
     return service.response(wanted, answer, drawn, given.rows)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from functools import partial
 
 from fastapi import APIRouter, Request
@@ -10,15 +9,13 @@ from fastapi import APIRouter, Request
 from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.flights import service
+from backend.flights.drawing import drew, viewer_of
 from backend.flights.schemas import FlightAnswer, FlightRequest
 from backend.flights.turns import Turn, Turns
 from backend.http.deps import Engine, capacities
 from backend.http.errors import problems
 from backend.http.schema import RunName
-from backend.runs.service import number
-from backend.scenes.base.flight import from_live
-from backend.scenes.control.viewers import Handle
-from backend.scenes.viewer.viewer import GoneError, Viewer
+from backend.scenes.viewer.viewer import Viewer
 
 router = APIRouter(tags=["results"])
 
@@ -48,9 +45,7 @@ async def simulate_flight(
     pending requests only the newest is processed; older ones return 409.
     """
     turns: Turns = request.app.state.turns
-    viewer = None
-    if given.view is not None:
-        viewer = await request.app.state.viewers.find(Handle(visitor, number(run), given.view), 0.0)
+    viewer = await viewer_of(request, visitor, run, given.view)
     client = (visitor.key, run, given.client or given.view)
     work = partial(_work, request, engine, run, given, viewer)
     return await turns.run(client, capacities(request).flights, work, request.is_disconnected)
@@ -63,10 +58,5 @@ def _work(
     with read(engine) as reader:
         wanted = service.case(reader, run, given)
     answer = service.simulated(request.app.state.live, wanted, given.rows)
-    drawn = None
-    if viewer is not None and not turn.overtaken.is_set():
-        flight = from_live(answer)
-        with contextlib.suppress(GoneError):  # the view was closed meanwhile; the answer is valid without it
-            viewer.show_what_if(flight, wanted.seed, turn.order)
-            drawn = given.view
+    drawn = given.view if drew(viewer, answer, wanted.seed, turn) else None
     return service.response(wanted, answer, drawn, given.rows)

@@ -59,8 +59,9 @@ def test_the_command_line_runs_it_to_a_verdict(
     assert not [word for word in VERSIONS if word in said]
     if verdict == "cleared":
         assert "Whether an encounter takes place was not checked." in found["reason"]
-    audited = clearance(installed, "audit", str(out))
-    assert audited.returncode == 0, audited.stdout + audited.stderr
+    if verdict == "violated":
+        audited = clearance(installed, "audit", str(out))
+        assert audited.returncode == 0, audited.stdout + audited.stderr
 
 
 def test_without_the_package_the_campaign_is_refused(tmp_path: Path) -> None:
@@ -135,10 +136,12 @@ def test_an_unknown_simulator_is_refused(visit: Visit) -> None:
     assert "no such simulator in this installation" in given.text
 
 
-def test_the_stored_run_is_audited(visit: Visit, installed: Path) -> None:
+@pytest.mark.parametrize(("command", "said"), [("audit", "follows"), ("replay", "All 2 agree.")])
+def test_the_stored_run_is_audited_and_replayed(visit: Visit, installed: Path, command: str, said: str) -> None:
     _, run, data = visit
-    done = clearance(installed, "audit", run, "--data", str(data))
+    done = clearance(installed, command, run, "--data", str(data))
     assert done.returncode == 0, done.stdout + done.stderr
+    assert said in done.stdout
 
 
 KEY = "0b6c1e0e-4f5a-4a3b-9d1c-2f8e7a6b5c4d"

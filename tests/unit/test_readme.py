@@ -79,7 +79,7 @@ def test_the_component_can_be_simulated(monkeypatch: pytest.MonkeyPatch) -> None
         (post,),
         known["criterion", "separation"],  # type: ignore[arg-type]
     )
-    loop = Loop(parts, compiled=False)
+    loop = Loop(parts, lanes=1, compiled=False)
     given = {"goal.x": 6.0, "goal.y": 7.0, "criterion.threshold": 0.5, "obstacles.0.x": 4.0, "obstacles.0.y": 4.0}
     vector = np.array(
         [given.get(f"{s.prefix}.{p.name}", p.default) for s in loop.sections for p in s.parameters], dtype=np.float64

@@ -21,7 +21,7 @@ from backend.settings import Settings
 from tests.api.server import until
 
 WAIT = 30.0
-"""More than the service takes to end on a busy machine [s]."""
+"""More than the service takes to begin or to end on a busy machine [s]."""
 
 
 def environment(data: Path, **settings: str) -> dict[str, str]:
@@ -87,7 +87,7 @@ def test_nothing_that_it_stores_can_be_read_by_others_or_signs_anybody_in(tmp_pa
 def test_a_link_is_printed_only_where_it_is_wanted(tmp_path: Path) -> None:
     with started(tmp_path / "new", CLEARANCE_PRINT_LINK="false") as process:
         address = tmp_path / "new" / "service-address"
-        until(address.exists)
+        until(address.exists, WAIT)
         with httpx.Client(base_url=address.read_text().strip(), trust_env=False) as client:
             assert client.get("/api/v1/health").status_code == 200
         process.terminate()

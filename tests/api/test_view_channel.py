@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from backend.scenes.drawing import following
+from backend.scenes.live.live import Live
 from tests.api.answers import problem
 from tests.api.finished import Work, finish, flight
 from tests.api.server import Service, until
@@ -257,7 +258,10 @@ def test_a_run_without_findings_takes_any_label(service: Service, client: httpx.
     assert run != other
 
 
-def test_a_change_of_what_is_shown_is_published_at_once(service: Service, client: httpx.Client, run: str) -> None:
+def test_a_change_of_what_is_shown_is_published_at_once(
+    service: Service, client: httpx.Client, run: str, process: Live
+) -> None:
+    service.app.state.live = process  # for the layers that simulate
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
         panel = Panel(connection, last="Show its flight")
         panel.told()

@@ -227,6 +227,13 @@ class TestFormulations:
         found = vectorised.counts("uav_three_intruders")
         assert vectorised.vectorises(found), found
 
+    def test_a_division_by_zero_fails_the_simulation(self) -> None:
+        made = problem("uav_static")
+        batch, reasons = made.system.simulate_vectors(made.vector({"vehicle.m": 0.0})[None])
+        assert batch.status[0] != OK
+        assert math.isnan(batch.costs[0, 0])
+        assert "the simulation diverged" in reasons[0]
+
     def test_bits_do_not_depend_on_the_batch(self) -> None:
         vectors = problem("uav_aca").vectors(np.random.default_rng(7).random((37, 6)))
         together = costs("uav_aca", vectors)

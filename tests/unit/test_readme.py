@@ -57,7 +57,7 @@ def commands() -> list[list[str]]:
 def test_the_campaign_can_be_run() -> None:
     campaign = load_text(block("yaml"), "first-campaign.md")
     assert check(campaign, catalogue()) == []
-    problem = Problem(campaign)
+    problem = Problem(campaign, compiled=False)
     corners = np.zeros(problem.dimension), np.ones(problem.dimension)
     batch, reasons = problem.evaluate(np.array([problem.nominal_point, *corners]))
     assert reasons == {}

@@ -133,6 +133,7 @@ print(json.dumps({"digest": loop.digest, "cost": flown.costs[0, 0], "hits": sum(
 """
 
 
+@pytest.mark.nightly  # by day tests/unit/test_bind.py edits a helper of a small kernel
 def test_an_edit_two_imports_away_gives_a_new_answer(tmp_path: Path) -> None:
     package = tmp_path / "some_package"
     package.mkdir()

@@ -10,12 +10,15 @@ from worker.systems.closed_loop.system import ClosedLoop
 
 
 class Problem(problem.Problem):
-    """A problem over the closed loop of its campaign; compiled flights unless `compiled` is False."""
+    """A problem over the closed loop of its campaign; compiled flights unless `compiled` is False.
+
+    In plain Python it has one lane: a wider loop simulates a whole block, whatever the number of vectors.
+    """
 
     system: ClosedLoop
 
-    def __init__(self, campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> None:
-        super().__init__(campaign, closed_loop(campaign, compiled, lanes))
+    def __init__(self, campaign: Campaign, compiled: bool = True, lanes: int | None = None) -> None:
+        super().__init__(campaign, closed_loop(campaign, compiled, lanes or (LANES if compiled else 1)))
 
     def under(self, seed: int | None) -> Problem:
         """The same problem under one realisation; itself for None."""

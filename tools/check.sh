@@ -45,6 +45,11 @@ SLOW=(
     tests/unit/test_text_names.py
     tests/unit/test_trace.py
 )
+# Of files that are quick otherwise: these start several processes, each of which takes seconds.
+STARTING=(
+    tests/contract/test_stages.py::test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api
+    tests/unit/test_arrows.py::test_what_a_process_loads
+)
 
 logs="$(mktemp -d)"
 names=()
@@ -68,7 +73,8 @@ frontend_types() {
 "$VENV/bin/ruff" format --check .
 begin mypy "$VENV/bin/mypy"
 begin tsc frontend_types
-begin pytest "$VENV/bin/pytest" -q -n 2 --dist loadfile tests/unit tests/contract "${SLOW[@]/#/--ignore=}" "$@"
+begin pytest "$VENV/bin/pytest" -q -n 2 --dist loadfile tests/unit tests/contract "${SLOW[@]/#/--ignore=}" \
+    "${STARTING[@]/#/--deselect=}" "$@"
 
 failed=()
 for i in "${!names[@]}"; do

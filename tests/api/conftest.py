@@ -12,6 +12,7 @@ import httpx
 import pytest
 
 from backend.db.engine import default_url, migrate
+from backend.scenes.live.live import Live
 from backend.settings import Settings
 from tests.api.databases import KINDS, Fresh, on_postgresql
 from tests.api.server import Service
@@ -76,6 +77,21 @@ def bare(fresh: Fresh, tmp_path: Path) -> Iterator[Service]:
 def service(bare: Service) -> Service:
     """A service with a catalogue."""
     bare.publish()
+    return bare
+
+
+@pytest.fixture(scope="session")
+def process() -> Iterator[Live]:
+    """The process of what-if simulations, which takes seconds to start; it waits while a cold cache compiles."""
+    live = Live(first_limit=120.0)
+    yield live
+    live.close()
+
+
+@pytest.fixture
+def simulating(bare: Service, process: Live) -> Service:
+    """A separate service whose simulations are made by the shared process."""
+    bare.app.state.live = process
     return bare
 
 

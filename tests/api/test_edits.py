@@ -63,6 +63,12 @@ def test_the_audit_trail_keeps_who_wrote_what(service: Service, client: httpx.Cl
     assert rows[1].detail == {"tags": ["a"], "notes": {"characters": len(NOTES), "sha256": digest}}
 
 
+@pytest.fixture(scope="module")
+def waiting(guest: httpx.Client) -> str:
+    """A run of the shared service, which no test changes."""
+    return submit(guest)
+
+
 @pytest.mark.parametrize(
     "given",
     [
@@ -78,11 +84,10 @@ def test_the_audit_trail_keeps_who_wrote_what(service: Service, client: httpx.Cl
         {"verdict": "cleared"},
     ],
 )
-def test_anything_else_is_refused(client: httpx.Client, given: dict[str, Any]) -> None:
-    run = submit(client)
-    before = client.get(f"/api/v1/runs/{run}").json()
-    problem(client.patch(f"/api/v1/runs/{run}", json=given), 422)
-    assert client.get(f"/api/v1/runs/{run}").json() == before
+def test_anything_else_is_refused(guest: httpx.Client, waiting: str, given: dict[str, Any]) -> None:
+    before = guest.get(f"/api/v1/runs/{waiting}").json()
+    problem(guest.patch(f"/api/v1/runs/{waiting}", json=given), 422)
+    assert guest.get(f"/api/v1/runs/{waiting}").json() == before
 
 
 def test_a_run_that_is_not_there_cannot_be_written_on(client: httpx.Client) -> None:

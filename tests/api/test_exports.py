@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import tracemalloc
+from collections.abc import Iterator
 
 import httpx
 import numpy as np
@@ -17,10 +18,13 @@ from backend.db.records import Columns
 from backend.db.tables import CatalogueDocument, Run
 from backend.exports import service as exports
 from tests.api.answers import problem
-from tests.api.databases import BOTH
+from tests.api.conftest import running
+from tests.api.databases import BOTH, KINDS, Fresh
 from tests.api.finished import Work, finish, flight, search
 from tests.api.server import Service
 from tests.api.submitting import submit
+
+Stored = tuple[httpx.Client, str]
 
 
 @pytest.fixture
@@ -67,8 +71,20 @@ def test_no_name_of_a_run_leaves_the_header() -> None:
     assert len(exports.named("R-0001", "long " * 40, "run.json")) < 70
 
 
-@BOTH
-def test_every_evaluation_is_a_row_with_all_its_digits(client: httpx.Client, run: str) -> None:
+@pytest.fixture(scope="module", params=KINDS)
+def stored(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stored]:
+    """A client, and a finished run that the tests only read, on both databases."""
+    fresh: Fresh = request.getfixturevalue(f"fresh_{request.param}")
+    with running(fresh, tmp_path_factory.mktemp("stored")) as service:
+        service.publish()
+        with service.signed_in() as client:
+            run = submit(client)
+            finish(service)
+            yield client, run
+
+
+def test_every_evaluation_is_a_row_with_all_its_digits(stored: Stored) -> None:
+    client, run = stored
     head, *rows = table(client.get(f"/api/v1/runs/{run}/exports/evaluations.csv"))
     assert head == [
         *("stage", "kind", "method", "index", "status", "reason", "seconds [s]"),
@@ -120,8 +136,8 @@ def test_a_hundred_thousand_evaluations_are_streamed(service: Service, client: h
         assert sum(piece.count(b"\n") for piece in answer.iter_bytes()) == total + 1
 
 
-@BOTH
-def test_flights_as_csv_hold_every_row(client: httpx.Client, run: str) -> None:
+def test_flights_as_csv_hold_every_row(stored: Stored) -> None:
+    client, run = stored
     head, *rows = table(client.get(f"/api/v1/runs/{run}/exports/traces.csv"))
     assert head[:4] == ["flight", "t [s]", "x [m]", "y [m]"]
     assert [row[0] for row in rows] == ["nominal"] * 3001 + ["F1"] * 3001
@@ -130,8 +146,8 @@ def test_flights_as_csv_hold_every_row(client: httpx.Client, run: str) -> None:
     assert rows[-1][-1] == ""
 
 
-@BOTH
-def test_flights_as_mat_file(client: httpx.Client, run: str) -> None:
+def test_flights_as_mat_file(stored: Stored) -> None:
+    client, run = stored
     answer = client.get(f"/api/v1/runs/{run}/exports/traces.mat")
     assert int(answer.headers["content-length"]) == len(answer.content)
     read = loadmat(io.BytesIO(answer.content), simplify_cells=True)
@@ -142,8 +158,8 @@ def test_flights_as_mat_file(client: httpx.Client, run: str) -> None:
     assert json.loads(read["F1"]["meta"])["closest"]["obstacle"] == 0
 
 
-@BOTH
-def test_everything_as_json(client: httpx.Client, run: str) -> None:
+def test_everything_as_json(stored: Stored) -> None:
+    client, run = stored
     told = client.get(f"/api/v1/runs/{run}/exports/run.json").json()
     assert told["format"] == "clearance-run/1"
     assert told["run"] == client.get(f"/api/v1/runs/{run}").json()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import httpx
 import pytest
@@ -11,6 +12,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Finding, Run, Stage, Trace
+from backend.scenes.recordings import recording
 from tests.api.answers import problem
 from tests.api.finished import finish
 from tests.api.server import Service
@@ -47,18 +49,39 @@ def of_a_run(client: httpx.Client) -> list[str]:
     return [path for path in paths if not path.endswith(("events", "report.pdf"))]
 
 
+@contextmanager
+def changed(engine: sa.Engine, change: sa.Update) -> Iterator[None]:
+    """The change of a table, which is undone at the end."""
+    table = change.table
+    assert isinstance(table, sa.Table)
+    with engine.begin() as connection:
+        before = connection.execute(table.select()).mappings().all()
+        assert connection.execute(change).rowcount > 0
+    yield
+    with engine.begin() as connection:
+        for row in before:
+            same = sa.and_(*(column == row[column] for column in table.primary_key))
+            connection.execute(table.update().where(same).values(dict(row)))
+
+
+@pytest.fixture(scope="module")
+def run(still: Service, guest: httpx.Client) -> str:
+    """A finished run."""
+    run = submit(guest)
+    finish(still)
+    return run
+
+
 @pytest.mark.parametrize("what", STORED)
-def test_it_is_reported_as_of_another_version(what: str, service: Service, client: httpx.Client) -> None:
-    run = submit(client)
-    finish(service)
-    with service.engine.begin() as connection:
-        connection.execute(STORED[what])
-    answers: dict[str, Any] = {}
-    for path in of_a_run(client):
-        answer = client.get(re.sub(r"\{\w+\}", "F1", path.replace("{run}", run)), follow_redirects=False)
-        answers[path] = answer
-        assert answer.status_code < 500, (path, answer.text)
-    if what in SAID:
-        address = f"/api/v1/runs/{run}/{SAID[what]}".rstrip("/")
-        assert "another version" in str(problem(client.get(address), 409)["detail"])
-    assert client.get("/api/v1/runs").status_code == 200
+def test_it_is_reported_as_of_another_version(
+    what: str, still: Service, guest: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording, "RATE", 0.2)  # few frames: making one takes a second otherwise
+    with changed(still.engine, STORED[what]):
+        for path in of_a_run(guest):
+            answer = guest.get(re.sub(r"\{\w+\}", "F1", path.replace("{run}", run)), follow_redirects=False)
+            assert answer.status_code < 500, (path, answer.text)
+        if what in SAID:
+            address = f"/api/v1/runs/{run}/{SAID[what]}".rstrip("/")
+            assert "another version" in str(problem(guest.get(address), 409)["detail"])
+        assert guest.get("/api/v1/runs").status_code == 200

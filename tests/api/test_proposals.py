@@ -151,8 +151,8 @@ def test_too_little_time_is_said(bare: Service, client: httpx.Client) -> None:
     "query",
     [{"parameters": 0}, {"patience": 0}, {"patience": "nan"}, {"patience": "inf"}, {"calls": 0}, {"parameters": "x"}],
 )
-def test_impossible_questions_are_refused(client: httpx.Client, query: dict[str, Any]) -> None:
-    problem(client.get(ASKED, params={"parameters": 2} | query), 422)
+def test_impossible_questions_are_refused(guest: httpx.Client, query: dict[str, Any]) -> None:
+    problem(guest.get(ASKED, params={"parameters": 2} | query), 422)
 
 
 def test_an_unknown_simulator_is_not_found(client: httpx.Client) -> None:

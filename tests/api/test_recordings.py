@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import re
 import threading
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import httpx
@@ -21,12 +22,29 @@ from tests.api.shipped import shipped
 from tests.api.submitting import submit
 
 
-@pytest.fixture
-def run(service: Service, client: httpx.Client) -> str:
+@pytest.fixture(scope="module")
+def client(guest: httpx.Client) -> httpx.Client:
+    """That of the shared service: making a recording takes a second, and the service caches some."""
+    return guest
+
+
+@pytest.fixture(scope="module")
+def run(still: Service, client: httpx.Client) -> str:
     """A finished run with a nominal flight and F1."""
     run = submit(client)
-    finish(service)
+    finish(still)
     return run
+
+
+Rename = Callable[[str], object]
+
+
+@pytest.fixture
+def rename(client: httpx.Client, run: str) -> Iterator[Rename]:
+    """Gives the run another name for the time of a test."""
+    name = client.get(f"/api/v1/runs/{run}").json()["name"]
+    yield lambda other: client.patch(f"/api/v1/runs/{run}", json={"name": other})
+    client.patch(f"/api/v1/runs/{run}", json={"name": name})
 
 
 def played(page: str) -> dict[str, Any]:
@@ -82,8 +100,8 @@ def test_intruders_and_heights_are_played(bare: Service) -> None:
         assert message["position"] == pytest.approx((60, 500 - 20 * time, 30 + time), abs=1e-9)
 
 
-def test_the_caption_describes_what_is_shown(client: httpx.Client, run: str) -> None:
-    client.patch(f"/api/v1/runs/{run}", json={"name": "<script>alert(1)</script> & co"})
+def test_the_caption_describes_what_is_shown(client: httpx.Client, run: str, rename: Rename) -> None:
+    rename("<script>alert(1)</script> & co")
     page = client.get(f"/api/v1/runs/{run}/exports/flight-F1.html").text
     assert "<script>alert" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co" in page
@@ -104,14 +122,14 @@ def test_the_caption_describes_what_is_shown(client: httpx.Client, run: str) -> 
         assert words in card
 
 
-def test_a_file_that_is_there_already_is_not_sent_again(client: httpx.Client, run: str) -> None:
+def test_a_file_that_is_there_already_is_not_sent_again(client: httpx.Client, run: str, rename: Rename) -> None:
     place = f"/api/v1/runs/{run}/exports/flight-F1.html"
     first = client.get(place)
     tag = first.headers["etag"]
     again = client.get(place, headers={"If-None-Match": tag})
     assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", tag)
     assert client.get(f"{place}?theme=dark").headers["etag"] != tag
-    client.patch(f"/api/v1/runs/{run}", json={"name": "Another name"})
+    rename("Another name")
     assert client.get(place, headers={"If-None-Match": tag}).status_code == 200
 
 
@@ -144,16 +162,17 @@ def test_other_addresses_are_refused(client: httpx.Client, run: str, path: str, 
     problem(client.get(path), status)
 
 
-def test_it_is_behind_the_login(service: Service, run: str) -> None:
-    with service.visitor() as stranger:
+def test_it_is_behind_the_login(still: Service, run: str) -> None:
+    with still.visitor() as stranger:
         assert stranger.get(f"/view/{run}/F1/recorded/").status_code == 401
         assert stranger.get(f"/api/v1/runs/{run}/exports/flight-F1.html").status_code == 401
 
 
-def test_making_one_leaves_nothing_behind(service: Service, client: httpx.Client, run: str) -> None:
+def test_making_one_leaves_nothing_behind(still: Service, client: httpx.Client, run: str, rename: Rename) -> None:
+    rename("Not recorded before")
     ports, known = listening(), set(threading.enumerate())
     for theme in ("light", "dark"):
         assert client.get(f"/api/v1/runs/{run}/exports/flight-F1.html?theme={theme}").status_code == 200
     until(lambda: listening() == ports)
     until(lambda: not {t for t in threading.enumerate() if t not in known and "AnyIO" not in t.name})
-    assert service.app.state.viewers.open == 0
+    assert still.app.state.viewers.open == 0

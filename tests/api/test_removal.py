@@ -113,11 +113,11 @@ def test_several_are_removed_and_restored_together_or_none(client: httpx.Client,
     assert len(listed(client)) == 2
 
 
-@pytest.mark.parametrize("reason", [None, "", "  \n", "x" * 401, "a\0b"])
-def test_a_reason_is_needed(client: httpx.Client, run: str, reason: str | None) -> None:
-    problem(client.delete(run, params={} if reason is None else {"reason": reason}), 422)
-    problem(client.post("/api/v1/runs/remove", json={"runs": ["R-0001"], "reason": reason}), 422)
-    assert listed(client) == ["R-0001"]
+def test_a_reason_is_needed(client: httpx.Client, run: str) -> None:
+    for reason in (None, "", "  \n", "x" * 401, "a\0b"):
+        problem(client.delete(run, params={} if reason is None else {"reason": reason}), 422)
+        problem(client.post("/api/v1/runs/remove", json={"runs": ["R-0001"], "reason": reason}), 422)
+        assert listed(client) == ["R-0001"], reason
 
 
 def test_what_is_not_there_is_not_found(client: httpx.Client, run: str) -> None:

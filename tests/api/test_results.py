@@ -15,16 +15,16 @@ from tests.api.server import Service
 from tests.api.submitting import submit
 
 
-@pytest.fixture
-def run(service: Service, client: httpx.Client) -> str:
-    """A finished run."""
-    run = submit(client)
-    finish(service)
+@pytest.fixture(scope="module")
+def run(still: Service, guest: httpx.Client) -> str:
+    """A finished run, which the tests only read."""
+    run = submit(guest)
+    finish(still)
     return run
 
 
-def test_thinning_of_evaluations_retains_every_improvement(client: httpx.Client, run: str) -> None:
-    answer = client.get(f"/api/v1/runs/{run}/evaluations", params={"max_points": 400}).json()
+def test_thinning_of_evaluations_retains_every_improvement(guest: httpx.Client, run: str) -> None:
+    answer = guest.get(f"/api/v1/runs/{run}/evaluations", params={"max_points": 400}).json()
     (stage,) = answer["stages"]
     flown = search(0, 1000)
     assert (stage["position"], stage["method"], stage["total"], stage["failed"]) == (2, "direct", 1000, 100)
@@ -39,16 +39,16 @@ def test_thinning_of_evaluations_retains_every_improvement(client: httpx.Client,
     assert stage["status"] == ["failed" if i % 10 == 9 else "ok" for i in stage["index"]]
 
 
-def test_parameters_are_in_units_at_full_precision(client: httpx.Client, run: str) -> None:
-    (stage,) = client.get(f"/api/v1/runs/{run}/evaluations").json()["stages"]
+def test_parameters_are_in_units_at_full_precision(guest: httpx.Client, run: str) -> None:
+    (stage,) = guest.get(f"/api/v1/runs/{run}/evaluations").json()["stages"]
     points = search(0, 1000).points[stage["index"]]
     assert list(stage["parameters"]) == ["vehicle.m", "vehicle.J"]
     assert stage["parameters"]["vehicle.m"] == (4.0 + (6.0 - 4.0) * points[:, 0]).tolist()
     assert stage["parameters"]["vehicle.J"] == (0.04 + (0.06 - 0.04) * points[:, 1]).tolist()
 
 
-def test_improvements_end_at_the_last_evaluation(client: httpx.Client, run: str) -> None:
-    (stage,) = client.get(f"/api/v1/runs/{run}/evaluations", params={"max_points": 2}).json()["stages"]
+def test_improvements_end_at_the_last_evaluation(guest: httpx.Client, run: str) -> None:
+    (stage,) = guest.get(f"/api/v1/runs/{run}/evaluations", params={"max_points": 2}).json()["stages"]
     steps, flown = stage["improvements"], search(0, 1000)
     better = thin.improvements(flown.costs[:, 0]).tolist()
     assert steps["index"] == [*better, 999]
@@ -57,18 +57,18 @@ def test_improvements_end_at_the_last_evaluation(client: httpx.Client, run: str)
     assert len(stage["index"]) == 2
 
 
-def test_failures_say_why(client: httpx.Client, run: str) -> None:
-    failures = client.get(f"/api/v1/runs/{run}/evaluations").json()["failures"]
+def test_failures_say_why(guest: httpx.Client, run: str) -> None:
+    failures = guest.get(f"/api/v1/runs/{run}/evaluations").json()["failures"]
     assert len(failures) == 100
     assert (failures[0]["index"], failures[0]["status"]) == (9, "failed")
     assert failures[0]["reason"] == "the speed exceeds 1000 m/s at 9 s"
     assert set(failures[0]["parameters"]) == {"vehicle.m", "vehicle.J"}
 
 
-def test_one_stage_can_be_asked_for(client: httpx.Client, run: str) -> None:
-    other = client.get(f"/api/v1/runs/{run}/evaluations", params={"position": 1}).json()
+def test_one_stage_can_be_asked_for(guest: httpx.Client, run: str) -> None:
+    other = guest.get(f"/api/v1/runs/{run}/evaluations", params={"position": 1}).json()
     assert (other["stages"], other["failures"]) == ([], [])
-    assert len(client.get(f"/api/v1/runs/{run}/evaluations", params={"position": 2}).json()["stages"]) == 1
+    assert len(guest.get(f"/api/v1/runs/{run}/evaluations", params={"position": 2}).json()["stages"]) == 1
 
 
 @pytest.mark.parametrize("query", [{"max_points": 1}, {"max_points": 10**7}, {"position": -1}, {"position": "x"}])
@@ -108,15 +108,15 @@ def test_findings_list_the_searches_that_found_them(service: Service, client: ht
     assert client.get(f"/api/v1/runs/{run}/findings").json()[0]["found"] == [by.model_dump()]
 
 
-def test_traces_are_listed_without_their_data(client: httpx.Client, run: str) -> None:
-    traces = client.get(f"/api/v1/runs/{run}/traces").json()
+def test_traces_are_listed_without_their_data(guest: httpx.Client, run: str) -> None:
+    traces = guest.get(f"/api/v1/runs/{run}/traces").json()
     assert [(t["name"], t["rows"]) for t in traces] == [("nominal", 3001), ("F1", 3001)]
     assert traces[0]["columns"][0] == {"name": "t", "symbol": "t", "unit": "s", "group": "time"}
     assert "data" not in traces[0]
 
 
-def test_a_trace_is_thinned_but_not_around_its_closest_approach(client: httpx.Client, run: str) -> None:
-    answer = client.get(f"/api/v1/runs/{run}/traces/F1", params={"max_points": 200}).json()
+def test_a_trace_is_thinned_but_not_around_its_closest_approach(guest: httpx.Client, run: str) -> None:
+    answer = guest.get(f"/api/v1/runs/{run}/traces/F1", params={"max_points": 200}).json()
     stored = flight("F1", passing=0.8).data
     times = answer["data"]["t"]
     assert 150 <= len(times) <= 200
@@ -127,13 +127,13 @@ def test_a_trace_is_thinned_but_not_around_its_closest_approach(client: httpx.Cl
     assert answer["data"]["x"] == stored[rows, 1].tolist()
     assert answer["data"]["separation"][:-1] == stored[rows[:-1], 9].tolist()
     assert answer["data"]["separation"][-1] is None
-    whole = client.get(f"/api/v1/runs/{run}/traces/F1", params={"max_points": 5000}).json()
+    whole = guest.get(f"/api/v1/runs/{run}/traces/F1", params={"max_points": 5000}).json()
     assert len(whole["data"]["t"]) == 3001
 
 
-def test_an_unknown_trace_is_not_found(client: httpx.Client, run: str) -> None:
-    assert "F7" in str(problem(client.get(f"/api/v1/runs/{run}/traces/F7"), 404)["detail"])
-    problem(client.get(f"/api/v1/runs/{run}/traces/F1", params={"max_points": 2}), 422)
+def test_an_unknown_trace_is_not_found(guest: httpx.Client, run: str) -> None:
+    assert "F7" in str(problem(guest.get(f"/api/v1/runs/{run}/traces/F7"), 404)["detail"])
+    problem(guest.get(f"/api/v1/runs/{run}/traces/F1", params={"max_points": 2}), 422)
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 10, 999, 1000])

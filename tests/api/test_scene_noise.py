@@ -27,23 +27,22 @@ DRAWN = 2
 """The third evaluation is of a grid, under the realisations that the campaign states."""
 
 
-def test_a_stored_evaluation_is_compared_with_a_flight_under_its_own_noise(bare: Service) -> None:
-    bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
+def test_a_stored_evaluation_is_compared_with_a_flight_under_its_own_noise(simulating: Service) -> None:
     problem = Problem(load_file(library()["unicycle_noise"]))
     seeds = of_draws(problem.campaign.seed, 0, DRAWN)
     own, _ = problem.evaluate(POINTS[:DRAWN], seeds=seeds)
     grid, _ = problem.evaluate(POINTS[DRAWN:])
     costs = np.concatenate([own.costs, grid.costs])
-    with bare.signed_in() as client:
-        run = number(shipped(bare, client, "unicycle_noise"))
-        work = Work(bare, PLAN)
+    with simulating.signed_in() as client:
+        run = number(shipped(simulating, client, "unicycle_noise"))
+        work = Work(simulating, PLAN)
         work.nominal()
         work.store.begin(1)
         work.store.append(1, 0, Columns(POINTS, costs, np.zeros(3, np.uint8), np.ones(3), {}))
-        with read(bare.engine) as reader:
+        with read(simulating.engine) as reader:
             assert draws(reader, run, problem.campaign.document()) == {1: WHOLE}, "while the stage runs"
         asked = {"stages": {"certify": {"samples": 1, "grid": {"points": 2}}}}
-        with read(bare.engine) as reader:
+        with read(simulating.engine) as reader:
             assert draws(reader, run, asked) == {1: 1}, "what was asked for is drawn before the grid"
         worst = problem.named(POINTS[0])
         cost = float(costs[0, 0])
@@ -51,7 +50,7 @@ def test_a_stored_evaluation_is_compared_with_a_flight_under_its_own_noise(bare:
         known = {"point": POINTS[0].tolist(), "methods": [], "validation": case}
         finding = results.finding("F1", cost, 0.1, worst, **known)
         work.store.finish(1, results.certified(DRAWN), 1.0, findings=[finding])
-        with read(bare.engine) as reader:
+        with read(simulating.engine) as reader:
             setting = load(reader, run)
             cloud = cloud_of(reader, run, setting, None)
             progress = Progress(setting, run)
@@ -61,10 +60,10 @@ def test_a_stored_evaluation_is_compared_with_a_flight_under_its_own_noise(bare:
     assert noise == [noise for _, noise in sampled] == [Noise(draw=0), Noise(draw=1), STATED]
     assert progress.seeds == {"F1": int(seeds[0])}
     for one in cloud.drawn:
-        again = bare.app.state.live.simulate(setting.document, setting.digest, one.parameters, 100, one.noise)
+        again = simulating.app.state.live.simulate(setting.document, setting.digest, one.parameters, 100, one.noise)
         assert again["cost"] == one.cost, f"evaluation {one.index}, bit by bit"
         flight = from_live(again)
         assert flight is not None
         assert flight.seed == (seeds[one.index] if one.index < DRAWN else again["meta"]["realisation"]["seed"])
-    stated = bare.app.state.live.simulate(setting.document, setting.digest, worst, 100)
+    stated = simulating.app.state.live.simulate(setting.document, setting.digest, worst, 100)
     assert stated["cost"] != costs[0, 0], "under the stated noise it is another flight"

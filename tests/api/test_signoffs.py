@@ -25,6 +25,14 @@ def run(service: Service, client: httpx.Client) -> str:
     return f"/api/v1/runs/{run}/signoffs"
 
 
+@pytest.fixture(scope="module")
+def unsigned(still: Service, guest: httpx.Client) -> str:
+    """The same of the shared service; nobody signs them."""
+    run = submit(guest)
+    finish_fully(still)
+    return f"/api/v1/runs/{run}/signoffs"
+
+
 def given(client: httpx.Client, run: str, **changes: Any) -> dict[str, Any]:
     digest = client.get(run).json()["digest"]
     return {"name": "Grace Hopper", "role": "Independent review", "comment": "Read.", "digest": digest} | changes
@@ -141,8 +149,8 @@ def test_nothing_edits_a_sign_off(client: httpx.Client, run: str, method: str) -
         {"created": 0},
     ],
 )
-def test_what_is_no_sign_off_is_refused(client: httpx.Client, run: str, changes: dict[str, Any]) -> None:
-    problem(client.post(run, json=given(client, run, **changes)), 422)
+def test_what_is_no_sign_off_is_refused(guest: httpx.Client, unsigned: str, changes: dict[str, Any]) -> None:
+    problem(guest.post(unsigned, json=given(guest, unsigned, **changes)), 422)
 
 
 def test_a_run_without_a_verdict_is_not_signed(client: httpx.Client) -> None:

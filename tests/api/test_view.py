@@ -22,6 +22,12 @@ from tests.api.submitting import submit
 from tests.api.viewing import KEY, PROTOCOL, Panel, frames_until, steer, viewing
 
 
+@pytest.fixture(scope="module")
+def queued(guest: httpx.Client) -> str:
+    """A run of the shared service."""
+    return submit(guest)
+
+
 def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     answer = client.get(f"/view/{run}/")
@@ -54,9 +60,8 @@ def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: h
         ("/view/R-0001/key/0", 404),
     ],
 )
-def test_other_addresses_are_refused(service: Service, client: httpx.Client, path: str, status: int) -> None:
-    submit(client)
-    problem(client.get(path), status)
+def test_other_addresses_are_refused(guest: httpx.Client, queued: str, path: str, status: int) -> None:
+    problem(guest.get(path), status)
 
 
 def test_the_scene_of_a_finished_run_arrives(service: Service, client: httpx.Client) -> None:
@@ -100,15 +105,15 @@ def test_what_is_found_while_watching_appears(service: Service, client: httpx.Cl
         frames_until(connection, b"/flights/worst/path", b"Worst 0.8000 m")
 
 
-def test_a_view_simulates_given_parameters(bare: Service) -> None:
+def test_a_view_simulates_given_parameters(simulating: Service) -> None:
     """With the published catalogue, and the real simulation process."""
-    bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
-    bare.publish(published_by_workers())
-    with bare.signed_in() as client:
+    simulating.publish(published_by_workers())
+    with simulating.signed_in() as client:
         shipped = client.get("/api/v1/campaigns/unicycle_static").json()
         run = client.post("/api/v1/runs", json={"campaign": shipped["document"]}).json()["id"]
-        Work(bare, [StagePlan("nominal", None, 1), StagePlan("search", "monte_carlo", 100)]).search(0, 100, stage=1)
-        with viewing(bare, client, f"/view/{run}/key/{KEY}/") as connection:
+        plan = [StagePlan("nominal", None, 1), StagePlan("search", "monte_carlo", 100)]
+        Work(simulating, plan).search(0, 100, stage=1)
+        with viewing(simulating, client, f"/view/{run}/key/{KEY}/") as connection:
             steer(client, run, what_if={"vehicle.J": 0.06})
             frames_until(connection, b"What-if 0.9429 m", seconds=120)
             until(lambda: steer(client, run)["what_if"] == {"vehicle.m": 5.0, "vehicle.J": 0.06})
@@ -161,19 +166,17 @@ def test_the_flight_can_be_played_and_viewed_from_each_camera(service: Service, 
     ids=str,
 )
 def test_a_socket_without_cookie_or_from_elsewhere_is_refused(
-    service: Service, client: httpx.Client, changes: dict[str, str | None]
+    still: Service, guest: httpx.Client, queued: str, changes: dict[str, str | None]
 ) -> None:
-    run = submit(client)
-    with pytest.raises(websockets.InvalidStatus) as refused, viewing(service, client, f"/view/{run}/", **changes):
+    with pytest.raises(websockets.InvalidStatus) as refused, viewing(still, guest, f"/view/{queued}/", **changes):
         pass
     assert refused.value.response.status_code == 403
-    assert service.app.state.viewers.open == 0
+    assert still.app.state.viewers.open == 0
 
 
 @pytest.mark.parametrize("path", ["/view/R-0001/?websocket=x", "/view/R-0099/", "/view/x/", "/view/R-0001/purple"])
-def test_a_socket_to_nowhere_is_refused(service: Service, client: httpx.Client, path: str) -> None:
-    submit(client)
-    with pytest.raises(websockets.InvalidStatus), viewing(service, client, path):
+def test_a_socket_to_nowhere_is_refused(still: Service, guest: httpx.Client, queued: str, path: str) -> None:
+    with pytest.raises(websockets.InvalidStatus), viewing(still, guest, path):
         pass
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from backend.scenes.drawing import following
+from backend.scenes.live.live import Live
 from tests.api.answers import problem
 from tests.api.finished import Work, finish, flight
 from tests.api.server import Service, until
@@ -22,8 +23,7 @@ from tests.api.viewing import KEY, Panel, frames_until, steer, viewing
 OTHER = "ffffffff-ffff-4fff-bfff-ffffffffffff"
 
 
-@pytest.fixture
-def run(service: Service, client: httpx.Client) -> str:
+def finished(service: Service, client: httpx.Client) -> str:
     """A finished run with two findings, of which the second passes further off."""
     run = submit(client)
     work = Work(service)
@@ -32,6 +32,18 @@ def run(service: Service, client: httpx.Client) -> str:
     work.found(("F2",), flight("F2", passing=0.85))
     work.conclude()
     return run
+
+
+@pytest.fixture
+def run(service: Service, client: httpx.Client) -> str:
+    """That of a separate service."""
+    return finished(service, client)
+
+
+@pytest.fixture(scope="module")
+def flown(still: Service, guest: httpx.Client) -> str:
+    """That of the shared service."""
+    return finished(still, guest)
 
 
 def address(run: str, key: str = KEY) -> str:
@@ -210,13 +222,13 @@ def test_a_key_is_good_for_its_run_and_its_visitor_alone(service: Service, clien
     ids=str,
 )
 def test_what_cannot_be_shown_is_refused(
-    service: Service, client: httpx.Client, run: str, change: dict[str, Any]
+    still: Service, guest: httpx.Client, flown: str, change: dict[str, Any]
 ) -> None:
-    with viewing(service, client, f"/view/{run}/key/{KEY}"):
-        before = steer(client, run)
-        assert problem(client.patch(address(run), json=change), 422)["detail"]
-        assert client.get(address(run)).json() == before
-    problem(client.patch(address(run, "x"), json={}), 422)
+    with viewing(still, guest, f"/view/{flown}/key/{KEY}"):
+        before = steer(guest, flown)
+        assert problem(guest.patch(address(flown), json=change), 422)["detail"]
+        assert guest.get(address(flown)).json() == before
+    problem(guest.patch(address(flown, "x"), json={}), 422)
 
 
 def test_of_two_views_with_one_key_the_newer_is_meant(service: Service, client: httpx.Client, run: str) -> None:
@@ -246,7 +258,10 @@ def test_a_run_without_findings_takes_any_label(service: Service, client: httpx.
     assert run != other
 
 
-def test_a_change_of_what_is_shown_is_published_at_once(service: Service, client: httpx.Client, run: str) -> None:
+def test_a_change_of_what_is_shown_is_published_at_once(
+    service: Service, client: httpx.Client, run: str, process: Live
+) -> None:
+    service.app.state.live = process  # for the layers that simulate
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
         panel = Panel(connection, last="Show its flight")
         panel.told()

@@ -71,12 +71,11 @@ def click(panel: Panel, eye: Any, direction: Any) -> None:
     )
 
 
-def test_a_click_on_a_point_simulates_it_and_compares_it_with_the_stored_cost(bare: Service, cost: float) -> None:
-    bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
-    with bare.signed_in() as client:
-        run = shipped(bare, client, "unicycle_static")
-        stored(bare, cost)
-        with viewing(bare, client, f"/view/{run}/key/{KEY}/") as connection:
+def test_a_click_on_a_point_simulates_it_and_compares_it_with_the_stored_cost(simulating: Service, cost: float) -> None:
+    with simulating.signed_in() as client:
+        run = shipped(simulating, client, "unicycle_static")
+        stored(simulating, cost)
+        with viewing(simulating, client, f"/view/{run}/key/{KEY}/") as connection:
             panel = Panel(connection, last="Show its flight")
             steer(client, run, layers={"space": True})
             eye, middle = camera(connection)
@@ -106,18 +105,19 @@ def test_failures_are_shown_and_counted(service: Service, client: httpx.Client) 
         assert b"no value" not in again
 
 
-def test_excluded_and_failed_evaluations_have_their_own_marks_and_repeat_when_simulated_again(bare: Service) -> None:
-    bare.app.state.live._first_limit = 120.0
-    with bare.signed_in() as client:
-        lost = lose(bare, client)
-        with viewing(bare, client, f"/view/{lost.run}/key/{KEY}/") as connection:
+def test_excluded_and_failed_evaluations_have_their_own_marks_and_repeat_when_simulated_again(
+    simulating: Service,
+) -> None:
+    with simulating.signed_in() as client:
+        lost = lose(simulating, client)
+        with viewing(simulating, client, f"/view/{lost.run}/key/{KEY}/") as connection:
             panel = Panel(connection, last="Show its flight")
             steer(client, lost.run, layers={"space": True})
             received = frames_until(connection, b"/space/ok", b"/space/failed", b"/space/excluded", b"of those drawn")
             assert b"21 of 21 evaluations." in received
             assert b"failed: 7 of 7." in received
             assert b"excluded: 4 of 4." in received
-            (viewer,) = bare.app.state.viewers.steered.values()
+            (viewer,) = simulating.app.state.viewers.steered.values()
             drawn = viewer._panel._cloud._drawn
             for row, status in ((0, b"excluded"), (4, b"failed")):
                 click(panel, drawn.points[row] - np.array([0.0, 0.01, 0.0]) * drawn.side, (0.0, 1.0, 0.0))

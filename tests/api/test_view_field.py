@@ -8,12 +8,11 @@ from tests.api.shipped import shipped
 from tests.api.viewing import KEY, frames_until, steer, viewing
 
 
-def test_the_field_is_shown_for_the_time_shown(bare: Service) -> None:
-    bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
-    with bare.signed_in() as client:
-        run = shipped(bare, client, "unicycle_static")
-        work = Work(bare)
-        with viewing(bare, client, f"/view/{run}/t/2.0/key/{KEY}") as connection:
+def test_the_field_is_shown_for_the_time_shown(simulating: Service) -> None:
+    with simulating.signed_in() as client:
+        run = shipped(simulating, client, "unicycle_static")
+        work = Work(simulating)
+        with viewing(simulating, client, f"/view/{run}/t/2.0/key/{KEY}") as connection:
             steer(client, run, layers={"field": True})
             frames_until(connection, b"There is no flight yet; its field cannot be shown")
             work.nominal(flight("nominal"))

@@ -14,13 +14,13 @@ from tests.api.shipped import shipped
 from tests.api.viewing import KEY, Panel, frames, frames_until, steer, viewing
 
 
-def test_an_intruder_moves_with_the_time_on_its_dashed_track(bare: Service) -> None:
-    with bare.signed_in() as client:
-        run = shipped(bare, client, "pioneer_moving")
-        work = Work(bare)
+def test_an_intruder_moves_with_the_time_on_its_dashed_track(simulating: Service) -> None:
+    with simulating.signed_in() as client:
+        run = shipped(simulating, client, "pioneer_moving")
+        work = Work(simulating)
         work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
         work.found(flown=encounter("F1", "enu", straight(300, -40, 0, 0, 5, 0), rows=301))
-        with viewing(bare, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
+        with viewing(simulating, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
             panel = Panel(connection, last="Show its flight")
             for time in (4.0, 12.5):
                 places = panel.places(
@@ -32,42 +32,42 @@ def test_an_intruder_moves_with_the_time_on_its_dashed_track(bare: Service) -> N
                 assert places["/obstacles/0"]["position"] == pytest.approx((300, -40 + 5 * time, 0))
                 for flight in ("nominal", "worst"):
                     assert places[f"/flights/{flight}/vehicle"]["position"][:2] == pytest.approx((20 * time, 5))
-        with viewing(bare, client, f"/view/{run}/t/1.0") as connection:
+        with viewing(simulating, client, f"/view/{run}/t/1.0") as connection:
             received = frames_until(connection, b"Search")
         assert b"/tracks/0" in received
         assert b"intruder, d_min > 5 m" in received
         assert b"/obstacles/0-worst" not in received, "both flights have the same intruder: it is drawn once"
 
 
-def test_an_intruder_that_answers_is_drawn_for_each_flight(bare: Service) -> None:
-    with bare.signed_in() as client:
-        run = shipped(bare, client, "pioneer_moving")
-        work = Work(bare)
+def test_an_intruder_that_answers_is_drawn_for_each_flight(simulating: Service) -> None:
+    with simulating.signed_in() as client:
+        run = shipped(simulating, client, "pioneer_moving")
+        work = Work(simulating)
         work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
         work.found(flown=encounter("F1", "enu", straight(300, -40, 0, 1, 5, 0)))
-        with viewing(bare, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
+        with viewing(simulating, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
             panel = Panel(connection, last="Show its flight")
             places = panel.places(partial(steer, client, run, time=10.0), "/obstacles/0", "/obstacles/0-worst")
             assert places["/obstacles/0"]["position"] == pytest.approx((300, 10, 0))
             assert places["/obstacles/0-worst"]["position"] == pytest.approx((310, 10, 0))
 
 
-def test_an_intruder_without_a_flight_is_not_drawn_standing(bare: Service) -> None:
-    with bare.signed_in() as client:
-        run = shipped(bare, client, "pioneer_moving")
-        work = Work(bare)
-        with viewing(bare, client, f"/view/{run}/") as connection:
+def test_an_intruder_without_a_flight_is_not_drawn_standing(simulating: Service) -> None:
+    with simulating.signed_in() as client:
+        run = shipped(simulating, client, "pioneer_moving")
+        work = Work(simulating)
+        with viewing(simulating, client, f"/view/{run}/") as connection:
             assert b"/obstacles/0" not in frames_until(connection, b"/goal/label", b"Search")
             work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
             frames_until(connection, b"/tracks/0", b"intruder, d_min > 5 m")
 
 
-def test_an_aircraft_is_drawn_upright_with_north_ahead_and_east_to_the_right(bare: Service) -> None:
-    with bare.signed_in() as client:
-        run = shipped(bare, client, "uav_aca")
-        work = Work(bare)
+def test_an_aircraft_is_drawn_upright_with_north_ahead_and_east_to_the_right(simulating: Service) -> None:
+    with simulating.signed_in() as client:
+        run = shipped(simulating, client, "uav_aca")
+        work = Work(simulating)
         work.nominal(encounter("nominal", "ned", straight(500, 60, -30, -20, 0, -1)))
-        with viewing(bare, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
+        with viewing(simulating, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
             panel = Panel(connection, last="Show its flight")
             for time in (5.0, 14.0):
                 places = panel.places(
@@ -81,7 +81,7 @@ def test_an_aircraft_is_drawn_upright_with_north_ahead_and_east_to_the_right(bar
             assert left[2] == pytest.approx(np.cos(0.1) * np.sin(0.3)), "right wing down"
             assert left[0] < -0.9, "the left wing is in the west"
             assert up[2] > 0.9
-        with viewing(bare, client, f"/view/{run}/") as connection:
+        with viewing(simulating, client, f"/view/{run}/") as connection:
             received, drawn = b"", []
             for frame in frames(connection):
                 received += frame

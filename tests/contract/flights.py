@@ -44,9 +44,9 @@ def no_number_shows(flown: Problem, of: Entries) -> None:
         assert batch.status[row] != OK or np.array_equal(batch.costs[row], batch.costs[0]), path
 
 
-def as_in_plain_python(compiled: Problem, plain: Problem, of: Entries) -> None:
+def as_in_plain_python(compiled: Problem, plain: Problem, of: Entries, count: int) -> None:
     """Both forms give the same status, costs and trace."""
-    vectors, steps = near(compiled, of, 16), 24
+    vectors, steps = near(compiled, of, count), 24
     one, other = (p.system.loop.simulate(vectors, STEP, steps, traced=1) for p in (compiled, plain))
     assert one.status.tolist() == other.status.tolist()
     ok = one.status == 0.0

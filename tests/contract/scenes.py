@@ -101,8 +101,7 @@ def together() -> list[tuple[Component, ...]]:
     """
     found: list[tuple[Component, ...]] = []
     for dimension in (2, 3):
-        vehicles = [v for v in _of("vehicle") if v.dimension == dimension]
-        pairs = [(v, c) for v in vehicles for c in _of("controller") if v.name in c.fits]
+        pairs = _covering([v for v in _of("vehicle") if v.dimension == dimension])
         avoiders = [a for a in _of("avoider") if entry(a).dimension == dimension]
         avoiders.sort(key=lambda a: a.name in published())
         needed = max(len(pairs), sum(a.name not in published() for a in avoiders))
@@ -118,6 +117,17 @@ def together() -> list[tuple[Component, ...]]:
                 hands[(first + k) % len(hands)].append(card)
         found += map(tuple, hands)
     return found
+
+
+def _covering(vehicles: list[Vehicle]) -> list[tuple[Vehicle, Controller]]:
+    """Vehicles with controllers that fit, each of both at least once; all pairs: tests/contract/test_pairs.py."""
+    found: list[tuple[Vehicle, Controller]] = []
+    left = [c for c in _of("controller") if any(v.name in c.fits for v in vehicles)]
+    for vehicle in vehicles:
+        fits = [c for c in left if vehicle.name in c.fits] or [_controller(vehicle)]
+        found.append((vehicle, fits[0]))
+        left = [c for c in left if c is not fits[0]]
+    return found + [(next(v for v in vehicles if v.name in c.fits), c) for c in left]
 
 
 def problem(*chosen: Component, compiled: bool = True) -> Problem:

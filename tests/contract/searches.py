@@ -5,7 +5,8 @@ Start reading at `driven`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from worker.stages.parts.base import Context, Driven, drive
 from worker.stages.parts.store import StagePlan
 
 EACH = pytest.mark.parametrize("method", methods().values(), ids=lambda m: m.name)
+
 BUDGET, COSTLY = 400, 24
 """Evaluations of a search; a costly method has at most the second number, and the full one in `make nightly`."""
 
@@ -27,6 +29,15 @@ BUDGET, COSTLY = 400, 24
 def at_most(method: Method, budget: int) -> int:
     """The budget, or less for a method whose own time is milliseconds per evaluation."""
     return min(budget, COSTLY) if method.costly else budget
+
+
+def with_each(names: Iterable[str], values: Sequence[int]) -> list[Any]:
+    """(method, name, value) as parameters of a test: by day every pair of two of them once, at night all three."""
+    return [
+        pytest.param(method, name, value, id=f"{name}-{value}-{method.name}", marks=() if day else pytest.mark.nightly)
+        for (i, method), (j, name), (k, value) in product(*map(enumerate, (methods().values(), names, values)))
+        for day in [(i + j + k) % len(values) == 0]
+    ]
 
 
 def smooth(x: Floats) -> Floats:

@@ -66,7 +66,7 @@ def test_a_nan_fails_the_simulation_or_changes_nothing(among: Components, compon
 
 @EACH
 def test_it_agrees_with_plain_python(among: Components, component: Component) -> None:
-    as_in_plain_python(problem(*among), problem(*among, compiled=False), own(component, among))
+    as_in_plain_python(problem(*among), problem(*among, compiled=False), own(component, among), 3)
 
 
 @pytest.mark.nightly
@@ -76,4 +76,4 @@ def test_alone_it_never_crashes_and_agrees_with_plain_python(component: Componen
     assert batch.status.tolist() == [OK] * 3, reasons
     unbreakable(problem(component), own(component), 384)
     no_number_shows(problem(component), own(component))
-    as_in_plain_python(problem(component), problem(component, compiled=False), own(component))
+    as_in_plain_python(problem(component), problem(component, compiled=False), own(component), 16)

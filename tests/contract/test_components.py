@@ -116,7 +116,7 @@ def test_it_can_be_simulated_with_the_first_other_components_that_fit(component:
 
 @EACH
 def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(component: Component) -> None:
-    unbreakable(problem(component, compiled=False), own(component), 16)
+    unbreakable(problem(component, compiled=False), own(component), 6)
 
 
 @EACH

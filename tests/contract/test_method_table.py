@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import product
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -15,8 +18,16 @@ from worker.catalogue.installed import methods
 from worker.search.base import Batch, Floats, Method, Minimum
 
 
-@EACH
-@pytest.mark.parametrize("name", TABLE)
+def some_by_day() -> list[Any]:
+    """Every method on a third of the functions, another third for the next method; the others at night."""
+    return [
+        pytest.param(method, name, id=f"{name}-{method.name}", marks=() if day else pytest.mark.nightly)
+        for (i, method), (j, name) in product(enumerate(methods().values()), enumerate(TABLE))
+        for day in [(i + j) % 3 == 0 or name == "excluded region"]
+    ]
+
+
+@pytest.mark.parametrize(("method", "name"), some_by_day())
 def test_every_function_of_the_table(method: Method, name: str) -> None:
     """Optima off the centre; a third of the box fails in thin slices, and what the function excludes is excluded."""
     f, budget = on_unit_cube(name, 5), at_most(method, 250)

@@ -15,8 +15,18 @@ import pytest
 
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from tests.contract import searches
-from tests.contract.searches import BUDGET, EACH, FUNCTIONS, Answer, answering, at_most, driven, rough, smooth
-from tests.unit.functions import FUNCTIONS as TABLE
+from tests.contract.searches import (
+    BUDGET,
+    EACH,
+    FUNCTIONS,
+    Answer,
+    answering,
+    at_most,
+    driven,
+    rough,
+    smooth,
+    with_each,
+)
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
 from worker.catalogue.installed import methods
@@ -30,9 +40,7 @@ def no_thread_stays() -> Iterator[None]:
     assert set(threading.enumerate()) <= before
 
 
-@EACH
-@pytest.mark.parametrize("dimension", [1, 2, 8])
-@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize(("method", "name", "dimension"), with_each(FUNCTIONS, (1, 2, 8)))
 def test_points_are_points_of_the_unit_cube(method: Method, name: str, dimension: int) -> None:
     found = run(method, FUNCTIONS[name], dimension, at_most(method, BUDGET))
     for points in found.batches:
@@ -67,9 +75,10 @@ def test_the_budget_is_never_exceeded(method: Method, budget: int) -> None:
     assert found.stop == "rule" or found.tally.evaluations == budget
 
 
-@EACH
-@pytest.mark.parametrize("status", [FAILED, TIMEOUT, EXCLUDED])
-@pytest.mark.parametrize("name", ["half of it fails", "what is best fails", "the middle fails"])
+@pytest.mark.parametrize(
+    ("method", "name", "status"),
+    with_each(("half of it fails", "what is best fails", "the middle fails"), (FAILED, TIMEOUT, EXCLUDED)),
+)
 def test_what_failed_is_survived_and_never_the_best(method: Method, name: str, status: int) -> None:
     found = driven(method, answering(FUNCTIONS[name], status), at_most(method, 600))
     tally = found.tally
@@ -135,13 +144,12 @@ def test_answers_may_be_changed_after_they_were_given(method: Method) -> None:
 
 
 def fingerprint(name: str, seed: int) -> str:
-    """The bits of all points that a method requests: on a rough function and on the table, of which a costly one gets
-    three functions."""
-    method, full = methods()[name], at_most(methods()[name], 600)
-    digest = hashlib.sha256(run(method, rough, 3, full, seed=seed).points.tobytes())
-    for function in ("Ackley 10", "Levy 8", "excluded region") if method.costly else TABLE:
+    """The bits of all points that a method requests: on a rough function and on three of the table."""
+    method = methods()[name]
+    digest = hashlib.sha256(run(method, rough, 3, at_most(method, BUDGET), seed=seed).points.tobytes())
+    for function in ("Ackley 10", "Levy 8", "excluded region"):
         f = on_unit_cube(function, seed)
-        found = run(method, f, f.dimension, at_most(method, 150), seed=seed, status=f.status)
+        found = run(method, f, f.dimension, at_most(method, 100), seed=seed, status=f.status)
         digest.update(found.points.tobytes())
     return digest.hexdigest()
 

@@ -59,7 +59,7 @@ def execute(campaign: Campaign, store: Store) -> Verdict | None:
 
 def flying(campaign: Campaign, store: Store) -> Verdict:
     """The nominal flight alone, in plain Python, of the code that this process loaded; then the accident, if any."""
-    problem = Problem(campaign, opened.closed_loop(campaign, compiled=False))
+    problem = Problem(campaign, opened.closed_loop(campaign, compiled=False, lanes=1))
     records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
     provenance.begin(store, problem.system)
     if records[0].state != "done":

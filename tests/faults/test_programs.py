@@ -33,6 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+@pytest.mark.nightly  # by day tests/e2e/test_simulator_run.py runs the same program through the service
 def test_a_program_of_json_lines(folder: Path) -> None:
     code, result, errors = run(folder, EXAMPLES / "campaigns" / "drop.yaml")
     assert code == 1, errors

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 import sqlalchemy as sa
@@ -22,6 +23,11 @@ from tests.faults.processes import Started, alive, descendants, kill, until, wor
 from tests.faults.stored import Stored
 
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
+
+
+def at_night(*values: object) -> Any:
+    """A parameter for `make nightly`: every loss of a child costs the start of another, 3 s of processor time."""
+    return pytest.param(*values, marks=pytest.mark.nightly)
 
 
 class Bench(Stored):
@@ -82,10 +88,12 @@ def test_a_worker_registers_and_publishes_its_catalogue(bench: Bench) -> None:
     assert "direct" in [method["name"] for method in document["methods"]]
 
 
-@pytest.mark.parametrize("accident", ["segfault", "kill", "exit", "leave", "fail"])
+@pytest.mark.parametrize("accident", ["segfault", at_night("kill"), at_night("exit"), "leave", "fail"])
 def test_after_one_crash_the_run_resumes_where_it_was(bench: Bench, tmp_path: Path, accident: str) -> None:
     run_id = bench.submit(accident, tmp_path / "once")
     ended = bench.ended(run_id)
+    if accident == "segfault":
+        assert "the worker process ended with signal 11 (SIGSEGV)" in bench.worker.text()
     assert (ended.state, ended.verdict, ended.attempts, ended.error) == ("done", "inconclusive", 1, None)
     assert ended.fence == 2
     bench.whole(run_id)
@@ -98,7 +106,7 @@ def test_after_one_crash_the_run_resumes_where_it_was(bench: Bench, tmp_path: Pa
 @pytest.mark.parametrize(
     ("accident", "how"),
     [
-        ("segfault", "the worker process ended with signal 11 (SIGSEGV)"),
+        at_night("segfault", "the worker process ended with signal 11 (SIGSEGV)"),
         ("exit", "the worker process ended with exit code 7"),
         ("fail", "the runner raised BrokenPipeError: [Errno 32] no pipe"),
     ],
@@ -158,7 +166,7 @@ def test_what_the_physics_prints_and_reads_never_reaches_the_supervisor(bench: B
     bench.whole(run_id)
 
 
-@pytest.mark.parametrize("accident", ["hang", "hold", "spawn"])
+@pytest.mark.parametrize("accident", [at_night("hang"), "hold", "spawn"])
 def test_cancel_takes_less_than_a_second_and_leaves_no_process(bench: Bench, accident: str) -> None:
     run_id = bench.submit(accident)
     bench.half_flown(run_id)
@@ -224,7 +232,7 @@ def test_killing_the_supervisor_leaves_no_child_and_another_worker_resumes(bench
     own.engine.dispose()
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, at_night(signal.SIGINT)])
 def test_a_stopped_worker_gives_its_run_back(bench: Bench, tmp_path: Path, number: signal.Signals) -> None:
     url = f"sqlite:///{tmp_path}/clearance.sqlite3"
     migrate(url)

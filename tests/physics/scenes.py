@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Collection, Iterable
 from typing import Any
+
+import pytest
 
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from tests.problems import Problem
 from worker.systems.base import Floats
-from worker.systems.closed_loop.assemble import Loop
+
+AT_NIGHT = frozenset({"uav_static_linear", "uav_static_bank", "uav_moving_bank", "uav_aca_linear"})
+"""Variants of cases 3 to 5 that are compiled at night; one with each model and autopilot stays by day."""
+
+
+def nightly(names: Iterable[str], night: Collection[str] = AT_NIGHT) -> list[Any]:
+    """Campaigns of the library as parameters of a test, some of them at night."""
+    return [pytest.param(name, marks=pytest.mark.nightly) if name in night else name for name in names]
 
 
 def changed(campaign: Campaign, **scenario: Any) -> Campaign:
@@ -24,9 +34,7 @@ def changed(campaign: Campaign, **scenario: Any) -> Campaign:
 
 def uncompiled(campaign: Campaign) -> Problem:
     """The campaign in plain Python, one flight at a time."""
-    problem = Problem(campaign, compiled=False)
-    problem.system.loop = Loop(problem.system.parts, lanes=1, compiled=False)
-    return problem
+    return Problem(campaign, compiled=False)
 
 
 def cost(problem: Problem, values: dict[str, float] | None = None, step: float | None = None) -> float:

@@ -7,6 +7,7 @@ noise and gusts have their own tests in test_noise.py, realisations in test_real
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,14 @@ def loops() -> dict[str, Campaign]:
 LOOPS = loops()
 
 
+def some_by_day() -> list[Any]:
+    """Every part in a quarter of the loops, the next part in another quarter; the other pairs at night."""
+    return [
+        pytest.param(name, loop, marks=() if (i + j) % 4 == 0 else pytest.mark.nightly)
+        for (i, name), (j, loop) in product(enumerate(PARTS), enumerate(LOOPS))
+    ]
+
+
 class TestNeutral:
     """With its defaults a component leaves the loop alone, to the last bit or nearly so."""
 
@@ -42,17 +51,16 @@ class TestNeutral:
     def test_every_parameter_has_a_default(self, name: str) -> None:
         assert [p.name for p in declared(PARTS[name].parameters) if p.default is None] == []
 
-    @pytest.mark.parametrize("loop", LOOPS)
-    @pytest.mark.parametrize("name", PARTS)
+    @pytest.mark.parametrize(("name", "loop"), some_by_day())
     def test_defaults_change_nothing(self, name: str, loop: str) -> None:
         campaign = LOOPS[loop]
         n = len(components()["vehicle", campaign.scenario.vehicle.component].states)
-        bare = short(campaign, 40)
+        bare = short(campaign, 20)
         if name == "guidance_delay":  # only sampled guidance can be late
             bare = uncompiled(
-                changed(bare.campaign, guidance=short(campaign, 40, name).campaign.scenario.guidance.model_dump())
+                changed(bare.campaign, guidance=short(campaign, 20, name).campaign.scenario.guidance.model_dump())
             )
-        assert flight(short(campaign, 40, name))[:, :n] == pytest.approx(flight(bare)[:, :n], rel=1e-12, abs=1e-12)
+        assert flight(short(campaign, 20, name))[:, :n] == pytest.approx(flight(bare)[:, :n], rel=1e-12, abs=1e-12)
 
     @pytest.mark.nightly
     def test_all_together_change_nothing_when_compiled(self) -> None:

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from campaigns import library, load_file
 from campaigns.results.base import FAILED
 from tests.physics.airframe import CALM, aircraft, constants, flown, linear
-from tests.physics.scenes import changed, cost, flight
+from tests.physics.scenes import changed, cost, flight, uncompiled
 from tests.problems import Problem
 from worker.components.vehicles import fixed_wing, fixed_wing_linear
 from worker.kernels.bind import plain
@@ -66,7 +66,8 @@ class TestTrim:
 
     def test_the_flight_starts_in_it(self) -> None:
         # but for the autopilot, which holds the forward speed u at 20 m/s where trim has 20 m/s cos(alpha)
-        assert flight(Problem(CRUISE))[:200, 2] == pytest.approx(np.zeros(200), abs=0.02)
+        problem = uncompiled(changed(CRUISE, horizon=10.0))
+        assert flight(problem)[:200, 2] == pytest.approx(np.zeros(200), abs=0.02)
 
 
 class TestMechanics:
@@ -162,7 +163,7 @@ class TestWind:
 
     def test_the_autopilot_holds_the_airspeed(self) -> None:
         wind = {"component": "steady_wind", "parameters": {"x": 3.0, "y": -2.0}}
-        problem = Problem(changed(CRUISE, environment=[wind], horizon=90.0))
+        problem = uncompiled(changed(CRUISE, environment=[wind], horizon=90.0))
         end = flight(problem)[-20:]
         heading = end[:, 5]
         assert heading == pytest.approx(np.full(20, 0.9), abs=2e-3)
@@ -170,8 +171,8 @@ class TestWind:
         assert ground == pytest.approx([20 * math.cos(0.9) + 3.0, 20 * math.sin(0.9) - 2.0], abs=0.05)
 
     def test_shear_and_calm(self) -> None:
-        calm = Problem(changed(CRUISE, environment=[{"component": "steady_wind"}]))
-        assert cost(calm) == pytest.approx(cost(Problem(CRUISE)), abs=1e-12)
+        calm = uncompiled(changed(CRUISE, environment=[{"component": "steady_wind"}], horizon=10.0))
+        assert cost(calm) == pytest.approx(cost(uncompiled(changed(CRUISE, horizon=10.0))), abs=1e-12)
 
 
 def over_ground(x: Floats, wind: Surroundings) -> Floats:
@@ -184,7 +185,7 @@ class TestIntegrator:
         # A smaller turn and change of speed than any limit of the autopilot; drag of the deflections has a corner at
         # zero deflection and is left out.
         smooth = {"component": "fixed_wing", "parameters": {"C_Dde": 0.0, "C_Dda": 0.0, "C_Ddr": 0.0}}
-        problem = Problem(changed(CRUISE, vehicle=smooth, goal={"speed": 19.5, "heading": 1.1}, horizon=4.0))
+        problem = uncompiled(changed(CRUISE, vehicle=smooth, goal={"speed": 19.5, "heading": 1.1}, horizon=4.0))
         ends = {}
         for step in (0.01, 0.005, 0.0025):
             counts = problem.system.counts(step)
@@ -201,11 +202,10 @@ class TestIntegrator:
             ({"vehicle.C_mde": 5.0}, "the pitch exceeds|angle of attack|turn rate"),
             ({"start.speed": 2.0}, "the forward speed is below 3 m/s"),
             ({"vehicle.C_lda": -2.0}, "the bank exceeds 2 rad|turn rate|sideslip"),
-            ({"vehicle.m": 0.0}, "the simulation diverged"),
         ],
     )
     def test_leaving_the_envelope_is_a_failure_with_a_reason(self, values: dict[str, float], said: str) -> None:
-        problem = Problem(CRUISE)
+        problem = uncompiled(CRUISE)
         batch, reasons = problem.system.simulate_vectors(problem.vector(values)[None])
         assert batch.status[0] == FAILED
         assert math.isnan(batch.costs[0, 0])

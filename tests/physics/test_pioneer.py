@@ -23,7 +23,7 @@ from worker.kernels.bind import plain
 
 CASE = load_file(library()["pioneer_moving"])
 PROBLEM = Problem(CASE)
-ALONE = Problem(load_file(library()["pioneer_no_avoidance"]))
+ALONE = uncompiled(load_file(library()["pioneer_no_avoidance"]))
 
 CORNER = {
     "vehicle.m": 34.0, "vehicle.B_e": 0.48, "vehicle.delta_u": 0.9, "vehicle.delta_w": 0.1, "vehicle.I_e": 3.8,
@@ -120,7 +120,7 @@ class TestIntegrator:
     @pytest.mark.parametrize("values", [{}, CORNER])
     def test_agrees_with_dop853_where_nothing_switches(self, values: dict[str, float]) -> None:
         given = {k: v for k, v in values.items() if k in ALONE.paths}
-        other = reference.Reference(ALONE.system).simulate(ALONE.vector(given))
+        other = reference.Reference(ALONE.system, compiled=False).simulate(ALONE.vector(given))
         assert not other.reason
         assert other.cost == pytest.approx(cost(ALONE, given), abs=1e-6)
 

@@ -110,7 +110,7 @@ def test_noise_cached_over_an_interval_and_noise_drawn_at_every_slope_give_the_s
 
 
 def test_the_seed_that_counts_need_not_be_searched_again() -> None:
-    problem = Problem(changed(load_file(library()["uav_moving_gusts"]), horizon=3.0))
+    problem = Problem(changed(load_file(library()["unicycle_noise"]), horizon=3.0))
     vectors = problem.vectors(np.random.default_rng(3).random((3, problem.dimension)))
     batch, _, seeds = problem.system.simulate_realised(vectors)
     assert seeds is not None

@@ -17,7 +17,7 @@ from campaigns import library, load_file
 from campaigns.results.base import OK
 from tests.bench import vectorised
 from tests.bench.reference_uav import Reference
-from tests.physics.scenes import changed, cost, uncompiled
+from tests.physics.scenes import changed, cost, nightly, uncompiled
 from tests.problems import Problem
 from worker import reference
 from worker.systems.base import Floats
@@ -41,9 +41,8 @@ FIGURES = {
     "uav_aca_bank": (77.54, 57.78, 57.78),
 }
 """d_min at the nominal values, at the published worst corner, and the lowest of all corners [m]."""
-AT_NIGHT = {"uav_static_linear", "uav_moving_bank", "uav_static_bank"}
-"""Variants that are compiled at night; of both kinds of variants one stays, and the three cases do."""
-EACH = [pytest.param(name, marks=pytest.mark.nightly) if name in AT_NIGHT else name for name in FIGURES]
+EACH = nightly(FIGURES)
+DOP853_AT_NIGHT = {"uav_moving", "uav_aca_linear", "uav_aca_bank"}
 BLIND = {"uav_static_no_avoidance": 19.39, "uav_moving_no_avoidance": 23.66, "uav_aca_no_avoidance": 4.540}
 RANGES = {
     ("uav_static", "vehicle.m"): (32.05, 27.74),
@@ -80,6 +79,12 @@ STRUCTURES: dict[str, tuple[dict[str, float], float, float, float]] = {
 @cache
 def problem(name: str) -> Problem:
     return Problem(load_file(library()[name]))
+
+
+@cache
+def plain(name: str) -> Problem:
+    """In plain Python, which takes less than compiling a loop for one or two simulations."""
+    return uncompiled(load_file(library()[name]))
 
 
 def order(name: str) -> list[str]:
@@ -122,12 +127,12 @@ class TestFigures:
 
     @pytest.mark.parametrize("name", BLIND)
     def test_without_avoidance(self, name: str) -> None:
-        assert cost(problem(name)) == pytest.approx(BLIND[name], abs=HELD)
+        assert cost(plain(name)) == pytest.approx(BLIND[name], abs=HELD)
 
     def test_avoiders_without_strength_do_not_avoid(self) -> None:
         for name, path in (("uav_static", "k_rep"), ("uav_moving", "eta"), ("uav_aca", "range")):
             blind = cost(problem(name), {f"avoider.{path}": 0.0})
-            assert blind == pytest.approx(cost(problem(f"{name}_no_avoidance")), abs=1e-9)
+            assert blind == pytest.approx(cost(plain(f"{name}_no_avoidance")), abs=1e-9)
 
     @pytest.mark.parametrize(("name", "path"), RANGES)
     def test_over_one_parameter(self, name: str, path: str) -> None:
@@ -155,7 +160,7 @@ class TestFigures:
     def test_case_5_with_errors_that_the_autopilot_sees_too(self) -> None:
         document = load_file(library()["uav_aca"]).document()
         document["scenario"]["faults"] = [{"component": "navigation_bias"}]
-        made = Problem(type(load_file(library()["uav_aca"])).model_validate(document))
+        made = uncompiled(type(load_file(library()["uav_aca"])).model_validate(document))
         found = []
         for m, C_mde, du, dpsi, du0, dpsi0 in (CORNERS["uav_aca"], (2.28, -1.356, 2.0, -0.2, -2.0, 0.2)):
             own = {"du": du, "dpsi": dpsi}
@@ -165,7 +170,7 @@ class TestFigures:
         assert found == pytest.approx([65.67, 17.72], abs=HELD)
 
     def test_the_closest_approach_without_avoidance_comes_after_25_4_s(self) -> None:
-        made = problem("uav_aca_no_avoidance")
+        made = plain("uav_aca_no_avoidance")
         states = made.system.loop.simulate(
             made.system.nominal[None], made.system.step, *made.system.counts(made.system.step), traced=1
         ).trace[0]
@@ -198,17 +203,17 @@ class TestFormulations:
 
     @pytest.mark.parametrize("name", [*EACH, "uav_aca_right_of_way", "uav_three_intruders"])
     def test_lockstep_equals_plain_python(self, name: str) -> None:
-        slow = uncompiled(load_file(library()[name]))
         vector = problem(name).vectors(np.random.default_rng(5).random((1, problem(name).dimension)))
-        plainly = slow.system.loop.simulate(vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1)
-        fast = problem(name).system.loop.simulate(
-            vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1
+        step, every = problem(name).system.step, problem(name).system.counts(problem(name).system.step)[1]
+        steps = round(28.0 / step)  # beyond the closest approach
+        fast, plainly = (
+            made.system.loop.simulate(vector, step, steps, every, traced=1) for made in (problem(name), plain(name))
         )
         assert plainly.costs == pytest.approx(fast.costs, abs=1e-12)
         # after the encounter a vehicle may circle its goal, where rounding errors grow
         assert plainly.trace[0, :400] == pytest.approx(fast.trace[0, :400], abs=1e-11)
 
-    @pytest.mark.parametrize("name", ["uav_static", "uav_moving", "uav_aca", "uav_aca_linear", "uav_aca_bank"])
+    @pytest.mark.parametrize("name", nightly((*CORNERS, "uav_aca_linear", "uav_aca_bank"), DOP853_AT_NIGHT))
     def test_agrees_with_dop853(self, name: str) -> None:
         made = Problem(changed(load_file(library()[name]), horizon=28.0))
         fine = float(made.system.simulate_vectors(made.system.nominal[None], made.system.step / 8)[0].costs[0, 0])
@@ -221,6 +226,13 @@ class TestFormulations:
         # the one with the most to do at a guidance sample; the others: python -m tests.bench.vectorised
         found = vectorised.counts("uav_three_intruders")
         assert vectorised.vectorises(found), found
+
+    def test_a_division_by_zero_fails_the_simulation(self) -> None:
+        made = problem("uav_static")
+        batch, reasons = made.system.simulate_vectors(made.vector({"vehicle.m": 0.0})[None])
+        assert batch.status[0] != OK
+        assert math.isnan(batch.costs[0, 0])
+        assert "the simulation diverged" in reasons[0]
 
     def test_bits_do_not_depend_on_the_batch(self) -> None:
         vectors = problem("uav_aca").vectors(np.random.default_rng(7).random((37, 6)))

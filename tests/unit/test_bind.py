@@ -141,6 +141,7 @@ def test_of_processes_that_need_the_same_code_one_compiles_it(tmp_path: Path) ->
     assert [answer["answer"] for answer in answers] == [["3.0", "5.0", "nan"]] * 2
 
 
+@pytest.mark.nightly  # four processes; by day the digests alone, in `test_what_the_digest_covers`
 @pytest.mark.parametrize(("old", "new"), [("OFFSET = 0.0", "OFFSET = 10.0"), ("by=2.0", "by=12.0")])
 def test_constants_and_defaults_of_a_helper_are_seen_too(tmp_path: Path, old: str, new: str) -> None:
     package = Package(tmp_path)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import ast
+import json
 from pathlib import Path
 
 import pytest
 
 from campaigns import library, load_file
 from tests.problems import Problem
+from tests.simulators.adversaries import adversary
+from tests.simulators.noisy import campaign
 from worker.cli import WRONG_INPUT, invoke
 
 
@@ -29,3 +32,12 @@ def test_it_prints_the_text_that_is_simulated(name: str, capsys: pytest.CaptureF
 def test_what_is_no_campaign(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["explain", name]) == WRONG_INPUT
     assert name in capsys.readouterr().err
+
+
+def test_a_simulator_has_no_text(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "adversary.json"
+    file.write_text(json.dumps(campaign().document()), encoding="utf-8")
+    with adversary():
+        assert invoke(["explain", str(file)]) == WRONG_INPUT
+    said = "Adversary, simulator adversary has no Python code to print; only a closed loop has"
+    assert said in capsys.readouterr().err

@@ -106,7 +106,11 @@ def test_a_run_stores_it_and_the_file_has_every_criterion(method: str, tmp_path:
             "search": [{"method": method, "evaluations": 120}],
             "validate": {"neighbours": 5},
         },
-        objectives=[{"component": "goal_miss"}, {"component": "time_to_goal", "parameters": {"radius": 0.5}}],
+        objectives=[
+            {"component": "goal_miss"},
+            {"component": "time_to_goal", "parameters": {"radius": 0.5}},
+            {"component": "peak_command"},  # the loop is one that tests/physics/test_criteria.py compiles
+        ],
         scenario=CASE1["scenario"] | {"horizon": 8.0},
     )
     store = MemoryStore()

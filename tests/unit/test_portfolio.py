@@ -86,18 +86,23 @@ def test_its_points_do_not_depend_on_the_budget() -> None:
     assert method.extend(Options(), 100) == Options()
 
 
-@pytest.mark.parametrize("seed", range(4))
+def seeds(count: int) -> pytest.MarkDecorator:
+    """The first seed by day, the others at night."""
+    return pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.nightly) for k in range(1, count))])
+
+
+@seeds(4)
 def test_both_of_two_failures_are_reported(seed: int) -> None:
     found = run(method, two_basins, 3, 4000, seed=seed)
     for centre in ([0.2, 0.3, 0.5], [0.8, 0.7, 0.5]):
         assert any(np.abs(m.point - centre).max() < 0.01 and m.cost < -0.95 for m in found.minima)
 
 
+@seeds(3)
 @pytest.mark.parametrize("name", ["Branin", "Shekel 10", "Griewank 5", "excluded region"])
-def test_the_known_minimum_is_found(name: str) -> None:
-    for seed in range(3):
-        function = on_unit_cube(name, seed)
-        assert function.gap(run(method, function, function.dimension, 5000, seed=seed, status=3).lowest) < 0.01
+def test_the_known_minimum_is_found(name: str, seed: int) -> None:
+    function = on_unit_cube(name, seed)
+    assert function.gap(run(method, function, function.dimension, 5000, seed=seed, status=3).lowest) < 0.01
 
 
 def test_a_member_that_ends_restarts_unless_it_would_repeat_itself() -> None:

@@ -57,7 +57,7 @@ def commands() -> list[list[str]]:
 def test_the_campaign_can_be_run() -> None:
     campaign = load_text(block("yaml"), "first-campaign.md")
     assert check(campaign, catalogue()) == []
-    problem = Problem(campaign)
+    problem = Problem(campaign, compiled=False)
     corners = np.zeros(problem.dimension), np.ones(problem.dimension)
     batch, reasons = problem.evaluate(np.array([problem.nominal_point, *corners]))
     assert reasons == {}
@@ -79,7 +79,7 @@ def test_the_component_can_be_simulated(monkeypatch: pytest.MonkeyPatch) -> None
         (post,),
         known["criterion", "separation"],  # type: ignore[arg-type]
     )
-    loop = Loop(parts, compiled=False)
+    loop = Loop(parts, lanes=1, compiled=False)
     given = {"goal.x": 6.0, "goal.y": 7.0, "criterion.threshold": 0.5, "obstacles.0.x": 4.0, "obstacles.0.y": 4.0}
     vector = np.array(
         [given.get(f"{s.prefix}.{p.name}", p.default) for s in loop.sections for p in s.parameters], dtype=np.float64

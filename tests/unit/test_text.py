@@ -35,7 +35,7 @@ def test_no_campaign_of_the_library_is_left_out() -> None:
 @pytest.mark.parametrize("name", EARLIER)
 def test_the_library(name: str) -> None:
     problem = Problem(campaign(name), compiled=False)
-    loop = Loop(problem.system.parts, lanes=1, compiled=False)
+    loop = problem.system.loop
     check(loop.text)
     point = np.random.default_rng(7).random((1, problem.dimension))
     vector = problem.realisations.flights(problem.vectors(point))[:1]
@@ -152,7 +152,7 @@ def reached(value: Any, found: set[types.CodeType]) -> set[types.CodeType]:
 
 
 def test_a_traceback_shows_the_line_of_the_text() -> None:
-    loop = Loop(parts(), compiled=False)
+    loop = Loop(parts(), lanes=1, compiled=False)
     with pytest.raises(TypeError) as caught:
         loop.part("closed_loop")(0.0, None, (), loop.extend(vector(loop)))
     shown = traceback.extract_tb(caught.value.__traceback__)
@@ -165,7 +165,7 @@ def test_a_traceback_shows_the_line_of_the_text() -> None:
 def test_where_no_file_can_be_written_the_lines_are_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "no_folder").touch()
     monkeypatch.setenv("CLEARANCE_KERNEL_CACHE", str(tmp_path / "no_folder"))
-    loop = Loop(parts(), compiled=False)
+    loop = Loop(parts(), lanes=1, compiled=False)
     assert loop.module.__file__ is not None
     assert not Path(loop.module.__file__).exists()
     assert linecache.getlines(loop.module.__file__) == loop.text.splitlines(keepends=True)
@@ -173,8 +173,8 @@ def test_where_no_file_can_be_written_the_lines_are_known(tmp_path: Path, monkey
 
 def test_a_file_that_was_edited_is_written_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CLEARANCE_KERNEL_CACHE", str(tmp_path))
-    file = Path(Loop(parts(), compiled=False).module.__file__ or "")
+    file = Path(Loop(parts(), lanes=1, compiled=False).module.__file__ or "")
     file.write_text("edited", encoding="utf-8")
-    loop = Loop(parts(), compiled=False)
+    loop = Loop(parts(), lanes=1, compiled=False)
     assert file.read_text(encoding="utf-8") == loop.text
     assert [f.name for f in file.parent.iterdir()] == [file.name], "no draft is left"

@@ -62,7 +62,7 @@ def module(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 def test_two_modules_of_one_name(module: Any) -> None:
     near = module("some_near.post", "RADIUS = 0.5\n" + POST)
     far = module("some_far.post", "RADIUS = 1.5\n" + POST)
-    loop = Loop(parts(obstacles=(near.component, far.component)), compiled=False)
+    loop = Loop(parts(obstacles=(near.component, far.component)), lanes=1, compiled=False)
     assert "from some_near import post\n" in loop.text
     assert "from some_far import post as some_far_post\n" in loop.text
     check(loop.text)
@@ -72,7 +72,7 @@ def test_two_modules_of_one_name(module: Any) -> None:
 
 @pytest.mark.parametrize("name", ["goal", "obstacle_0", "xv", "closed_loop", "views"])
 def test_a_module_named_like_something_of_the_text(name: str, module: Any) -> None:
-    loop = Loop(parts(obstacles=(module(name, "RADIUS = 0.5\n" + POST).component,)), compiled=False)
+    loop = Loop(parts(obstacles=(module(name, "RADIUS = 0.5\n" + POST).component,)), lanes=1, compiled=False)
     check(loop.text)
     assert loop.part("bodies")(0.0, (), (0.0, 0.0), loop.extend(vector(loop)))[0].radius == 0.5
 
@@ -133,6 +133,7 @@ print(json.dumps({"digest": loop.digest, "cost": flown.costs[0, 0], "hits": sum(
 """
 
 
+@pytest.mark.nightly  # by day tests/unit/test_bind.py edits a helper of a small kernel
 def test_an_edit_two_imports_away_gives_a_new_answer(tmp_path: Path) -> None:
     package = tmp_path / "some_package"
     package.mkdir()

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from campaigns.asked.distributions import Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
 from campaigns.checked.uncertainty import matrix
@@ -64,6 +63,8 @@ class Distributions:
         """
         mixed = np.asarray(uniform, dtype=np.float64).copy()
         if self.mixed:
+            from scipy import special  # imported late, here and below: a campaign's process must start fast
+
             normal = special.ndtri(np.clip(mixed[:, self.mixed], LEAST, 1.0 - 2.0**-53)) @ self.factor.T
             for column, k in enumerate(self.mixed):
                 mixed[:, k] = _within(self.ranges[k], normal[:, column])
@@ -86,12 +87,16 @@ def _beyond(r: Range) -> float:
     """The probability of a value outside the bounds."""
     if not isinstance(r.distribution, Normal):
         return 0.0
+    from scipy import special
+
     mean, deviation = _scaled(r, r.distribution.mean, r.distribution.deviation)
     return float(special.ndtr(-mean / deviation) + special.ndtr((mean - 1.0) / deviation))
 
 
 def _within(r: Range, normal: Floats) -> Floats:
     """Standard normal samples as uniform samples of the distribution within the bounds."""
+    from scipy import special
+
     if not isinstance(r.distribution, Normal):
         return np.asarray(special.ndtr(normal))
     mean, deviation = _scaled(r, r.distribution.mean, r.distribution.deviation)
@@ -107,7 +112,7 @@ def _quantile(r: Range, u: Floats) -> Floats:
     given = r.distribution
     if isinstance(given, Uniform):
         return u
-    from scipy import stats  # imported late: a campaign's process must start fast
+    from scipy import special, stats
 
     if isinstance(given, Normal | TruncatedNormal):
         mean, deviation = _scaled(r, given.mean, given.deviation)

@@ -12,9 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_solve, cholesky, solve_triangular
-from scipy.linalg.lapack import dpotri
-from scipy.optimize import minimize
 
 from worker.search.base import Floats
 from worker.search.parts.one_thread import one_thread
@@ -44,6 +41,8 @@ class Process:
 
     def posterior(self, at: Floats) -> tuple[Floats, Floats]:
         """Mean (p,) and covariance (p, p) of the function at points (p, n), equations 2.25 and 2.26."""
+        from scipy.linalg import solve_triangular  # imported late, here and below: a campaign's process must start fast
+
         with one_thread():
             cross = self.signal * _matern(_distances(at / self.lengths, self.points / self.lengths))
             mean = self.centre + self.scale * (cross @ self.weights)
@@ -62,6 +61,9 @@ class Process:
 
 def fitted(points: Floats, values: Floats, before: Process | None = None) -> Process:
     """The process of values (m,) at points (m, n); the fit begins at the hyperparameters of an earlier one."""
+    from scipy.linalg import cho_solve
+    from scipy.optimize import minimize
+
     centre, scale = float(np.median(values)), float(np.std(values))
     scale = scale if np.isfinite(scale) and scale > 1e-12 * max(1.0, abs(centre)) else 1.0
     y = (values - centre) / scale
@@ -91,6 +93,9 @@ def fitted(points: Floats, values: Floats, before: Process | None = None) -> Pro
 
 def _likelihood(theta: Floats, points: Floats, y: Floats) -> tuple[float, Floats]:
     """Minus the log marginal likelihood over m, and its gradient, equations 5.8 and 5.9."""
+    from scipy.linalg import cho_solve
+    from scipy.linalg.lapack import dpotri
+
     n, m = points.shape[1], len(points)
     lengths, signal, noise = np.exp(theta[:n]), math.exp(theta[n]), math.exp(theta[n + 1])
     scaled = points / lengths
@@ -137,6 +142,8 @@ def _matern(distances: Floats) -> Floats:
 
 def _factor(matrix: Floats, jitter: float) -> Floats:
     """The lower Cholesky factor; the diagonal is raised until there is one."""
+    from scipy.linalg import LinAlgError, cholesky
+
     while True:
         try:
             raised = matrix + jitter * np.eye(len(matrix)) if jitter else matrix

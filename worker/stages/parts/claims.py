@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import math
 
-from scipy import stats
-
 
 def bound(violations: int, samples: int, confidence: float) -> float:
     """One-sided upper Clopper-Pearson bound on a probability, given `violations` among `samples`."""
+    from scipy import stats  # imported late, here and below: a campaign's process must start fast
+
     if samples == 0 or violations >= samples:
         return 1.0
     return float(stats.beta.ppf(confidence, violations + 1, samples - violations))
@@ -21,6 +21,8 @@ def bound(violations: int, samples: int, confidence: float) -> float:
 
 def interval(events: int, samples: int, confidence: float, unknown: int = 0) -> tuple[float, float]:
     """Two-sided Clopper-Pearson interval of a probability; `unknown` samples count as none below, as events above."""
+    from scipy import stats
+
     tail, above = (1.0 - confidence) / 2, events + unknown
     low = float(stats.beta.ppf(tail, events, samples - events + 1)) if events else 0.0
     high = float(stats.beta.ppf(1.0 - tail, above + 1, samples - above)) if above < samples else 1.0
@@ -32,6 +34,8 @@ def order(samples: int, fraction: float, confidence: float) -> int:
 
     One-sided, for any distribution: P(r-th lowest <= quantile) is at least P(Binomial(samples, fraction) >= r).
     """
+    from scipy import stats
+
     if samples == 0 or not 0.0 < fraction < 1.0:
         return 0
     r = int(stats.binom.ppf(1.0 - confidence, samples, fraction))
@@ -44,6 +48,8 @@ def order(samples: int, fraction: float, confidence: float) -> int:
 
 def held(r: int, samples: int, fraction: float) -> float:
     """The confidence with which the r-th lowest of the sample is at most the quantile at `fraction`."""
+    from scipy import stats
+
     return float(stats.binom.sf(r - 1, samples, fraction)) if 0 < r <= samples and fraction > 0.0 else 0.0
 
 

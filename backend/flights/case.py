@@ -56,7 +56,7 @@ def case(
         threshold=asked.criterion.threshold,
         criteria=criteria(asked.document(), catalogue),
         like=like,
-        values=base | given,
+        values=base | dict(given),
         seed=seed,
     )
 

@@ -1,4 +1,4 @@
-"""POST /runs/{run}/cases: one case of a run's simulator with other parameters."""
+"""/runs/{run}/cases: one case of a run's simulator with other parameters, and whether that is possible."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 
 from backend.access.auth import CurrentVisitor
 from backend.cases import service
-from backend.cases.schemas import CaseAnswer, CaseRequest
+from backend.cases.schemas import CaseAnswer, CaseInstalled, CaseRequest
 from backend.db.engine import read
 from backend.flights.drawing import drew, viewer_of
 from backend.flights.turns import Turn, Turns
@@ -18,6 +18,20 @@ from backend.http.schema import RunName
 from backend.scenes.viewer.viewer import Viewer
 
 router = APIRouter(tags=["results"])
+
+
+@router.get(
+    "/runs/{run}/cases",
+    responses=problems("not-found", "other-version", "purged", "not-flyable", "busy", "case-failed"),
+)
+async def case_installed(run: RunName, request: Request, engine: Engine) -> CaseInstalled:
+    """Whether the machine of the service has the simulator of this run, so that its cases can be evaluated there."""
+
+    def looked() -> CaseInstalled:
+        with read(engine) as reader:
+            return service.installed(reader, request.app.state.cases, run)
+
+    return await capacities(request).cases.run(looked, request.is_disconnected)
 
 
 @router.post(
@@ -56,7 +70,7 @@ def _work(
 ) -> CaseAnswer:
     """In a thread: read, evaluate, draw."""
     with read(engine) as reader:
-        wanted = service.case(reader, run, given)
+        wanted = service.asked(reader, run, given)
     answer = service.evaluated(request.app.state.cases, wanted, given.rows)
     drawn = given.view if drew(viewer, answer, None, turn) else None
     return service.response(wanted, answer, drawn, given.rows)

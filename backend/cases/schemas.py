@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from backend.flights.schemas import MOST_ROWS, Finite, FlightAnswer, Uuid
-from backend.http.schema import Given
+from backend.http.schema import Given, Schema
 from backend.scenes.base.address import FLIGHT
 
 
@@ -36,3 +36,11 @@ class CaseAnswer(FlightAnswer):
     """Why there is no trace, although the simulator declares one; empty otherwise."""
     changed: bool | None
     """Whether the files of the simulator have changed since the run; null if that is not known."""
+
+
+class CaseInstalled(Schema):
+    """Whether cases of a run's simulator can be evaluated on the machine of the service."""
+
+    installed: bool
+    reason: str
+    """Why not, a sentence without a full stop; empty if it is installed."""

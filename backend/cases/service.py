@@ -1,4 +1,4 @@
-"""Validates a what-if request of a simulator, evaluates it and builds the response. Start reading at `case`.
+"""Validates a what-if request of a simulator, evaluates it and builds the response. Start reading at `asked`.
 
 Simulators are code of the operator, so that they run in a child process of the service, as flights do, which evaluates
 in processes of its own. The service's machine must have the simulator of the run.
@@ -13,17 +13,16 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.cases.schemas import CaseAnswer, CaseRequest
-from backend.catalog.criteria import criteria
-from backend.catalog.service import described
+from backend.cases.schemas import CaseAnswer, CaseInstalled, CaseRequest
 from backend.db.continuation import versions
 from backend.db.tables import Run
-from backend.flights import service as flights
-from backend.flights.service import Case
+from backend.flights import case as flights
+from backend.flights.case import Case
 from backend.http.errors import RefusedError
 from backend.runs.service import campaign, number
 from backend.scenes.base.flight import ROWS
 from backend.scenes.live.live import FlightRefusedError, Live, LiveError
+from campaigns import Campaign
 from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
@@ -52,28 +51,37 @@ def process() -> Live:
     return Live(COMMAND, LIMIT, FIRST_LIMIT, GRACE)
 
 
-def case(reader: sa.Connection, run: str, given: CaseRequest) -> Evaluable:
+def asked(reader: sa.Connection, run: str, given: CaseRequest) -> Evaluable:
     """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
-    run_id = number(run)
-    asked = campaign(reader, run_id)
-    if asked.simulator is None:
+    found = _simulated(reader, number(run))
+    wanted = flights.case(reader, number(run), found, given.like, given.parameters)
+    return Evaluable(wanted, _needs(reader, wanted.run_id), versions(reader, wanted.run_id).simulator)
+
+
+def _simulated(reader: sa.Connection, run_id: int) -> Campaign:
+    """The campaign of a run that evaluates a simulator."""
+    found = campaign(reader, run_id)
+    if found.simulator is None:
         text = f"{run_name(run_id)} simulates a scenario: ask for a flight, POST /runs/{run_name(run_id)}/flights"
         raise RefusedError(422, "not-flyable", text)
-    catalogue = described(reader, run_id)
-    base = flights.like(reader, run_id, given.like)
-    flights.permit(asked, catalogue, given.parameters, "simulator")
-    wanted = Case(
-        run_id=run_id,
-        document=asked.document(),
-        digest=asked.digest,
-        threshold=asked.criterion.threshold,
-        criteria=criteria(asked.document(), catalogue),
-        like=given.like,
-        values=base | given.parameters,
-        seed=None,
-    )
-    needs = reader.scalar(sa.select(Run.needs).where(Run.id == run_id)) or ""
-    return Evaluable(wanted, needs, versions(reader, run_id).simulator)
+    return found
+
+
+def _needs(reader: sa.Connection, run_id: int) -> str:
+    """The version of the simulator that the run needs; empty if it was not recorded."""
+    return reader.scalar(sa.select(Run.needs).where(Run.id == run_id)) or ""
+
+
+def installed(reader: sa.Connection, live: Live, run: str) -> CaseInstalled:
+    """Whether the machine of the service has the simulator of a run; evaluates nothing. Raises `RefusedError`."""
+    found = _simulated(reader, number(run))
+    request = {"kind": "installed", "campaign": found.document(), "simulator": _needs(reader, number(run))}
+    try:
+        reason = live.ask(f"installed {found.digest}", request)["missing"]
+    except LiveError as error:
+        text = f"whether the simulator is installed could not be found out: {error}"
+        raise RefusedError(503, "case-failed", text) from None
+    return CaseInstalled(installed=not reason, reason=reason)
 
 
 def evaluated(live: Live, wanted: Evaluable, rows: int) -> JsonObject:

@@ -111,18 +111,21 @@ SIMULATED = {
         ),
     )
 }
-"""Titles of the same files for a run that evaluates a simulator; it has no recording in 3D."""
+"""Titles of the same files for a run that evaluates a simulator."""
 
 
 def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
     """The export files of a run; 404 if there is no such run."""
     run = runs.summary(reader, run_id)
-    flights = list(reader.scalars(sa.select(Trace.name).where(Trace.run_id == run_id)))
+    stored = reader.execute(sa.select(Trace.name, Trace.meta).where(Trace.run_id == run_id)).all()
+    flights = [row.name for row in stored]
     found = reader.scalar(sa.select(sa.func.count()).where(Finding.run_id == run_id))
     if runs.campaign(reader, run_id).scenario is not None:
-        kinds: tuple[Kind, ...] = (*REPORTS, *FILES, _recording(flights))
+        kinds: tuple[Kind, ...] = (*REPORTS, *FILES, _recording(flights, "flight"))
         return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in kinds]
-    kinds = (*REPORTS, *(SIMULATED.get(kind.file, kind) for kind in FILES))
+    drawn = [row.name for row in stored if row.meta.get("scene")]
+    recorded = [_recording(drawn, "case")] if drawn else []
+    kinds = (*REPORTS, *(SIMULATED.get(kind.file, kind) for kind in FILES), *recorded)
     return [_file(run, kind, _untraced(kind, bool(flights), bool(found))) for kind in kinds]
 
 
@@ -133,10 +136,10 @@ def _untraced(kind: Kind, traced: bool, found: bool) -> str | None:
     return "this run has no finding and no nominal case" if kind.findings and not (traced or found) else None
 
 
-def _recording(flights: list[str]) -> Kind:
-    """The recording of the worst stored flight; the others have similar addresses."""
+def _recording(flights: list[str], one: str) -> Kind:
+    """The recording of the worst stored flight, or case of a simulator; the others have similar addresses."""
     label = min((name for name in flights if name != "nominal"), key=lambda name: (len(name), name), default="nominal")
-    title = "Nominal flight" if label == "nominal" else f"Flight {label}"
+    title = f"Nominal {one}" if label == "nominal" else f"{one.capitalize()} {label}"
     text = "A recording with a play bar; one file that works offline"
     return Kind(f"flight-{label}.html", f"{title} in 3D, HTML", text, "text/html", flights=True)
 

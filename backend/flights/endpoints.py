@@ -9,6 +9,7 @@ from fastapi import APIRouter, Request
 from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.flights import service
+from backend.flights.case import response
 from backend.flights.drawing import drew, viewer_of
 from backend.flights.schemas import FlightAnswer, FlightRequest
 from backend.flights.turns import Turn, Turns
@@ -56,7 +57,7 @@ def _work(
 ) -> FlightAnswer:
     """In a thread: read, simulate, draw."""
     with read(engine) as reader:
-        wanted = service.case(reader, run, given)
+        wanted = service.asked(reader, run, given)
     answer = service.simulated(request.app.state.live, wanted, given.rows)
     drawn = given.view if drew(viewer, answer, wanted.seed, turn) else None
-    return service.response(wanted, answer, drawn, given.rows)
+    return response(wanted, answer, drawn, given.rows)

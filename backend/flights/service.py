@@ -1,68 +1,29 @@
-"""Validates a what-if request, simulates it and builds the response. Start reading at `case`."""
+"""Reads a what-if request of a scenario and simulates it. Start reading at `asked`."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
-
 import sqlalchemy as sa
 
-from backend.catalog.criteria import criteria
-from backend.catalog.schemas import CriterionOut
-from backend.catalog.service import described
-from backend.db.tables import Finding
-from backend.flights.schemas import FlightAnswer, FlightRequest, FlightValue
+from backend.flights.case import Case, case
+from backend.flights.schemas import FlightRequest
 from backend.http.errors import RefusedError
 from backend.runs.service import campaign, number
 from backend.scenes.base.flight import ROWS
 from backend.scenes.base.noise import Noise, seeds
 from backend.scenes.live.live import FlightRefusedError, Live, LiveError
-from campaigns import Campaign, Catalogue, Problem, thin
-from campaigns.checked import said
-from campaigns.checked.check import parameters, parts
 from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
-NOMINAL = "nominal"
 
-
-@dataclass(frozen=True)
-class Case:
-    """A flight of a run, ready to be simulated."""
-
-    run_id: int
-    document: JsonObject
-    digest: str
-    threshold: float
-    criteria: list[CriterionOut]
-    like: str
-    values: dict[str, float]
-    """Parameters that are not nominal, by path."""
-    seed: int | None
-
-
-def case(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
+def asked(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
     """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
     run_id = number(run)
-    asked = campaign(reader, run_id)
-    if asked.scenario is None:
+    found = campaign(reader, run_id)
+    if found.scenario is None:
         text = f"{run_name(run_id)} evaluates a simulator: it has no flight to simulate"
         raise RefusedError(422, "not-flyable", text)
-    catalogue = described(reader, run_id)
-    base = like(reader, run_id, given.like)
-    permit(asked, catalogue, given.parameters)
     seed = given.seed if given.seed is not None else seeds(reader, run_id).get(given.like)
-    return Case(
-        run_id=run_id,
-        document=asked.document(),
-        digest=asked.digest,
-        threshold=asked.criterion.threshold,
-        criteria=criteria(asked.document(), catalogue),
-        like=given.like,
-        values=base | given.parameters,
-        seed=seed,
-    )
+    return case(reader, run_id, found, given.like, given.parameters, seed)
 
 
 def simulated(live: Live, wanted: Case, rows: int) -> JsonObject:
@@ -74,73 +35,3 @@ def simulated(live: Live, wanted: Case, rows: int) -> JsonObject:
         raise RefusedError(422, "not-flyable", f"this flight cannot be simulated: {error}") from None
     except LiveError as error:
         raise RefusedError(503, "flight-failed", f"the flight could not be simulated: {error}") from None
-
-
-def response(wanted: Case, answer: Mapping[str, Any], drawn: str | None, rows: int) -> FlightAnswer:
-    """The response of the API."""
-    meta, deciding = answer["meta"], wanted.criteria[0]
-    values = [FlightValue(**one.model_dump(), value=meta["values"].get(one.name)) for one in wanted.criteria]
-    return FlightAnswer(
-        run=run_name(wanted.run_id),
-        status=answer["status"],
-        reason=answer["reason"],
-        cost=answer["cost"],
-        threshold=wanted.threshold,
-        margin=answer["margin"],
-        quantity=deciding.quantity,
-        unit=deciding.unit,
-        criteria=values,
-        like=wanted.like,
-        parameters=meta["parameters"],
-        seed=wanted.seed,
-        drawn=drawn,
-        trace=meta,
-        columns=answer["columns"],
-        data=_thinned(answer, rows) if rows else {},
-    )
-
-
-def _thinned(answer: Mapping[str, Any], rows: int) -> dict[str, list[float | None]]:
-    """About `rows` rows, including those around the closest approach."""
-    data, closest = answer["data"], answer["meta"].get("closest")
-    time = data[next(column["name"] for column in answer["columns"] if column["group"] == "time")]
-    at = 0 if closest is None else min(range(len(time)), key=lambda row: abs(time[row] - closest["time"]))
-    kept = [int(row) for row in thin.around(len(time), rows, at)]
-    return {name: [column[row] for row in kept] for name, column in data.items()}
-
-
-def like(reader: sa.Connection, run_id: int, label: str) -> dict[str, float]:
-    """The parameters of the finding, bit-identical; empty for the nominal case."""
-    if label == NOMINAL:
-        return {}
-    rows = reader.execute(sa.select(Finding.label, Finding.parameters).where(Finding.run_id == run_id)).all()
-    known = {row.label: row.parameters for row in rows}
-    if label not in known:
-        there = ", ".join([NOMINAL, *sorted(known, key=lambda name: (len(name), name))])
-        raise RefusedError(
-            422, "unknown-finding", f"{run_name(run_id)} has no finding {label!r}: choose one of {there}"
-        )
-    return dict(known[label])
-
-
-def permit(asked: Campaign, catalogue: Catalogue | None, given: Mapping[str, float], what: str = "scenario") -> None:
-    """Check all paths and values; components that the catalogue does not describe are checked by the simulation.
-
-    what: that has the parameters. Raises `RefusedError`.
-    """
-    if catalogue is None or any(catalogue.component(role, part.component) is None for _, _, role, part in parts(asked)):
-        return
-    known = parameters(asked, catalogue)
-    unknown = [path for path in given if path not in known]
-    if unknown:
-        errors = [
-            Problem(f"parameters.{path}", said.given(given[path]), f"no such parameter; {said.known(path, known)}")
-            for path in unknown
-        ]
-        detail = f"the {what} has no parameter {unknown[0]!r}; {said.known(unknown[0], known)}"
-        raise RefusedError(422, "unknown-parameter", detail, errors)
-    outside = [path for path, value in given.items() if not known[path][0].low <= value <= known[path][0].high]
-    if outside:
-        errors = [Problem(f"parameters.{p}", said.given(given[p]), said.limits(known[p][0])) for p in outside]
-        detail = f"{outside[0]} is given as {said.given(given[outside[0]])}: {said.limits(known[outside[0]][0])}"
-        raise RefusedError(422, "outside-limits", detail, errors)

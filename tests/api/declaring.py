@@ -8,11 +8,11 @@ from typing import Any
 import httpx
 import numpy as np
 
-from backend.db.records import Trace
+from backend.db.records import Columns, Trace
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from tests import results
 from tests.api.catalogue import CATALOGUE
-from tests.api.finished import PLAN, Work
+from tests.api.finished import PLAN, Work, search
 from tests.api.server import Service
 
 ENTRY = SimulatorEntry(
@@ -52,8 +52,14 @@ def trace(name: str, scene: dict[str, Any] | None = SCENE, speed: float = 1.0, *
     return Trace(name, results.columns(*columns), data, results.head(**head))
 
 
-def declared(service: Service, client: httpx.Client, traces: Callable[[str], Trace] = trace, found: bool = True) -> str:
-    """A finished run with the traces of the nominal case and of one finding."""
+def declared(
+    service: Service,
+    client: httpx.Client,
+    traces: Callable[[str], Trace] = trace,
+    found: bool = True,
+    searched: Columns | None = None,
+) -> str:
+    """A finished run with the traces of the nominal case and of one finding; searched: its evaluations."""
     catalogue = CATALOGUE.model_copy(update={"simulators": [ENTRY]})
     service.publish(catalogue.model_dump(mode="json"))
     answer = client.post("/api/v1/runs", json={"campaign": CAMPAIGN})
@@ -61,7 +67,8 @@ def declared(service: Service, client: httpx.Client, traces: Callable[[str], Tra
     work = Work(service, PLAN, [ENTRY.version])
     work.nominal(traces("nominal"))
     if found:
-        work.search(0, 10)
+        work.store.begin(2)
+        work.store.append(2, 0, searched or search(0, 10))
         work.found(flown=traces("F1"))
     work.conclude()
     return str(answer.json()["id"])

@@ -25,6 +25,7 @@ import json, sys, time
 print(json.dumps({"ready": True}), flush=True)
 for line in sys.stdin:
     asked = json.loads(line)
+    if asked.get("kind") == "installed": print(json.dumps({"id": asked["id"], "missing": ""}), flush=True); continue
     wind = asked["parameters"].get("simulator.wind", 1.0)
     if wind == 4.0: time.sleep(60)
     if wind == 3.0: print(json.dumps({"id": asked["id"], "error": "there is no such simulator"}), flush=True); continue
@@ -101,8 +102,20 @@ def test_what_cannot_be_evaluated_is_refused_in_words(evaluating: Service) -> No
 
 def test_a_scenario_has_flights_and_no_cases(service: Service, client: httpx.Client) -> None:
     run = submit(client)
-    found = problem(asked(client, run), 422)
-    assert f"POST /runs/{run}/flights" in found["detail"]
+    for found in (asked(client, run), client.get(f"/api/v1/runs/{run}/cases")):
+        assert f"POST /runs/{run}/flights" in problem(found, 422)["detail"]
+    problem(client.get("/api/v1/runs/R-0099/cases"), 404)
+
+
+def test_whether_it_is_installed_evaluates_nothing(evaluating: Service) -> None:
+    with evaluating.signed_in() as client:
+        run = declared(evaluating, client)
+        before = evaluating.rows()
+        found = client.get(f"/api/v1/runs/{run}/cases").json()
+        conforms(found, {"$ref": "#/components/schemas/CaseInstalled"})
+        assert evaluating.rows() == before
+        evaluating.app.state.cases.close()
+        assert problem(client.get(f"/api/v1/runs/{run}/cases"), 503)["type"].endswith("case-failed")
 
 
 PROGRAM = f"""
@@ -127,8 +140,15 @@ def test_the_real_process_evaluates_the_operators_code(
     (tmp_path / "operated").mkdir()
     (tmp_path / "operated" / "drop.py").write_text(PROGRAM, encoding="utf-8")
     monkeypatch.setenv("CLEARANCE_SIMULATORS", str(tmp_path / "operated"))
+    program = tmp_path / "operated" / "drop.py"
     with bare.signed_in() as client:
         run = declared(bare, client)
+        missing = program.rename(tmp_path / "drop.py")
+        there = client.get(f"/api/v1/runs/{run}/cases").json()
+        assert there["installed"] is False
+        assert "start the service with the same CLEARANCE_SIMULATORS" in there["reason"]
+        missing.rename(program)
+        assert client.get(f"/api/v1/runs/{run}/cases").json() == {"installed": True, "reason": ""}
         answer = asked(client, run, parameters={"simulator.wind": 2.5}, rows=10)
         assert answer.status_code == 200, answer.text
         found = answer.json()

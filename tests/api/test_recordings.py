@@ -10,16 +10,19 @@ from typing import Any
 
 import httpx
 import msgspec
+import numpy as np
 import pytest
 import viser
 import zstandard
 
 from tests.api.answers import problem
+from tests.api.declaring import declared, trace
 from tests.api.finished import Work, encounter, finish, straight
 from tests.api.listening import listening
 from tests.api.server import Service, until
 from tests.api.shipped import shipped
 from tests.api.submitting import submit
+from tests.api.viewing import KEY, frames_until, steer, viewing
 
 
 @pytest.fixture(scope="module")
@@ -98,6 +101,49 @@ def test_intruders_and_heights_are_played(bare: Service) -> None:
         assert message["position"] == pytest.approx((5, 20 * time, 2 * time), abs=1e-9)
     for time, message in intruder:
         assert message["position"] == pytest.approx((60, 500 - 20 * time, 30 + time), abs=1e-9)
+
+
+def test_a_case_of_a_simulator_plays_what_its_trace_declares(bare: Service) -> None:
+    """Nothing is claimed that the trace does not have: no separation over time, no closest approach."""
+    with bare.signed_in() as client:
+        run = declared(bare, client, lambda name: trace(name, speed=1.0 if name == "nominal" else 0.5))
+        (offered,) = [f for f in client.get(f"/api/v1/runs/{run}/exports").json() if "/flight-" in f["href"]]
+        assert (offered["title"], offered["unavailable"]) == ("Case F1 in 3D, HTML", None)
+        page = client.get(offered["href"]).text
+        assert client.get(f"/view/{run}/F1/recorded/").text == page
+    recording = played(page)
+    assert recording["durationSeconds"] == pytest.approx(20.0)
+    for time, message in of(recording, "SetPositionMessage", "/flights/worst/vehicle"):
+        assert message["position"] == pytest.approx((0.5 * time, 0, 100 - 5 * time))
+    for time, message in of(recording, "SetPositionMessage", "/obstacles/1"):
+        assert message["position"] == pytest.approx((-time, 5, 20))
+    now = of(recording, "SceneNodeUpdateMessage", "/flights/worst/now")
+    assert {m["updates"]["text"] for _, m in now if "text" in m["updates"]} <= {"F1"}
+    told = {m["props"]["text"] for _, m in recording["messages"] if m["type"] == "LabelMessage"}
+    assert {"mast", "bird"} <= told
+    assert not any("now" in text or "d_min" in text for text in told)
+    card = page[page.index('<details id="caption"') : page.index("</details>")]
+    for words in (
+        "The play bar shows the time of the trace in seconds",
+        "Positions come from the trace of the simulator, obstacles from its declaration.",
+        "The trace of F1 is one more call with its own value; the run stored 0.3000 m.",
+        "2.0000 m",
+        "d_min &gt; 1 m",
+    ):
+        assert words in card
+
+
+@pytest.mark.parametrize("last", [0.0, -5.0])
+def test_a_trace_without_any_time_is_a_still_picture(bare: Service, last: float) -> None:
+    with bare.signed_in() as client:
+        flown = trace("nominal")
+        flown.data[:, 0] = np.linspace(last - 20.0, last, 401)
+        run = declared(bare, client, lambda _: flown, found=False)
+        recording = played(client.get(f"/api/v1/runs/{run}/exports/flight-nominal.html").text)
+        assert recording["durationSeconds"] == 0.0
+        with viewing(bare, client, f"/view/{run}/key/{KEY}") as connection:
+            frames_until(connection, b"Search")
+            assert steer(client, run, time=3.0)["horizon"] == 1.0
 
 
 def test_the_caption_describes_what_is_shown(client: httpx.Client, run: str, rename: Rename) -> None:

@@ -19,6 +19,8 @@ from backend.scenes.base.palette import DARK, LIGHT
 from backend.scenes.control.relay import open_server
 from backend.scenes.drawing.world import ROOTS, World
 from campaigns import library, load_file
+from campaigns.results.base import FAILED, OK
+from tests.api.declaring import declared
 from tests.api.finished import Work, encounter, finish, straight
 from tests.api.lost import lose
 from tests.api.server import Service
@@ -87,6 +89,28 @@ def test_a_click_on_a_point_simulates_it_and_compares_it_with_the_stored_cost(si
             assert repr(cost).encode() in received
             panel.set("Show its flight", True)
             frames_until(connection, b"SetSceneNodeVisibility", b"SetCamera")
+
+
+def test_of_a_simulator_a_click_shows_what_is_stored_and_evaluates_nothing(bare: Service) -> None:
+    with bare.signed_in() as client:
+        costs, status = np.array([[0.3], [np.nan]]), np.array([OK, FAILED], np.uint8)
+        searched = Columns(np.array([[0.25], [0.75]]), costs, status, np.ones(2), {1: "it hung"})
+        run = declared(bare, client, searched=searched)
+        with viewing(bare, client, f"/view/{run}/key/{KEY}/") as connection:
+            panel = Panel(connection, last="Search")
+            steer(client, run, layers={"space": True, "axes": ["simulator.wind", "value", "none"]})
+            received = frames_until(connection, b"/space/ok", b"/space/failed", b"of those drawn")
+            assert b"Click a point for its stored values." in received
+            assert b"2 of 2 evaluations." in received
+            (viewer,) = bare.app.state.viewers.steered.values()
+            drawn = viewer._panel._cloud._drawn
+            for row, words in ((0, b"Stored: d_min = 0.3 m, margin \xe2\x88\x920.7000 m."), (1, b"Failed. it hung")):
+                click(panel, drawn.points[row] - np.array([0.0, 0.01, 0.0]) * drawn.side, (0.0, 1.0, 0.0))
+                said = frames_until(connection, words)
+                assert f"evaluation {row} (from 0)".encode() in said
+            assert steer(client, run)["layers"]["axes"] == ["simulator.wind", "value", "none"]
+        assert bare.app.state.live._child is None
+        assert bare.app.state.cases._child is None
 
 
 def test_failures_are_shown_and_counted(service: Service, client: httpx.Client) -> None:

@@ -53,9 +53,9 @@ def test_names_are_shown_and_no_limit_is_claimed(bare: Service) -> None:
         run = declared(bare, client)
         with viewing(bare, client, f"/view/{run}/") as connection:
             received = frames_until(connection, b"Search")
-    for text in (b"mast", b"bird", b"/obstacles/0/body", b"d_min"):
+    for text in (b"mast", b"bird", b"/obstacles/0/body", b"d_min", b"Space"):
         assert text in received
-    for text in (b"/safety", b"d_min > 1", b"intruder", b"/north/label", b"Space", b"Field"):
+    for text in (b"/safety", b"d_min > 1", b"intruder", b"/north/label", b"Field", b"Show its flight"):
         assert text not in received
 
 
@@ -68,8 +68,11 @@ def test_without_positions_the_view_is_refused_with_what_to_declare(bare: Servic
         else:  # a declaration that does not fit its trace is no crash
             with viewing(bare, client, f"/view/{run}/") as connection:
                 assert b"No case is stored yet." in frames_until(connection, b"Search", b"No case")
-        recorded = client.get(f"/api/v1/runs/{run}/exports/flight-nominal.html")
-        assert recorded.status_code == 404, recorded.text
+        recorded = problem(client.get(f"/api/v1/runs/{run}/exports/flight-nominal.html"), 404)["detail"]
+        why = "Declare them under `scene`" if given is None else "fewer than two rows with all positions"
+        assert why in recorded
+        offered = [file["href"] for file in client.get(f"/api/v1/runs/{run}/exports").json()]
+        assert any("flight-" in href for href in offered) == (given is not None)
 
 
 def test_a_vehicle_without_an_attitude_points_along_its_motion() -> None:

@@ -120,7 +120,9 @@ def test_a_declared_scene_is_drawn_and_another_case_evaluated(tmp_path: Path, br
         panel = page.frame_locator("#flight iframe").locator("body")
         for word in ("Nominal", "Worst", "margin", "over ground"):
             expect(panel).to_contain_text(word)
-        expect(panel).not_to_contain_text("Space")
+        expect(panel).to_contain_text("Space")
+        expect(panel).not_to_contain_text("Field")
+        expect(page.get_by_role("button", name="Recording")).to_be_visible()
         expect(page.get_by_text("The 3D view shows what its trace declares, z up")).to_be_visible()
         expect(page.get_by_role("button", name="Closest approach")).to_have_count(0)
         assert not re.search(r"\bflights?\b", page.locator("main").inner_text(), re.IGNORECASE)

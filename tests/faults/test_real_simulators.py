@@ -95,6 +95,24 @@ def test_jsbsim_repeats_to_the_bit_in_any_order_and_process(jsbsim: CommandSimul
 
 
 @needs_jsbsim
+def test_jsbsim_shows_the_encounter_that_it_evaluated(jsbsim: CommandSimulator) -> None:
+    """The result that comes with a trace is compared to the bit by `trace`; its closest row is near it."""
+    (value,) = separations(jsbsim, {"intruder_angle": 120.0})
+    found = jsbsim.trace("F1", {"simulator.intruder_angle": 120.0})
+    assert found is not None
+    assert found.meta.cost == value
+    assert found.meta.scene is not None
+    at = {column.name: found.data[:, k] for k, column in enumerate(found.columns)}
+    assert at["time"] == pytest.approx(np.linspace(0.0, 50.0, 501))
+    apart = [at[f"intruder_{axis}"] - at[axis] for axis in ("north", "east", "down")]
+    assert np.linalg.norm(apart, axis=0) == pytest.approx(at["distance"])
+    assert value <= at["distance"].min() < value + 2.0
+    course = np.degrees(np.arctan2(np.diff(at["east"]), np.diff(at["north"])))
+    assert at["heading"][1:] == pytest.approx(course, abs=3.0), "it flies where it points, but for side slip"
+    assert -at["down"] == pytest.approx(1219.0, abs=30.0)
+
+
+@needs_jsbsim
 def test_jsbsim_writes_no_files(tmp_path: Path) -> None:
     """c172x asks JSBSim for a table of its flight in the working folder."""
     program = EXAMPLES / "jsbsim_intruder" / "jsbsim_flight.py"
@@ -145,12 +163,18 @@ def test_bluesky_resolves_the_conflict_repeats_and_leaves_no_files(
     try:
         resolved, conflict, again = separations(simulator, crossing, {**crossing, "resolution": 0.0}, crossing)
         alone = separations(fresh, crossing)
+        shown = simulator.trace("F1", {f"simulator.{name}": value for name, value in crossing.items()})
     finally:
         simulator.close()
         fresh.close()
     assert conflict < 2000.0
     assert resolved > 9000.0
     assert resolved == again == alone[0]
+    assert shown is not None
+    assert shown.meta.cost == resolved
+    assert shown.meta.scene is not None
+    distance = shown.data[:, [column.name for column in shown.columns].index("distance")]
+    assert resolved <= distance.min() < resolved + 50.0
     assert list(tmp_path.iterdir()) == []
 
 

@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 SOURCE = Path(__file__).with_name("thrown.c")
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "fmu_drop"
 TOKEN = "{8c4e810f-3df3-4a00-8276-176fa3c9f000}"
 MACHINE = platform.machine()
 
@@ -146,3 +147,12 @@ def folder(at: Path, fmi: int, leak: int = 0, described: dict[str, Any] | None =
     document = {k: v for k, v in (document | (described or {})).items() if v is not None}
     (at / "simulator.yaml").write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
     return at
+
+
+def example(at: Path) -> Path:
+    """The folder of docs/examples/fmu_drop, built from its sources."""
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    folder = shutil.copytree(EXAMPLE, at / "fmu_drop")
+    subprocess.run(["sh", str(folder / "build.sh")], check=True)
+    return folder

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -28,9 +27,6 @@ from worker.opening.opened import system
 from worker.systems.base import CampaignUnusable
 from worker.systems.simulators.fmus.simulator import FmuSimulator, FmuUnusable, opened
 from worker.systems.simulators.fmus.taken import NotTaken, Taken
-
-EXAMPLE = REPOSITORY / "docs" / "examples" / "fmu_drop"
-REFERENCE = os.environ.get("CLEARANCE_REFERENCE_FMUS", "")
 
 
 def simulator(folder: Path, result: str = "separation") -> FmuSimulator:
@@ -201,11 +197,8 @@ def test_a_start_on_the_level_is_not_a_crossing() -> None:
 
 def example(tmp_path: Path, **stages: Any) -> tuple[int, Any, str]:
     """The example from its sources to a verdict; stages: those that differ."""
-    if shutil.which("cc") is None:
-        pytest.skip("no C compiler")
-    shutil.copytree(EXAMPLE, tmp_path / "one")
-    subprocess.run(["sh", str(tmp_path / "one" / "build.sh")], check=True)
-    campaign = yaml.safe_load((EXAMPLE.parent / "campaigns" / "fmu_drop.yaml").read_text())
+    made.example(tmp_path)
+    campaign = yaml.safe_load((made.EXAMPLE.parent / "campaigns" / "fmu_drop.yaml").read_text())
     campaign["stages"] |= stages
     (tmp_path / "campaign.yaml").write_text(yaml.safe_dump(campaign))
     done = subprocess.run(
@@ -265,18 +258,3 @@ def test_a_campaign_on_an_fmu_that_refuses_is_refused(installed: Path) -> None:
     made.folder(installed / "one", 2, token="{other}")
     with pytest.raises(CampaignUnusable, match="refuses to be instantiated"):
         system(Campaign.model_validate(CAMPAIGN))
-
-
-@pytest.mark.skipif(not REFERENCE, reason="CLEARANCE_REFERENCE_FMUS names no folder of the Reference FMUs")
-@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
-def test_a_reference_fmu_bounces(tmp_path: Path, fmi: str) -> None:
-    """BouncingBall: the first contact of a fall from h = 1 m is after sqrt(2 h / g)."""
-    shutil.copy(Path(REFERENCE) / fmi / "BouncingBall.fmu", tmp_path / "model.fmu")
-    described = {
-        "name": "ball",
-        "fmu": "model.fmu",
-        "parameters": {"e": {"low": 0.5, "high": 1.0}},
-        "results": {"h": {"variable": "h", "take": "first_crossing", "level": 0.01, "direction": "falling"}},
-    }
-    (tmp_path / "simulator.yaml").write_text(yaml.safe_dump(described), encoding="utf-8")
-    assert values(tmp_path, (0.7,), result="h")[0] == pytest.approx(math.sqrt(2 * 0.99 / 9.81), abs=0.02)

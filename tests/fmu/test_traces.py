@@ -47,6 +47,23 @@ def test_variables_are_recorded_at_the_communication_points(tmp_path: Path, fmi:
     assert thrown.data[-1, 2] > found.data[-1, 2]
 
 
+def test_the_example_shows_the_fall_to_the_ground_and_no_further(tmp_path: Path) -> None:
+    """Of which the trace and the 3D view are part; a load that has landed passes no mast below the ground."""
+    simulated = simulator(made.example(tmp_path), "separation")
+    values = {"simulator.mass": 4.0, "simulator.speed": 12.0, "simulator.wind": 1.0}
+    found = simulated.trace("F1", values)
+    simulated.close()
+    assert found is not None
+    assert found.meta.scene is not None
+    time, x, z, separation = found.data.T
+    assert [column.name for column in found.columns] == ["time", "x", "z", "separation"]
+    landed = z < 0.0
+    assert -0.2 < z.min() < 0.0
+    assert time[landed][0] == pytest.approx(4.42, abs=0.02)
+    assert np.ptp(x[landed]) == 0.0
+    assert found.meta.cost == separation.min() == pytest.approx(abs(x[-1] - 32.0))
+
+
 def test_a_trace_of_an_evaluation_that_fails_is_a_sentence(tmp_path: Path) -> None:
     simulated = simulator(made.folder(tmp_path, 2, described={"trace": TRACE}), "height")
     with pytest.raises(NoTrace, match=r"has no result: fmi2DoStep returned error at t = 0\.49 s"):

@@ -18,6 +18,7 @@ from worker.catalogue import installed
 from worker.catalogue.inline import NAME, InlineProgram
 from worker.cli import WRONG_INPUT, invoke
 from worker.cli import _code as code
+from worker.cli._results import read_folder
 from worker.opening import opened
 from worker.stages.parts import offered
 from worker.systems.simulators.cluster.address import SETTING
@@ -197,3 +198,80 @@ def test_files_that_cannot_be_read_are_not_in_the_digest(tmp_path: Path) -> None
     assert isinstance(described, InlineProgram)
     assert [path.name for path in described.files] == ["bowl.py"]
     assert described.covers.endswith("and of bowl.py")
+
+
+@pytest.fixture
+def ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Path:
+    """The results of a run of a command, in a process that has forgotten it."""
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 3)  # each in a process of its own
+    monkeypatch.setattr(judge.audit, "__defaults__", (offered.AT_MOST, 3))
+    out = tmp_path / "out"
+    assert invoke(["run", str(written(tmp_path)), "--allow-code", "--json", "--out", str(out)]) == 2
+    forgotten()
+    capsys.readouterr()
+    return out
+
+
+def forgotten() -> None:
+    installed.simulators().pop("bowl", None)
+    installed.catalogue.cache_clear()
+
+
+def extended(out: Path, *options: str) -> int:
+    return invoke(["run", "--continue", str(out), "--budget", "+20", *options])
+
+
+def test_a_run_of_a_command_is_extended_where_that_is_permitted(
+    ended: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    more = tmp_path / "more"
+    assert extended(ended, "--out", str(more)) == WRONG_INPUT
+    said = " ".join(capsys.readouterr().err.split())
+    assert "its campaign file gave the command of the simulator, '{python}' -S '{folder}/bowl.py'" in said
+    assert "--allow-code permits it" in said
+    assert extended(ended, "--allow-code", "--out", str(more)) == 2
+    before, after = (json.loads((folder / "result.json").read_text()) for folder in (ended, more))
+    assert after["continues"] == {"run": str(ended), "digest": before["digest"]}
+    assert after["command_given"] == before["command_given"]
+    assert after["versions"]["simulator"] == before["versions"]["simulator"]
+    assert (more / "simulator.yaml").read_text() == (ended / "simulator.yaml").read_text()
+    earlier, later = read_folder(ended)[1].evaluations(1), read_folder(more)[1].evaluations(1)
+    assert earlier is not None
+    assert later is not None
+    assert len(later.status) > len(earlier.status)
+    assert later.costs[: len(earlier.costs)].tolist() == earlier.costs.tolist()
+    assert invoke(["audit", str(more)]) == 0
+
+
+def test_a_run_of_a_command_that_is_not_as_it_was_is_not_extended(
+    ended: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refused() -> str:
+        assert extended(ended, "--allow-code") == WRONG_INPUT
+        forgotten()
+        return " ".join(capsys.readouterr().err.split())
+
+    program = (tmp_path / "bowl.py").read_text()
+    (tmp_path / "bowl.py").write_text(program + "# changed")
+    assert "the simulator digest was" in refused()
+    (tmp_path / "bowl.py").write_text(program)
+    description = (ended / "simulator.yaml").read_text()
+    for content, why in (("a: [1", "simulator.yaml in it cannot be read"), ("name: bowl", "this key is required")):
+        (ended / "simulator.yaml").write_text(content)
+        assert why in refused()
+    (ended / "simulator.yaml").unlink()
+    assert "simulator.yaml" in refused()
+    (ended / "simulator.yaml").write_text(description)
+    result = json.loads((ended / "result.json").read_text())
+    for given, why in (
+        ({"command_given": {"file": "x", "folder": str(tmp_path / "gone")}}, "is not there any more"),
+        ({"command_given": {"file": "x"}}, "does not state where its campaign file was"),
+        ({"command_given": [1]}, "does not state where its campaign file was"),
+    ):
+        (ended / "result.json").write_text(json.dumps(result | given))
+        assert why in refused()
+
+
+def test_a_stored_run_has_no_command_to_permit(capsys: pytest.CaptureFixture[str]) -> None:
+    assert invoke(["run", "--continue", "R-0001", "--budget", "+20", "--allow-code"]) == WRONG_INPUT
+    assert "a stored run has no command" in " ".join(capsys.readouterr().err.split())

@@ -158,6 +158,26 @@ def test_what_cannot_be_evaluated_is_refused_in_words(
     assert reason in ask(systems, **given)["error"]
 
 
+@pytest.mark.parametrize(
+    ("simulator", "name", "reason"),
+    [
+        ("", "asked", ""),
+        ("asked@0123456789abcdef", "asked", "it has other parameters or results than for this run"),
+        ("", "gone", "the machine of the service has no such simulator; start the service with the same"),
+    ],
+)
+def test_whether_it_is_installed_is_found_out_without_an_evaluation(
+    folder: Path, systems: Systems, simulator: str, name: str, reason: str
+) -> None:
+    campaign = CAMPAIGN | {"simulator": {"name": name}}
+    request = {"id": 1, "kind": "installed", "campaign": campaign, "simulator": simulator}
+    found = answer(json.dumps(request), systems)
+    assert found.keys() == {"id", "missing"}
+    assert reason in found["missing"]
+    assert bool(found["missing"]) == bool(reason)
+    assert systems == {}
+
+
 def test_an_unreadable_request_is_an_error(systems: Systems) -> None:
     assert "invalid request" in answer(b"{", systems)["error"]
     assert "id must be" in answer(b'{"id": null}', systems)["error"]

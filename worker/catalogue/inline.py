@@ -76,12 +76,17 @@ def taken_out(document: Any, file: Path) -> tuple[Any, InlineProgram | None]:
     if not isinstance(given, Mapping) or "command" not in given:
         return document, None
     described = {"name": NAME} | {key: value for key, value in given.items() if key not in OWN}
-    try:
-        descriptor = Descriptor.model_validate(described)
-    except ValidationError as error:
-        raise CampaignError(str(file), list(_problems(error))) from None
+    descriptor = descriptor_of(described, str(file))
     named = {"name": descriptor.name} | {key: given[key] for key in OWN if key in given}
     return {**document, "simulator": named}, InlineProgram(file.resolve().parent, descriptor, str(file))
+
+
+def descriptor_of(described: Any, source: str) -> Descriptor:
+    """The descriptor that a campaign file gave, or simulator.yaml of its results; raises `CampaignError`."""
+    try:
+        return Descriptor.model_validate(described)
+    except ValidationError as error:
+        raise CampaignError(source, list(_problems(error))) from None
 
 
 def install(program: InlineProgram) -> None:

@@ -56,19 +56,20 @@ def run(
     """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.runs import sources as sources  # first: it records the files before they are loaded
 
-    _asked_right(file, onward, budget, allow_code)
+    _asked_right(file, onward, budget)
     writable(out)
     evaluators.use(evaluator)
     execute = _executing(threads or None, quiet=as_json, evaluator=evaluator)
     if onward:
         from worker.cli._continue import execute_continued
 
+        code.of_results(onward, allow_code)
         campaign, store, verdict, cites = execute_continued(onward, budget, data, database, execute)
     else:
         assert file is not None
         campaign, store, verdict = _fresh(file, execute, allow_code)
         cites = None
-    result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {})
+    result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {}) | code.stated(campaign)
     if out is not None:
         from worker.cli._results import write_evidence, write_results
 
@@ -84,15 +85,13 @@ def run(
     raise typer.Exit(CODES[verdict.verdict])
 
 
-def _asked_right(file: Path | None, onward: str, budget: str, allow_code: bool) -> None:
+def _asked_right(file: Path | None, onward: str, budget: str) -> None:
     if onward and file is not None:
         raise WrongInputError("give either a campaign or --continue RUN, not both")
     if not onward and file is None:
         raise WrongInputError("give a campaign file, the name of one in the library, or --continue RUN")
     if bool(onward) != bool(budget):
         raise WrongInputError("--continue RUN and --budget +N belong together: give both")
-    if onward and allow_code:
-        raise WrongInputError("--allow-code is for a campaign file; a run of a command in one cannot be extended")
 
 
 def _fresh(file: Path, execute: Execute, allow_code: bool) -> tuple[Campaign, MemoryStore, Verdict]:

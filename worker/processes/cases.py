@@ -4,6 +4,8 @@ Request  {"id", "campaign", "simulator", "parameters": {path: value}, "rows"}; m
          `simulator` is the version that the run needs, which this machine must have.
 Response {"id", "status", "reason", "cost", "margin", "seconds", "digest", "untraced", "columns", "data", "meta"}
          or {"id", "error": sentence}.
+Request  {"id", "kind": "installed", "campaign", "simulator"}
+Response {"id", "missing": sentence}, empty if this machine has the simulator.
 Response {"stale": true}: as of `worker.processes.live`.
 
 The simulator evaluates in one slot, which ends when nothing was requested for a while. Run as
@@ -32,7 +34,6 @@ from typing import Any
 from campaigns import Campaign, CampaignError, thin
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
-from campaigns.checked import said
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from worker.catalogue import installed
@@ -108,7 +109,11 @@ def answer(line: str | bytes, systems: Systems) -> JsonObject:
         if not isinstance(request["id"], int | str):
             raise TypeError("id must be a whole number or text")
         number = request["id"]
-        case = _opened(load_document(request["campaign"], "the campaign of a case"), request["simulator"], systems)
+        campaign = load_document(request["campaign"], "the campaign of a case")
+        if request.get("kind") == "installed":
+            there = campaign.digest in systems
+            return {"id": number, "missing": "" if there else missing(campaign, request["simulator"])}
+        case = _opened(campaign, request["simulator"], systems)
         values = {path: _value(case.system, path, value) for path, value in request.get("parameters", {}).items()}
         return {"id": number} | _evaluated(case, values, min(request.get("rows", 0), MOST_ROWS))
     except (CampaignError, CampaignUnusable) as error:
@@ -149,16 +154,8 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
     if campaign.digest in systems:
         return systems[campaign.digest]
     close(systems)
-    for known in (installed.simulators, installed.catalogue):
-        known.cache_clear()  # the operator's folders may have changed
-    name = campaign.simulator.name if campaign.simulator else ""
-    entry = installed.catalogue().simulator(name)
-    if entry is None:
-        there = said.known(name, [s.name for s in installed.catalogue().simulators])
-        raise CampaignUnusable([_missing(name, f"the machine of the service has no such simulator; {there}")])
-    if version and entry.version != version:
-        text = "on the machine of the service it has other parameters or results than for this run"
-        raise CampaignUnusable([_missing(name, text)])
+    if why := missing(campaign, version):
+        raise CampaignUnusable([Problem("simulator.name", campaign.simulator.name if campaign.simulator else "", why)])
     system = opened.system(campaign).single()
     inner = system.inner if isinstance(system, Called) else system
     if isinstance(inner, Slotted):
@@ -167,8 +164,20 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
     return systems[campaign.digest]
 
 
-def _missing(name: str, text: str) -> Problem:
-    return Problem("simulator.name", name, text)
+def missing(campaign: Campaign, version: str) -> str:
+    """Why this machine cannot evaluate the simulator of a campaign; empty if it has it."""
+    for known in (installed.simulators, installed.catalogue):
+        known.cache_clear()  # the operator's folders may have changed
+    name = campaign.simulator.name if campaign.simulator else ""
+    entry = installed.catalogue().simulator(name)
+    if entry is None:
+        return (
+            "the machine of the service has no such simulator; start the service with the same CLEARANCE_SIMULATORS "
+            "and packages as the workers"
+        )
+    if version and entry.version != version:
+        return "on the machine of the service it has other parameters or results than for this run"
+    return ""
 
 
 def _evaluated(case: Opened, values: Mapping[str, float], rows: int) -> JsonObject:

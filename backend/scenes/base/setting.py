@@ -211,7 +211,7 @@ def _declared(reader: sa.Connection, run_id: int, asked: Campaign) -> Setting:
         to_surface=False,
         quantity=result.quantity if result else "",
         unit=result.unit if result else "",
-        horizon=max([float(flight.time[-1]) for flight in there], default=0.0) or 1.0,
+        horizon=max([0.0, *(float(flight.time[-1]) for flight in there)]) or 1.0,
         uncertain=_uncertain(asked, {} if catalogue is None else parameters(asked, catalogue)),
         methods=_methods(asked, catalogue),
         drawn=looks(reader, run_id),

@@ -147,8 +147,9 @@ class CloudDrawn:
         at = self._at(place(picked, one.parameters, one.cost))
         self._ball("picked", at, 1.9 * POINT, self.palette.what_if)
         text = one.status if one.cost is None else f"{one.cost:.{self._setting.decimals}f} {self._setting.unit}"
+        what = "Simulated" if self._setting.clears else "Stored"
         self._scene.add_label(
-            f"{NAME}/picked/label", f"Simulated: {text}", position=(0.0, 0.0, -0.03 * self.side), anchor="top-left"
+            f"{NAME}/picked/label", f"{what}: {text}", position=(0.0, 0.0, -0.03 * self.side), anchor="top-left"
         )
 
     def _ball(self, part: str, at: Floats, size: float, colour: str) -> None:

@@ -44,6 +44,8 @@ class Evaluation:
     parameters: dict[str, float]
     noise: Noise = STATED
     """The noise realisation that it used."""
+    reason: str = ""
+    """Why it has no value, if that is stored."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +101,7 @@ def load(reader: sa.Connection, run_id: int, setting: Setting, nominal: float | 
 def _drawn(found: Evaluations, own: Mapping[int, int]) -> list[Evaluation]:
     """The evaluations that remain after thinning, and every failure with a stored reason."""
     called = {s.position: f"{s.position} · {s.kind}{f' · {s.method}' if s.method else ''}" for s in found.stages}
+    reasons = {(lost.position, lost.index): lost.reason for lost in found.failures}
     drawn: dict[tuple[int, int], Evaluation] = {}
 
     def noise(position: int, index: int) -> Noise:
@@ -108,12 +111,24 @@ def _drawn(found: Evaluations, own: Mapping[int, int]) -> list[Evaluation]:
         for row, index in enumerate(stage.index):
             values = {path: column[row] for path, column in stage.parameters.items()}
             one = Evaluation(
-                called[stage.position], index, stage.status[row], stage.cost[row], values, noise(stage.position, index)
+                called[stage.position],
+                index,
+                stage.status[row],
+                stage.cost[row],
+                values,
+                noise(stage.position, index),
+                reasons.get((stage.position, index), ""),
             )
             drawn[stage.position, index] = one
     for lost in found.failures:
         one = Evaluation(
-            called[lost.position], lost.index, lost.status, None, lost.parameters, noise(lost.position, lost.index)
+            called[lost.position],
+            lost.index,
+            lost.status,
+            None,
+            lost.parameters,
+            noise(lost.position, lost.index),
+            lost.reason,
         )
         drawn.setdefault((lost.position, lost.index), one)
     return list(drawn.values())

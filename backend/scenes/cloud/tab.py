@@ -1,4 +1,7 @@
-"""The tab of the parameter space: axes, legend, and simulation of the clicked evaluation."""
+"""The tab of the parameter space: axes, legend, and the clicked evaluation.
+
+That of a scenario is simulated again; of a simulator's only what is stored is shown, since a call may take long.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ import sqlalchemy as sa
 import viser
 
 from backend.db.engine import read
-from backend.runs.service import number
+from backend.runs.service import number, summary
 from backend.scenes.base.address import Camera
 from backend.scenes.base.flight import ROWS, Flight, from_live
 from backend.scenes.base.noise import STATED
@@ -86,12 +89,14 @@ class CloudTab(Part):
             gui.add_dropdown(f"Axis {name}", options, initial_value=title)
             for name, title in zip("xyz", first, strict=True)
         ]
-        self._legend: Any = gui.add_html(
-            tables.note("Every stored evaluation is a point. Click a point to simulate it.")
-        )
+        every = f"Every stored evaluation is a point. {words.hint(self._setting)}"
+        self._legend: Any = gui.add_html(tables.note(every))
         self._result: Any = gui.add_html("")
-        self._go: Any = gui.add_button("Show its flight", disabled=True, hint="The flight of the clicked point.")
-        self._go.on_click(lambda _: self.show(False))
+        self._go: Any = None
+        """The button of the simulated flight; None of a simulator."""
+        if self._setting.clears:
+            self._go = gui.add_button("Show its flight", disabled=True, hint="The flight of the clicked point.")
+            self._go.on_click(lambda _: self.show(False))
         for one in self._axes:
             one.on_update(lambda _: self._redraw())
 
@@ -169,9 +174,12 @@ class CloudTab(Part):
         self._following.place((eye, middle))
 
     def _load(self) -> None:
-        flight, over = self._progress.flights.get(NOMINAL), self._progress.over
+        flight, over, run_id = self._progress.flights.get(NOMINAL), self._progress.over, number(self._setting.run)
+        nominal = flight.cost if flight else None
         with read(self._engine) as reader:
-            cloud = load(reader, number(self._setting.run), self._setting, flight.cost if flight else None)
+            if not self._setting.clears:  # its trace may show one more call, with another value
+                nominal = summary(reader, run_id).nominal_cost
+            cloud = load(reader, run_id, self._setting, nominal)
         self._cloud, self._read, self._whole = cloud, time.monotonic(), over
         self._redraw()
 
@@ -197,6 +205,9 @@ class CloudTab(Part):
                 return
             one = self._picked = cloud.drawn[found]
             self._drawn.pick(one, self._along)
+            if not self._setting.clears:
+                self._result.content = words.stored(one, self._setting)
+                return
             self._result.content = words.simulating(one)
             self._go.disabled = True
         self._flies.ask(one)

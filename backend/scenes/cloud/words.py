@@ -34,8 +34,13 @@ def legend(cloud: Cloud, setting: Setting, dark: bool) -> str:
     below = sum(one.cost is not None and one.cost <= setting.threshold for one in cloud.drawn)
     limit = f"At or below the criterion of {setting.threshold:g} {setting.unit}: {below} of those drawn."
     rest = " ".join([said, *(f"{text}." for text in lost), limit])
-    hint = "Balls: the nominal case and the findings. Click a point to simulate it."
-    return _scale(cloud, setting, quantity, dark) + note(rest) + note(hint)
+    balls = f"Balls: the nominal case and the findings. {hint(setting)}"
+    return _scale(cloud, setting, quantity, dark) + note(rest) + note(balls)
+
+
+def hint(setting: Setting) -> str:
+    """What a click does."""
+    return "Click a point to simulate it." if setting.clears else "Click a point for its stored values."
 
 
 def _scale(cloud: Cloud, setting: Setting, quantity: str, dark: bool) -> str:
@@ -63,6 +68,15 @@ def _scale(cloud: Cloud, setting: Setting, quantity: str, dark: bool) -> str:
 def simulating(one: Evaluation) -> str:
     """The text while the clicked evaluation is simulated."""
     return _head(one) + note("Simulating it again …")
+
+
+def stored(one: Evaluation, setting: Setting) -> str:
+    """What is stored of the clicked evaluation of a simulator, at full precision; nothing is evaluated."""
+    if one.cost is None:
+        return _head(one) + note(f"{one.status.capitalize()}. {one.reason}".strip(), strong=True)
+    margin = f"{one.cost - setting.threshold:.{setting.decimals}f} {setting.unit}".replace("-", "\u2212").strip()
+    value = f"{setting.quantity or 'value'} = {one.cost!r} {setting.unit}".strip()
+    return _head(one) + note(f"Stored: {value}, margin {margin}.", strong=True)
 
 
 def outcome(one: Evaluation, answer: Mapping[str, Any], setting: Setting) -> str:

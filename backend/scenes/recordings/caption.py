@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import viser
 
 from backend.scenes.base.palette import DARK, LIGHT
-from backend.scenes.base.setting import Setting
+from backend.scenes.base.setting import NOMINAL, Setting
 from backend.scenes.panel.tables import number
 from backend.scenes.recordings.recording import Cast, Recording
 from campaigns.version import VERSION
@@ -47,6 +47,8 @@ class Caption:
     campaign: str
     results: str
     """The digests."""
+    costs: Mapping[str, float | None]
+    """What the run stored of the nominal case and each finding, by label."""
 
 
 def with_caption(made: Recording, setting: Setting, cast: Cast, caption: Caption, dark: bool) -> str:
@@ -78,7 +80,8 @@ def _card(said: str, setting: Setting, cast: Cast, caption: Caption, dark: bool)
     asked = {path: cast.shown.parameters[path] for path in _uncertain(setting) if path in cast.shown.parameters}
     given = [_row(path, f"{value!r} {units.get(path, '')}") for path, value in asked.items()]
     marks = [_row("Campaign", caption.campaign, kind="digest"), _row("Results", caption.results, kind="digest")]
-    last = f"{html.escape(said)} Vehicles are not to scale. Clearance {VERSION}, viser {viser.__version__}."
+    notes = " ".join([said, *_of_simulator(setting, cast, caption), "Vehicles are not to scale."])
+    last = f"{html.escape(notes)} Clearance {VERSION}, viser {viser.__version__}."
     return (
         f'<details id="caption" open><summary>{html.escape(f"{caption.run} · {cast.label}")}</summary>'
         f"<p>{html.escape(caption.name)}</p>{_list(rows)}"
@@ -87,12 +90,24 @@ def _card(said: str, setting: Setting, cast: Cast, caption: Caption, dark: bool)
     )
 
 
+def _of_simulator(setting: Setting, cast: Cast, caption: Caption) -> Iterator[str]:
+    """Where the positions come from, and which trace shows another call than the stored evaluation."""
+    if setting.clears:
+        return
+    yield "Positions come from the trace of the simulator, obstacles from its declaration."
+    for label, flight in cast.flights.items():
+        stored = caption.costs.get(label)
+        if stored is not None and stored != flight.cost:
+            of = "the nominal case" if label == NOMINAL else label
+            yield f"The trace of {of} is one more call with its own value; the run stored {_cost(stored, setting)}."
+
+
 def _uncertain(setting: Setting) -> Sequence[str]:
     return list(setting.document.get("uncertain") or {})
 
 
 def _cost(cost: float | None, setting: Setting) -> str:
-    return f"{number(cost, setting.decimals)} {setting.unit}" if cost is not None else "none: the flight failed"
+    return f"{number(cost, setting.decimals)} {setting.unit}" if cost is not None else f"none: the {setting.one} failed"
 
 
 def _list(rows: Sequence[str]) -> str:

@@ -18,7 +18,7 @@ from fastapi.responses import RedirectResponse, Response
 
 from backend.db.digest import results_digest
 from backend.db.engine import read
-from backend.db.tables import CatalogueDocument
+from backend.db.tables import CatalogueDocument, Finding
 from backend.http.capacity import Capacity, Gone
 from backend.http.errors import RefusedError, not_found
 from backend.http.naming import named
@@ -102,19 +102,39 @@ class Recordings:
 def _asked(reader: sa.Connection, run_id: int, label: str, dark: bool) -> _Asked:
     run = summary(reader, run_id)
     row = results.stored(reader, run_id, label)
-    if row is not None and setting.drawable(reader, run_id).scenario is None:
-        text = f"{run.id} evaluates a simulator: its 3D view is on its page, and is not recorded"
-        raise RefusedError(404, "not-found", text)
+    if row is not None:
+        setting.drawable(reader, run_id)
     flight = None if row is None else from_stored(row)
     if flight is None:
-        raise not_found("stored flight of this run called", label)
+        raise _absent(run.id, label, row is not None)
     other = results.stored(reader, run_id, setting.NOMINAL) if label != setting.NOMINAL else None
     cast = Cast(label, flight, None if other is None else from_stored(other))
-    caption = Caption(run.id, run.name, run.verdict or run.state, run.campaign_digest, results_digest(reader, run_id))
+    caption = Caption(
+        run.id,
+        run.name,
+        run.verdict or run.state,
+        run.campaign_digest,
+        results_digest(reader, run_id),
+        _costs(reader, run_id, run.nominal_cost),
+    )
     published = reader.scalar(sa.select(sa.func.max(CatalogueDocument.published)))
-    parts = (*vars(caption).values(), label, str(dark), VERSION, viser.__version__, str(published))
+    parts = (*map(str, vars(caption).values()), label, str(dark), VERSION, viser.__version__, str(published))
     tag = hashlib.sha256("\n".join(parts).encode()).hexdigest()
     return _Asked(setting.load(reader, run_id), cast, caption, f'W/"{tag}"')
+
+
+def _absent(run: str, label: str, stored: bool) -> RefusedError:
+    if not stored:
+        return not_found("stored flight of this run called", label)
+    text = f"the trace {label} of {run} has fewer than two rows with all positions: there is nothing to record"
+    return RefusedError(404, "not-found", text)
+
+
+def _costs(reader: sa.Connection, run_id: int, nominal: float | None) -> dict[str, float | None]:
+    """What the run stored of the nominal case and each finding."""
+    asked = sa.select(Finding.label, Finding.cost).where(Finding.run_id == run_id).order_by(Finding.label)
+    found = reader.execute(asked).all()
+    return {setting.NOMINAL: nominal} | {row.label: row.cost for row in found}
 
 
 @router.get("/view/{run}/{flight}/recorded")

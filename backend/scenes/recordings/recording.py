@@ -1,4 +1,4 @@
-"""Records one flight as a self-contained page: the scene of the 3D view over time.
+"""Records one flight, or case of a simulator, as a self-contained page: the scene of the 3D view over time.
 
 The scene is drawn on a temporary viser server that accepts no clients. Recording time equals flight time, so the play
 bar shows seconds of the flight. Start reading at `record`.
@@ -62,7 +62,7 @@ def record(setting: Setting, cast: Cast, dark: bool) -> Recording:
     try:
         stage = _Stage(server, setting, cast, DARK if dark else LIGHT)
         serializer = server.get_scene_serializer()
-        end = max(float(one.time[-1]) for one in cast.flights.values())
+        end = max(0.0, *(float(one.time[-1]) for one in cast.flights.values()))
         times = np.linspace(0.0, end, int(np.clip(round(RATE * end), 2, MOST)) + 1)
         for before, time in pairwise(times):
             serializer.insert_sleep(float(time - before))
@@ -93,7 +93,8 @@ class _Stage:
         """The legend of dots and arrows."""
         ahead = self._vectors.ahead
         arrows = f" The length of an arrow is the distance travelled in {ahead:g} s." if ahead else ""
-        return f"The play bar shows flight time in seconds; dots every {self._flights.dots:g} s.{arrows}"
+        of = "flight time" if self._setting.clears else "the time of the trace"
+        return f"The play bar shows {of} in seconds; dots every {self._flights.dots:g} s.{arrows}"
 
     def _separation_label(self, drawn: Drawn) -> Any:
         """The label at a vehicle with its current separation from the nearest obstacle."""
@@ -108,11 +109,16 @@ class _Stage:
         for drawn, told in self._told.items():
             assert drawn.flight is not None
             position, _, separation = drawn.flight.at(time)
-            over = time > drawn.flight.time[-1] + 1e-9
-            now = f"{number(separation, self._setting.decimals)} {self._setting.unit} now"
-            told.text = f"{drawn.style.title}: {'ended' if over else now}"
+            ended = time > drawn.flight.time[-1] + 1e-9
+            told.text = drawn.style.title + (": ended" if ended else self._now(separation))
             up = self._world.frame.unit * (1.1 if drawn.style.layer else -0.7)
             told.position = position + np.array([0.0, 0.0, up])
+
+    def _now(self, separation: float) -> str:
+        """The separation in a label; of a simulator it is not known over time."""
+        if not self._setting.clears:
+            return ""
+        return f": {number(separation, self._setting.decimals)} {self._setting.unit} now"
 
     def _camera(self) -> None:
         """Set the initial camera, which shows the whole scene."""

@@ -12,7 +12,7 @@ import viser
 
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.progress import Progress
-from backend.scenes.base.schemas import NONE, LayersChange
+from backend.scenes.base.schemas import LayersChange
 from backend.scenes.base.setting import Setting, UnknownParameterError
 from backend.scenes.cloud.tab import CloudTab, Take
 from backend.scenes.drawing.flights import Flights
@@ -50,35 +50,32 @@ class Panel:
             if setting.clears:
                 self._sampled = Sampled(server, engine, live, setting, palette, driver)
                 self._field = FieldSlice(server, setting, world, palette, flights, live, driver)
-        if setting.clears:
-            with tabs.add_tab("Space"):
-                self._cloud = CloudTab(server, engine, live, setting, world, progress, following, driver, take)
+        with tabs.add_tab("Space"):
+            self._cloud = CloudTab(server, engine, live, setting, world, progress, following, driver, take)
         with tabs.add_tab("Search"):
             convergence = ConvergenceTab(gui, setting, palette, progress.curves)
         self._simulates = setting.clears
-        """Only scenarios are simulated on demand for these layers."""
-        further = [self._sampled, self._field, self._cloud] if setting.clears else []
-        self.parts: list[Part] = [values, *further, convergence]
+        """Only scenarios are simulated on demand, which the layers sampled and field need."""
+        further = [self._sampled, self._field] if setting.clears else []
+        self.parts: list[Part] = [values, *further, self._cloud, convergence]
 
     def have(self, layers: LayersChange) -> None:
         """Change the layers; raises `UnknownParameterError` for an unknown axis, or if they are not available."""
-        if not self._simulates:
-            if layers.space or layers.sampled or layers.field or layers.axes not in (None, (NONE, NONE, NONE)):
-                text = "this run evaluates a simulator: the layers sampled, field, space and axes are not available"
-                raise UnknownParameterError(text)
-            return
+        if not self._simulates and (layers.sampled or layers.field):
+            text = "this run evaluates a simulator: the layers sampled and field, which simulate, are not available"
+            raise UnknownParameterError(text)
         self._cloud.have(layers.space, layers.axes)
+        if not self._simulates:
+            return
         self._sampled.have(layers.sampled)
         self._field.have(layers.field)
 
     @property
     def layers(self) -> dict[str, Any]:
         """The visible layers."""
-        if not self._simulates:
-            return {"sampled": False, "field": False, "space": False, "axes": (NONE, NONE, NONE)}
         return {
-            "sampled": self._sampled.on,
-            "field": self._field.on,
+            "sampled": self._simulates and self._sampled.on,
+            "field": self._simulates and self._field.on,
             "space": self._cloud.on,
             "axes": self._cloud.along,
         }

@@ -73,8 +73,7 @@ class Viewer:
         # The page already shows the run's name and controls; the panel starts folded in favour of the scene.
         alone = address.key is None
         self._unfold(alone)
-        tabs = "Values, space, search" if setting.clears else "Values, search"
-        server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else tabs)
+        server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else "Values, space, search")
         palette = DARK if address.dark else LIGHT
         with server.atomic():
             self._world = World(server, setting, palette)

@@ -1,7 +1,7 @@
 """Two airliners in BlueSky resolve a conflict by its MVP method: a program of JSON lines.
 
 BlueSky runs in this process, without windows, network and navigation data, and is reset before every evaluation. Its
-files go into the folder of the slot. Start reading at `separation`.
+files go into the folder of the slot. Start reading at `separation`, which on request also records the trace.
 """
 
 from __future__ import annotations
@@ -76,6 +76,20 @@ def apart() -> tuple[float, float]:
     return RADIUS * (lon[1] - lon[0]) * math.cos(0.5 * (lat[0] + lat[1])), RADIUS * (lat[1] - lat[0])
 
 
+def recorded(here: tuple[float, float]) -> dict[str, float]:
+    """A row of the trace: both positions from the start of the first aircraft, and their distance."""
+    lat, lon = np.radians(bluesky.traf.lat[0]).item(), np.radians(bluesky.traf.lon[0]).item()
+    east, north = RADIUS * lon * math.cos(0.5 * lat), RADIUS * lat
+    return {
+        "time": float(bluesky.sim.simt),
+        "east": east,
+        "north": north,
+        "other_east": east + here[0],
+        "other_north": north + here[1],
+        "distance": math.hypot(*here),
+    }
+
+
 def nearest(a: tuple[float, float], b: tuple[float, float]) -> float:
     """The least distance from the origin to the segment between two relative positions."""
     dx, dy = b[0] - a[0], b[1] - a[1]
@@ -84,8 +98,11 @@ def nearest(a: tuple[float, float], b: tuple[float, float]) -> float:
     return math.hypot(a[0] + s * dx, a[1] + s * dy)
 
 
-def separation(p: Mapping[str, float]) -> dict[str, float]:
-    """Simulate one encounter: the least horizontal distance, with straight motion between two steps."""
+def separation(p: Mapping[str, float], trace: list[dict[str, float]] | None = None) -> dict[str, float]:
+    """Simulate one encounter: the least horizontal distance, with straight motion between two steps.
+
+    trace: the list to which its rows are appended.
+    """
     bluesky.sim.reset()
     commanded(f"DT {STEP}", "CDMETHOD STATEBASED", f"RESO {'MVP' if p['resolution'] >= 0.5 else 'OFF'}")
     commanded(f"DTLOOK {p['look_ahead']!r}", "ZONER 5")
@@ -97,6 +114,8 @@ def separation(p: Mapping[str, float]) -> dict[str, float]:
         raise Failed(
             f"the aircraft would start {math.hypot(*here):.0f} m apart, inside the protected zone of {ZONE:g} m"
         )
+    if trace is not None:
+        trace.append(recorded(here))
     while bluesky.sim.simt < ENDS:
         bluesky.sim.step()
         if bluesky.traf.ntraf != len(NAMES):
@@ -105,6 +124,8 @@ def separation(p: Mapping[str, float]) -> dict[str, float]:
         if not all(map(math.isfinite, here)):
             raise Failed(f"a position is not finite at {bluesky.sim.simt:g} s")
         lowest = min(lowest, nearest(before, here))
+        if trace is not None:
+            trace.append(recorded(here))
     return {"separation": lowest}
 
 
@@ -122,7 +143,10 @@ def unsuitable() -> str:
 def answered(line: str) -> dict[str, Any]:
     """The answer to one line: results, or an error with its reason."""
     try:
-        return {"results": separation(json.loads(line)["parameters"])}
+        asked = json.loads(line)
+        rows: list[dict[str, float]] | None = [] if asked.get("trace") else None
+        answer: dict[str, Any] = {"results": separation(asked["parameters"], rows)}
+        return answer | ({"trace": {name: [row[name] for row in rows] for name in rows[0]}} if rows else {})
     except Failed as error:
         return {"error": str(error)}
 

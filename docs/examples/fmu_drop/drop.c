@@ -1,8 +1,9 @@
 /* A load released from a moving vehicle, as an FMU of FMI 2.0 for co-simulation. Build: sh build.sh
 
    The load leaves at x = 0, z = 60 m with the speed of the vehicle and falls with drag F = 0.5 rho A C |v| v relative to
-   the wind. A mast of 20 m stands 32 m ahead. A communication step is one step of Heun's method. Only what a
-   co-simulation calls is implemented; the functions at the end answer with an error. */
+   the wind. A mast of 20 m stands 32 m ahead. A communication step is one step of Heun's method; the load stays where
+   the first step ends below the ground. Only what a co-simulation calls is implemented; the functions at the end answer
+   with an error. */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -91,6 +92,7 @@ int fmi2EnterInitializationMode(void *instance) {
 int fmi2DoStep(void *instance, double time, double h, int final) {
     Model *m = instance;
     double a[4], b[4], y[4];
+    if (m->y[1] < 0) return OK; /* it has landed */
     slope(m, m->y, a);
     for (int i = 0; i < 4; i++) y[i] = m->y[i] + h * a[i];
     slope(m, y, b);

@@ -2,7 +2,7 @@
 
 Every evaluation loads the aircraft again, so that it depends on its parameters only. The autopilot of c172x holds
 heading and altitude; once a second the avoider `closest_approach` of Clearance, in plain Python, changes the heading
-to hold. Start reading at `separation`.
+to hold. Start reading at `separation`, which on request also records the trace.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ NEAREST = 500.0
 """A start closer than this is no encounter [m]."""
 GUIDANCE = 60
 """Steps between two commands of the avoider: 1 s."""
+RECORDED = 6
+"""Steps between two rows of a trace: 0.1 s."""
 FOOT, POUND, EARTH = 0.3048, 0.45359237, 6371000.0 + 1219.2
 ALTITUDE = 4000.0
 """[ft], 1219.2 m"""
@@ -160,14 +162,34 @@ def distance2(own: State, other: Intruder, t: float, altitude: float) -> float:
     return (own.x - other.x - other.vx * t) ** 2 + (own.y - other.y - other.vy * t) ** 2 + (own.z - altitude) ** 2
 
 
+def recorded(plane: jsbsim.FGFDMExec, own: State, start: State, other: Intruder, t: float) -> dict[str, float]:
+    """A row of the trace. It only reads, so that a flight with a trace is the same to the bit."""
+    return {
+        "time": t,
+        "north": own.y - start.y,
+        "east": own.x - start.x,
+        "down": -own.z,
+        "roll": plane["attitude/phi-deg"],
+        "pitch": plane["attitude/theta-deg"],
+        "heading": plane["attitude/psi-deg"],
+        "intruder_north": other.y + other.vy * t - start.y,
+        "intruder_east": other.x + other.vx * t - start.x,
+        "intruder_down": -start.z,
+        "distance": math.sqrt(distance2(own, other, t, start.z)),
+    }
+
+
 def refined(before: float, at: float, after: float) -> float:
     """The lowest value of the parabola through three samples, of which the middle one is the lowest."""
     bend = before - 2.0 * at + after
     return at if bend <= 0.0 else at - 0.125 * (after - before) ** 2 / bend
 
 
-def separation(p: Mapping[str, float]) -> dict[str, float]:
-    """Simulate one encounter: the smallest distance, and the greatest deviation from the altitude held."""
+def separation(p: Mapping[str, float], trace: list[dict[str, float]] | None = None) -> dict[str, float]:
+    """Simulate one encounter: the smallest distance, and the greatest deviation from the altitude held.
+
+    trace: the list to which its rows are appended.
+    """
     plane = loaded(p)
     own = settled(plane, p)
     start, other = own, meeting(own, p)
@@ -178,13 +200,17 @@ def separation(p: Mapping[str, float]) -> dict[str, float]:
     squares, deviation = [distance2(own, other, 0.0, start.z)], 0.0
     steps = flown(plane, ENDS)
     for step in range(round(ENDS / STEP)):
+        t = step * STEP
+        if trace is not None and step % RECORDED == 0:
+            trace.append(recorded(plane, own, start, other, t))
         if step % GUIDANCE == 0:
-            t = step * STEP
             now = other._replace(x=other.x + other.vx * t, y=other.y + other.vy * t)
             steered(plane, own, measured(own, now, p), goal, p)
         own = next(steps)
         squares.append(distance2(own, other, (step + 1) * STEP, start.z))
         deviation = max(deviation, abs(own.z - FOOT * ALTITUDE))
+    if trace is not None:
+        trace.append(recorded(plane, own, start, other, ENDS))
     k = min(range(len(squares)), key=squares.__getitem__)
     lowest = refined(*squares[k - 1 : k + 2]) if 0 < k < len(squares) - 1 else squares[k]
     return {"separation": math.sqrt(max(lowest, 0.0)), "altitude_deviation": deviation}
@@ -198,7 +224,10 @@ def answered(line: str) -> dict[str, Any]:
             f"that version, or change VERSION in {__file__}"
         }
     try:
-        return {"results": separation(json.loads(line)["parameters"])}
+        asked = json.loads(line)
+        rows: list[dict[str, float]] | None = [] if asked.get("trace") else None
+        answer: dict[str, Any] = {"results": separation(asked["parameters"], rows)}
+        return answer | ({"trace": {name: [row[name] for row in rows] for name in rows[0]}} if rows else {})
     except Failed as error:
         return {"error": str(error)}
 

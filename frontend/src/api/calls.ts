@@ -11,6 +11,7 @@ import type {
   ExportFile,
   FindingDetail,
   CaseAnswer,
+  CaseInstalled,
   CaseRequest,
   FlightAnswer,
   FlightRequest,
@@ -120,6 +121,9 @@ export const simulateFlight = (run: string, body: FlightRequest, signal?: AbortS
 /** Evaluates one case of a run's simulator with other parameters. */
 export const evaluateCase = (run: string, body: CaseRequest, signal?: AbortSignal): Promise<CaseAnswer> =>
   answer(sdk.evaluateCase({ path: { run }, body, signal }))
+
+/** Whether the machine of the service has the simulator of a run. */
+export const getCaseInstalled = (run: string): Promise<CaseInstalled> => answer(sdk.caseInstalled({ path: { run } }))
 
 /** Changes the 3D view; the service waits up to this many seconds for it to open. */
 export const changeView = (

@@ -90,6 +90,10 @@ export const componentsQuery = (id: string) =>
 export const stagesQuery = (id: string) =>
   queryOptions({ queryKey: ['stages', id], queryFn: () => calls.getStages(id) })
 
+/** Whether cases of a run's simulator can be evaluated; asked when the what-if opens, because it starts a process. */
+export const caseInstalledQuery = (id: string) =>
+  queryOptions({ queryKey: ['case installed', id], queryFn: () => calls.getCaseInstalled(id), staleTime: 60_000, retry: false })
+
 export const evaluationsQuery = (id: string) =>
   queryOptions({ queryKey: ['evaluations', id], queryFn: () => calls.getEvaluations(id) })
 

@@ -4,6 +4,7 @@ import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, Ic
 import { queryOptions, useMutation, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getExports, getFile } from '../api/calls'
+import { asCampaign, caseWord } from '../api/campaign'
 import type { ExportFile, RunDetail } from '../client'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
@@ -19,6 +20,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
   const { data, error } = useQuery({ ...exportsQuery(run.id, run.state), enabled: opened })
   const recording = data?.find((file) => RECORDING.test(file.href) && file.unavailable === null)
   const files = data?.filter((file) => file.media_type !== 'application/pdf' && !RECORDING.test(file.href))
+  const one = caseWord(asCampaign(run.campaign))
   const pdf = data?.find((file) => file.media_type === 'application/pdf')
   return (
     <>
@@ -41,8 +43,8 @@ export function ExportMenu({ run }: { run: RunDetail }) {
           {files?.map((file) => (
             <Entry key={file.href} file={file} />
           ))}
-          {recording && <Menu.Label>Flight in 3D</Menu.Label>}
-          {recording && <RecordingEntries run={run.id} flight={RECORDING.exec(recording.href)?.[1] ?? 'nominal'} />}
+          {recording && <Menu.Label>{one === 'flight' ? 'Flight' : 'Case'} in 3D</Menu.Label>}
+          {recording && <RecordingEntries run={run.id} flight={RECORDING.exec(recording.href)?.[1] ?? 'nominal'} one={one} />}
           {!data && <Menu.Item disabled>{error ? error.message : 'Loading the list of files …'}</Menu.Item>}
           <Menu.Divider />
           <p className="small mut" style={{ padding: '4px 12px 8px' }}>

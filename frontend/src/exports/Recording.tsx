@@ -14,6 +14,8 @@ export const recordedAt = (run: string, flight: string, theme: Theme) => ({
 interface Props {
   run: string
   flight: string
+  /** The word for it: a simulator has cases. */
+  one: 'flight' | 'case'
 }
 
 /** The button of the Flight card. */
@@ -33,9 +35,9 @@ export function RecordingMenu(props: Props) {
 }
 
 /** Both actions as menu items. */
-export function RecordingEntries({ run, flight }: Props) {
+export function RecordingEntries({ run, flight, one }: Props) {
   const { page, file } = recordedAt(run, flight, useTheme())
-  const called = flight === 'nominal' ? 'the nominal flight' : flight
+  const called = flight === 'nominal' ? `the nominal ${one}` : flight
   return (
     <>
       <CopyLink address={page} />

@@ -1,5 +1,8 @@
 // Below the result of a what-if of a simulator: when it is evaluated, how long that takes, and what the result is.
 import { IconPlayerPlay } from '@tabler/icons-react'
+import { useQuery } from '@tanstack/react-query'
+import { useId } from 'react'
+import { caseInstalledQuery } from '../../api/queries'
 import type { CaseAnswer, FlightAnswer } from '../../client'
 import { plain } from '../../format/numbers'
 import type { WhatIfState } from './useWhatIf'
@@ -13,16 +16,39 @@ const isCase = (answer: FlightAnswer | CaseAnswer | null): answer is CaseAnswer 
 
 type Props = Pick<WhatIfState, 'answer' | 'busy' | 'follows' | 'stale' | 'seconds' | 'evaluate'>
 
-export function CaseNote({ answer, busy, follows, stale, seconds, evaluate }: Props) {
+/** Reports before the first evaluation that the machine of the service lacks the simulator. */
+export function InstalledNote({ run, ...state }: Props & { run: string }) {
+  const { data } = useQuery(caseInstalledQuery(run))
+  return <CaseNote {...state} missing={data?.reason ?? ''} />
+}
+
+interface NoteProps extends Props {
+  /** Why no case can be evaluated; empty if it can, or while that is not known. */
+  missing?: string
+}
+
+export function CaseNote({ answer, busy, follows, stale, seconds, evaluate, missing = '' }: NoteProps) {
+  const why = useId()
   return (
     <div className={styles.caseNote}>
       {follows && seconds !== null ? (
         <p className="small sec">Evaluated as the values change: an evaluation takes {aboutOf(seconds)}.</p>
       ) : (
-        <button type="button" className="btn s" disabled={busy} onClick={evaluate}>
+        <button
+          type="button"
+          className="btn s"
+          disabled={busy || missing !== ''}
+          aria-describedby={missing ? why : undefined}
+          onClick={evaluate}
+        >
           <IconPlayerPlay className="i s" aria-hidden />
           {busy ? 'Evaluating …' : `Evaluate${seconds === null ? '' : ` (${aboutOf(seconds)})`}`}
         </button>
+      )}
+      {missing && (
+        <p className="small sec" id={why}>
+          No case can be evaluated: {missing}.
+        </p>
       )}
       {answer && stale && !follows && !busy && (
         <p className="small sec">The result is that of other values; evaluate to update it.</p>

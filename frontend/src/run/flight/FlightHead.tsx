@@ -35,7 +35,8 @@ interface Props {
 const NAMES: Partial<Record<Camera, string>> = { intruder: 'Obstacle' }
 
 export function FlightHead({ data, view, shown, alone, onFull }: Props) {
-  const recorded = hasScenario(data.campaign) && data.traces.some((trace) => trace.name === data.chosen)
+  const flies = hasScenario(data.campaign)
+  const recorded = data.traces.some(({ name, meta }) => name === data.chosen && (flies || meta.scene))
   const [address] = useAddress(data.run.id)
   const place = placeOf(shown)
   return (
@@ -65,7 +66,7 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
         )}
         <IconButton label="Full screen" icon={IconArrowsMaximize} act={onFull} />
       </span>
-      {recorded && <RecordingMenu run={data.run.id} flight={data.chosen} />}
+      {recorded && <RecordingMenu run={data.run.id} flight={data.chosen} one={caseWord(data.campaign)} />}
     </div>
   )
 }

@@ -11,7 +11,7 @@ import { Card } from '../../ui/Card'
 import { IconButton } from '../../ui/IconButton'
 import { Sign } from '../../ui/Sign'
 import { NOMINAL } from '../data/chosen'
-import { CaseNote } from './CaseNote'
+import { InstalledNote } from './CaseNote'
 import type { RunData, UncertainParameter } from '../data/data'
 import type { WhatIfState } from './useWhatIf'
 import { baseOf, STEPS, stepped, valuesOf, type WhatIf, within, withValue } from './whatif'
@@ -123,7 +123,7 @@ function Outcome({ data, state }: Omit<Props, 'className'>) {
       ) : (
         <p className="small sec">{flies || answer ? wordsOf(answer, whatIf) : busy ? 'Evaluating …' : 'Not evaluated yet.'}</p>
       )}
-      {!flies && <CaseNote {...state} />}
+      {!flies && <InstalledNote run={run.id} {...state} />}
       {answer && answer.criteria.length > 1 && (
         <dl className={styles.whatIfMore}>
           {answer.criteria.slice(1).map((one) => (

@@ -27,6 +27,15 @@ it('evaluates on request, with the time once it is known', () => {
   expect(shown({ seconds: 0.02, follows: true })).toContain('an evaluation takes about 0.02 s')
 })
 
+it('cannot be evaluated where the simulator is not installed, and says so before it is tried', () => {
+  const told = shown({ missing: 'the machine of the service has no such simulator' })
+  expect(told).toMatch(/<button[^>]*disabled/)
+  expect(told).toContain('No case can be evaluated: the machine of the service has no such simulator.')
+  const why = /<button[^>]*aria-describedby="([^"]+)"/.exec(told)?.[1]
+  expect(told).toContain(`id="${why}"`)
+  expect(shown({ missing: '' })).not.toMatch(/disabled|No case can be evaluated/)
+})
+
 it('says of which values the result is, and that it is no evidence', () => {
   expect(shown({ answer, seconds: 4.2 })).toContain('The result is that of other values')
   expect(shown({ answer, seconds: 4.2, stale: false })).not.toContain('other values')

@@ -2,37 +2,23 @@
 
 from __future__ import annotations
 
-import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
+import pytest
+
+from campaigns import check, load_file
+from worker.catalogue import installed
 from worker.catalogue.installed import components
-from worker.kernels.component import Controller, Vehicle
+from worker.components import own as own_package
+from worker.examination import reading
+from worker.examination.declaring import declared_by
+from worker.examination.flying import flown
+from worker.kernels.component import Component, Controller, Vehicle
 
 REPOSITORY = Path(__file__).parents[2]
 GUIDE = (REPOSITORY / "docs" / "your-own-component.md").read_text(encoding="utf-8")
 EXAMPLES = REPOSITORY / "docs" / "examples"
-
-FLIES = """
-import json, sys
-from pathlib import Path
-import numpy as np
-from campaigns import check
-from campaigns.asked.load import load_document, load_file
-from worker.catalogue.installed import catalogue, skipped
-from worker.opening.opened import closed_loop
-from worker.problem.problem import Problem
-
-campaign = load_file(Path(sys.argv[1]))
-campaign = load_document(campaign.document() | {"scenario": campaign.document()["scenario"] | {"horizon": 1.0}})
-problems = [str(p) for p in check(campaign, catalogue())]
-problem = Problem(campaign, closed_loop(campaign, compiled=False, lanes=1))
-batch, reasons = problem.evaluate(problem.nominal_point[None])
-print(json.dumps([problems, len(skipped()), reasons, float(batch.costs[0, 0]), problem.system.own]))
-"""
 
 
 def test_the_table_of_controllers_is_what_they_declare() -> None:
@@ -47,18 +33,21 @@ def test_the_table_of_controllers_is_what_they_declare() -> None:
     assert rows == []
 
 
-def test_the_example_in_space_is_the_files_and_flies() -> None:
+def test_the_example_in_space_is_the_files_and_flies(monkeypatch: pytest.MonkeyPatch) -> None:
     shown = re.findall(r"^```(?:py|yml)\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
     for file in ("components/multirotor.py", "components/multirotor_velocity.py", "campaigns/multirotor.yaml"):
         assert (EXAMPLES / file).read_text(encoding="utf-8") in shown, file
-    environment = {**os.environ, "CLEARANCE_COMPONENTS": str(EXAMPLES / "components"), "PYTHONPATH": str(REPOSITORY)}
-    command = [sys.executable, "-c", FLIES, str(EXAMPLES / "campaigns" / "multirotor.yaml")]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    problems, skipped, reasons, cost, own = json.loads(done.stdout)
-    assert (problems, skipped, reasons) == ([], 0, {})
-    assert 20.0 < cost < 40.0
-    assert own == ["worker.components.own.multirotor", "worker.components.own.multirotor_velocity"]
+    monkeypatch.setattr(own_package, "__path__", [str(EXAMPLES / "components")])
+    found: list[Component] = []
+    for name in ("multirotor", "multirotor_velocity"):
+        source = reading.read(EXAMPLES / "components" / f"{name}.py")
+        reading.check(source)
+        found.append(declared_by(source, f"worker.components.own.{name}"))
+        flown(found[-1], source, {"multirotor": found[0]}.get)
+    monkeypatch.setattr(installed, "_HOMES", {id(c): f"worker.components.own.{c.name}" for c in found})
+    entries = [*installed.catalogue().components, *map(installed._component_entry, found)]
+    known = installed.catalogue().model_copy(update={"components": entries})
+    assert check(load_file(EXAMPLES / "campaigns" / "multirotor.yaml"), known) == []
 
 
 def test_the_files_of_the_example_are_on_no_path_of_this_repository() -> None:

@@ -25,7 +25,7 @@ def compile_each(source: Source, module: str, calls: Calls) -> None:
         kernel = own.get(code)
         if kernel is None:
             continue
-        types = tuple(numba.typeof(_floats(value)) for value in calls[code][0])
+        types = tuple(_typeof(_floats(value)) for value in calls[code][0])
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
@@ -40,6 +40,9 @@ def compile_each(source: Source, module: str, calls: Calls) -> None:
                 "tuples only",
                 code.co_firstlineno,
             ) from None
+
+
+_typeof: Any = numba.typeof
 
 
 def _floats(value: Any) -> Any:

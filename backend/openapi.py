@@ -33,9 +33,9 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
 _LEFT_OUT = {
     "Criterion": ("component", "result", "from_centre"),
     "Campaign": ("scenario", "simulator", "encounter"),
-    "Catalogue": ("simulators", "digests"),
-    "Provenance": ("simulator", "evaluator", "command"),
-    "Versions": ("simulator", "evaluator", "command"),
+    "Catalogue": ("simulators", "digests", "own", "unusable"),
+    "Provenance": ("components", "simulator", "evaluator", "command"),
+    "Versions": ("components", "simulator", "evaluator", "command"),
     "Validation": ("again", "repeats"),
     "ValidateResult": ("incumbents", "untraced"),
     "NominalResult": ("measured", "untraced"),

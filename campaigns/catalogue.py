@@ -159,6 +159,23 @@ class SimulatorEntry(Entry):
         return next((r for r in self.results if r.name == name), None)
 
 
+class UnusableEntry(Entry):
+    """A file that was skipped because no component can be made of it."""
+
+    file: str
+    """The file in its folder; empty for a package without one."""
+    line: int | None
+    """The line of the mistake; None if it has none."""
+    name: str
+    """The name that a campaign would use, as far as it is known."""
+    text: str
+    """What stands there, what was expected, and what to do: one sentence."""
+
+    def __str__(self) -> str:
+        where = f"{self.file}, line {self.line}" if self.line else self.file
+        return f"{where}: {self.text}" if where else self.text
+
+
 class Catalogue(Entry):
     """All that a campaign may name, and the version of the code that offers it."""
 
@@ -171,6 +188,12 @@ class Catalogue(Entry):
     """Omitted if there is none, so that older snapshots keep their digests."""
     digests: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)] = {}
     """Of the files of simulators, by name, when this was published; not in snapshots, and omitted if empty."""
+    own: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)] = {}
+    """Of the files of the operator's own components, by file, when this was published; not in snapshots."""
+    unusable: Annotated[
+        list[UnusableEntry], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)
+    ] = []
+    """Components that were skipped, when this was published; not in snapshots, and omitted if there is none."""
 
     def component(self, role: Role, name: str) -> ComponentEntry | None:
         """The component of that role and name, or None."""

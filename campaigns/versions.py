@@ -54,6 +54,8 @@ class Versions(BaseModel):
     cpu: Processor | None = None
     lanes: int | None = None
     """Simulations that one call of the loop runs in lockstep."""
+    components: Annotated[dict[str, str], Field(exclude_if=lambda given: not given)] = {}
+    """Digest of the file of each of the operator's own components in the run, without comments and docstrings."""
     simulator: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
     """Digest of the simulator, in place of the loop's: everything of it that could change a number."""
     evaluator: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
@@ -83,6 +85,7 @@ def differences(then: Versions, now: Versions, modules: list[str] | None = None)
         found.append(f"the code digest was {short(then.code)}, here it is {short(now.code)}{_named(modules or [])}")
     if then.loop and now.loop and then.loop != now.loop:
         found.append(f"the loop digest was {short(then.loop)}, here it is {short(now.loop)}")
+    found += [f"components/{name} has changed" for name in differing(then.components, now.components)]
     if then.simulator and now.simulator and then.simulator != now.simulator:
         found.append(f"the simulator digest was {short(then.simulator)}, here it is {short(now.simulator)}")
     if then.python and now.python and then.python != now.python:

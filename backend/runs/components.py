@@ -21,10 +21,17 @@ def components(reader: sa.Connection, run_id: int) -> RunComponents:
     kept = snapshots.of_run(reader, run_id)
     digest, versions = reader.execute(sa.select(Run.snapshot, Run.flown).where(Run.id == run_id)).one()
     then, now = Versions.of(versions).code, codes.published(reader)
-    code: JsonObject = {"code": then, "code_installed": now, "code_changes": codes.changed(reader, then, now)}
+    changes_of_code = [*codes.changed(reader, then, now), *_own(Versions.of(versions), published(reader))]
+    code: JsonObject = {"code": then, "code_installed": now, "code_changes": changes_of_code}
     if kept is None:
         return RunComponents(digest=None, catalogue=snapshot(asked, required(reader)), changes=[], **code)
     return RunComponents(digest=digest, catalogue=kept, changes=changed(kept, published(reader)), **code)
+
+
+def _own(then: Versions, installed: Catalogue | None) -> list[str]:
+    """The operator's own components of a run whose files have changed or are gone."""
+    now = {} if installed is None else installed.own
+    return [f"components/{name}" for name, digest in then.components.items() if now.get(name) != digest]
 
 
 def changed(kept: Catalogue, installed: Catalogue | None) -> list[str]:

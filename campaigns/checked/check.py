@@ -111,7 +111,9 @@ def _composed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         entry = catalogue.component(role, part.component)
         if entry is None:
             names = [c.name for c in catalogue.components if c.role == role]
-            yield Problem(f"{field}.component", part.component, f"no such {role}; {said.known(part.component, names)}")
+            text = f"no such {role}; {said.known(part.component, names)}"
+            broken = next((u for u in catalogue.unusable if u.name == part.component), None)
+            yield Problem(f"{field}.component", part.component, f"it cannot be used: {broken}" if broken else text)
             continue
         yield from limits.refused(f"{field}.parameters", entry.parameters, part.parameters)
         if role == "vehicle":

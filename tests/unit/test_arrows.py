@@ -57,7 +57,10 @@ MAY: dict[str, tuple[str, ...]] = {
     # Entries of components follow below: none imports another kind.
     # How an evaluation ended has one home.
     "worker.search": ("campaigns.results.base",),
-    "worker.catalogue": ("worker.kernels", "worker.search", "campaigns"),
+    "worker.catalogue": ("worker.kernels", "worker.search", "worker.components.own", "campaigns"),
+    # In a process of its own, which the catalogue starts by its name.
+    "worker.examination": (*("worker.kernels", "worker.components.own", "worker.systems.closed_loop.assemble"),),
+    "worker.skeletons": ("worker.kernels",),
     # The interface: modules above it do not depend on the closed loop or any other system.
     "worker.systems": ("worker.search.base", "backend.db.records", "campaigns"),
     "worker.systems.closed_loop": (
@@ -83,7 +86,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.verdicts": ("worker.stages", "worker.problem", "worker.systems.base", "campaigns"),
     "worker.runs": (
         *("worker.verdicts", "worker.stages", "worker.opening", "worker.problem", "worker.systems.base"),
-        *("worker.search", "worker.catalogue", "campaigns"),
+        *("worker.search", "worker.catalogue", "worker.components.own", "campaigns"),
     ),
     "worker.processes": (
         *("worker.runs", "worker.stages", "worker.opening", "worker.systems", "worker.catalogue"),

@@ -19,7 +19,8 @@ from numba import config
 from numba.core.caching import FunctionCache
 
 from worker.kernels.bind import digest, filled, plain
-from worker.kernels.cache import cache_folder, cached
+from worker.kernels.cache import cached
+from worker.kernels.folder import cache_folder
 from worker.kernels.maths import kernel
 
 FILES = {

@@ -1,9 +1,10 @@
 """Discovers installed components, methods and simulators: one file each, or entry points of other packages.
 
 A module in a folder of `worker.components` declares a component by its attribute `component`, a module of
-`worker.search.methods` a method by `method`. Simulators come from entry points (`simulator`, or decorated functions)
-and from the operator's folders: descriptors, and Python files. `catalogue` returns all of them as data for the
-service. Start reading there.
+`worker.search.methods` a method by `method`. The operator's own components are files of the folders that
+CLEARANCE_COMPONENTS lists; one that cannot be used is skipped and reported. Simulators come from entry points
+(`simulator`, or decorated functions) and from the operator's folders: descriptors, and Python files. `catalogue`
+returns all of them as data for the service. Start reading there.
 """
 
 from __future__ import annotations
@@ -12,17 +13,27 @@ import importlib
 import inspect
 import pkgutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from functools import cache
 from importlib.metadata import entry_points, version
+from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal
 
 from pydantic import TypeAdapter
 
-from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
+from campaigns.catalogue import (
+    Catalogue,
+    ComponentEntry,
+    MethodEntry,
+    ParameterEntry,
+    ReachEntry,
+    Role,
+    UnusableEntry,
+)
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
+from worker.catalogue import own
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import listed
 from worker.catalogue.files import PythonFunction, listed_files
@@ -45,15 +56,76 @@ from worker.search.base import Method
 FOLDERS = ("vehicles", "controllers", "avoiders", "obstacles", "environment", "faults", "criteria")
 
 
-@cache
 def components() -> dict[tuple[Role, str], Component]:
-    """Every component of this installation by role and name; a duplicate name is an error."""
+    """Every component of this installation by role and name; what cannot be used is skipped, see `skipped`."""
+    return _found()[0]
+
+
+def skipped() -> list[UnusableEntry]:
+    """The components of packages and of the operator's folders that cannot be used, each with the reason."""
+    return _found()[1]
+
+
+def own_modules(used: Iterable[Component]) -> tuple[str, ...]:
+    """The modules of the operator that declare these components, and those that they import."""
+    paths = {f"{own.PACKAGE}.{file.stem}": file for file in own.files()}
+    homes = {home for component in used if (home := _HOMES.get(id(component), "")).startswith(f"{own.PACKAGE}.")}
+    return tuple(sorted({name for home in homes for name in own.modules_of(home, paths)})) if homes else ()
+
+
+_HOMES: dict[int, str] = {}
+"""The modules that declare the components, by the components' identity."""
+
+
+@cache
+def _found() -> tuple[dict[tuple[Role, str], Component], list[UnusableEntry]]:
+    """Components that are shipped, then those of packages, then the operator's own; duplicate names are skipped."""
     found: dict[tuple[Role, str], Component] = {}
-    for module in _modules(*(f"worker.components.{folder}" for folder in FOLDERS), group="clearance.components"):
-        component = getattr(module, "component", None)
-        if isinstance(component, (Vehicle, Controller, Avoider, Obstacle, Environment, Fault, Criterion)):
-            _add(found, (component.role, component.name), component, module)
-    return found
+    wrong: list[UnusableEntry] = []
+    for folder in FOLDERS:
+        for module in _in_folder(f"worker.components.{folder}"):
+            component = _component_of(module)
+            if component is not None:
+                _add(found, (component.role, component.name), component, module)
+                _HOMES[id(component)] = module.__name__
+    others: list[tuple[str, str, Path | None]] = [
+        (entry.name, entry.module, None) for entry in entry_points(group="clearance.components")
+    ]
+    wrong += [own.unusable(None, text) for text in own.missing()]
+    for one in own.examined():
+        if one.text:
+            wrong.append(one.entry)
+        else:
+            others.append((one.name, one.module, one.file))
+    for name, home, file in others:
+        reason = _added(found, home)
+        if reason:
+            wrong.append(own.unusable(file, reason if file else f"the package {home}: {reason}", name=name))
+    return found, wrong
+
+
+def _added(found: dict[tuple[Role, str], Component], name: str) -> str:
+    """Add the component of another package or of the operator; the reason if that is not possible."""
+    try:
+        component = _component_of(importlib.import_module(name))
+        if component is None:
+            return "it has no `component`: declare one at the end of the module"
+        _HOMES[id(component)] = name
+        _component_entry(component)
+    except (Exception, SystemExit) as error:
+        return f"it cannot be loaded ({type(error).__name__}: {' '.join(str(error).split())[:300].rstrip('.')})"
+    key = component.role, component.name
+    if key in found:
+        home = source_of(found[key]).__name__
+        return f"{home} already declares the {component.role} {component.name!r}: rename one of them"
+    found[key] = component
+    return ""
+
+
+def _component_of(module: ModuleType) -> Component | None:
+    component = getattr(module, "component", None)
+    kinds = (Vehicle, Controller, Avoider, Obstacle, Environment, Fault, Criterion)
+    return component if isinstance(component, kinds) else None
 
 
 @cache
@@ -109,11 +181,14 @@ def catalogue() -> Catalogue:
         components=[_component_entry(c) for c in components().values()],
         methods=[_method_entry(m) for m in methods().values()],
         simulators=[s.entry for s in simulators().values()],
+        unusable=skipped(),
     )
 
 
 def source_of(thing: Component | Method | Simulator | PythonFunction) -> ModuleType:
     """The module that declares a component or method, or opens a simulator."""
+    if id(thing) in _HOMES:
+        return sys.modules[_HOMES[id(thing)]]
     if isinstance(thing, PythonFunction):
         return sys.modules[thing.place["module"]]
     function = thing.open if isinstance(thing, Simulator) else _function(thing)
@@ -134,11 +209,15 @@ def _add(found: dict[Any, Any], key: Any, thing: Any, module: ModuleType) -> Non
 
 def _modules(*folders: str, group: str) -> Iterator[ModuleType]:
     for folder in folders:
-        package = importlib.import_module(folder)
-        for info in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
-            yield importlib.import_module(f"{folder}.{info.name}")
+        yield from _in_folder(folder)
     for entry in entry_points(group=group):
         yield importlib.import_module(entry.module)
+
+
+def _in_folder(folder: str) -> Iterator[ModuleType]:
+    package = importlib.import_module(folder)
+    for info in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
+        yield importlib.import_module(f"{folder}.{info.name}")
 
 
 def _a_kernel(component: Component) -> Any:

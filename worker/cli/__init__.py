@@ -49,7 +49,11 @@ def invoke(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         typer.echo("interrupted", err=True)
         return INTERRUPTED
-    except Exception:
+    except Exception as error:
+        sentence = _of_a_component(error)
+        if sentence:
+            typer.echo(f"Error: a component failed: {sentence}", err=True)
+            return WRONG_INPUT
         traceback.print_exc()
         typer.echo("Internal error in Clearance; this is not a result of your campaign.", err=True)
         return INTERNAL
@@ -82,6 +86,15 @@ def _add(app: typer.Typer, name: str) -> None:
 
 def _group() -> None:
     """Searches for the worst case of an obstacle-avoidance system and states what may be claimed."""
+
+
+def _of_a_component(error: Exception) -> str:
+    """What went wrong in one of the operator's own components; empty if the error is another one."""
+    if "worker.components.own" not in sys.modules:
+        return ""
+    from worker.catalogue.own import blamed
+
+    return blamed(error)
 
 
 def _explain(error: Exception) -> None:

@@ -145,7 +145,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObj
         "digest": campaign.digest,
         "seed": campaign.seed,
         "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")}
-        | {k: parts["provenance"][k] for k in ("simulator", "command") if k in parts["provenance"]},
+        | {k: parts["provenance"][k] for k in ("components", "simulator", "command") if k in parts["provenance"]},
     }
 
 

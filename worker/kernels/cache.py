@@ -12,7 +12,6 @@ import os
 import pickle
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -22,13 +21,7 @@ from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
 from numba.core.registry import CPUDispatcher
 
-
-def cache_folder() -> Path:
-    """The folder of compiled loops: CLEARANCE_KERNEL_CACHE, else the user's cache folder."""
-    given = os.environ.get("CLEARANCE_KERNEL_CACHE")
-    base = os.environ.get("XDG_CACHE_HOME")
-    return Path(given) if given else (Path(base) if base else Path.home() / ".cache") / "clearance" / "kernels"
-
+from worker.kernels.folder import cache_folder
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]

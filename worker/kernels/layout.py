@@ -13,6 +13,7 @@ from typing import Any
 
 from worker.kernels.component import (
     Avoider,
+    Component,
     Controller,
     Criterion,
     Declared,
@@ -52,6 +53,13 @@ class Parts:
     def criteria(self) -> dict[str, Criterion]:
         """All criteria by the prefix of their parameters, the deciding one first."""
         return {"criterion": self.criterion} | {f"objectives.{i}": c for i, c in enumerate(self.objectives)}
+
+    @property
+    def all(self) -> tuple[Component, ...]:
+        """Every component."""
+        found: list[Component] = [self.vehicle, self.controller, self.avoider, *self.criteria.values()]
+        found += [*self.obstacles, *self.environment, *(placed.fault for placed in self.faults)]
+        return tuple(found)
 
     @property
     def late(self) -> bool:

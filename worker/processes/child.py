@@ -50,7 +50,7 @@ def main() -> None:
     memory.bound()
     fresh = not sources.stale()
     if fresh:
-        published = with_digests(document)
+        published = with_digests(document).model_copy(update={"own": sources.own(sources.own_modules())})
         write(engine, lambda connection: workers.publish(connection, published, code), PATIENCE)
     _send(answers, {"ready": True, "fresh": fresh, "simulators": [s.version for s in document.simulators]})
     serve(engine, execute, document, requests, answers)
@@ -73,6 +73,7 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Execute a claim. Outcomes: `done`, `lost` (lease), `unusable` (cannot be retried), `failed` (this attempt)."""
+    from worker.catalogue.own import blamed
     from worker.processes import memory
     from worker.stages.parts.base import ReplayMismatch
     from worker.systems.base import CampaignUnusable
@@ -92,6 +93,9 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
         return {"outcome": "unusable", "text": memory.sentence()}
     except (Exception, SystemExit) as error:
         traceback.print_exc()
+        sentence = blamed(error)
+        if sentence:  # the next attempt would execute the same component
+            return {"outcome": "unusable", "text": f"a component failed: {sentence}"}
         what = " ".join(str(error).split())
         return {
             "outcome": "failed",

@@ -36,6 +36,7 @@ def versions(system: System) -> Versions:
         step=system.settings.step,
         integrator=system.settings.integrator,
         loop=system.digest if system.settings.integrator else None,
+        components=sources.own(system.own),
         simulator=None if system.settings.integrator else system.digest,
         evaluator=system.elsewhere or None,
         command=system.given or None,

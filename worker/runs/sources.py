@@ -11,13 +11,15 @@ import hashlib
 import importlib.util
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from worker.components.own import folders, listed
 
 if TYPE_CHECKING:  # no module is loaded before its files are recorded
     from campaigns.versions import Code
@@ -27,8 +29,10 @@ PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "pymoo", "SAL
 
 GROUPS = ("clearance.components", "clearance.methods", "clearance.simulators")
 OURS = ("campaigns", "worker", "backend.db")
-APART = ("backend.db", "worker.cli", "worker.processes")
-"""Modules that start processes, store and print: they are loaded again when they change, but change no number."""
+APART = ("backend.db", "worker.cli", "worker.processes", "worker.examination", "worker.skeletons")
+"""Modules that start processes, store, print, examine: they are loaded again when they change, but change no number."""
+OWN = "worker.components.own"
+"""The operator's own components: of each run, those that it uses are recorded apart from the code."""
 
 _SUFFIXES = (".py", ".so", ".pyd")
 _Stamp = tuple[tuple[str, int, int, int, int], ...]
@@ -53,8 +57,12 @@ def note() -> Noted:
     files: dict[str, bytes] = {}
     paths: list[str] = []
     added = _added()
-    for name, place in [*_ours(), *((name, place) for name, place, _ in added)]:
-        for module, path in _modules(name, place, paths):
+    places = [*_ours(), *((name, place) for name, place, _ in added), *((OWN, folder) for folder in folders())]
+    for name, place in places:
+        found = _modules(name, place, paths) if name != OWN else _own(place, paths)
+        for module, path in found:
+            if module in files:
+                continue  # of two own files of the same name the first one counts
             with suppress(FileNotFoundError):  # it was deleted since the folder was read
                 files[module] = path.read_bytes()
                 paths.append(str(path))
@@ -63,7 +71,7 @@ def note() -> Noted:
     sink = hashlib.sha256(repr(sorted(packages.items())).encode())
     for module in sorted(files):
         sink.update(f"{module}:{hashlib.sha256(files[module]).hexdigest()};".encode())
-    return Noted(files, packages, sink.hexdigest(), (*paths, *sys.path))
+    return Noted(files, packages, sink.hexdigest(), (*paths, *sys.path, *map(str, listed())))
 
 
 def stale() -> bool:
@@ -86,10 +94,20 @@ def code() -> Code:
     modules = {
         name: _meaning(content)
         for name, content in sorted(LOADED.files.items())
-        if not any(name == apart or name.startswith(f"{apart}.") for apart in APART)
+        if not any(name == apart or name.startswith(f"{apart}.") for apart in (*APART, OWN))
     }
     whole = "".join(f"{name}:{digest};" for name, digest in modules.items())
     return Code(hashlib.sha256(whole.encode()).hexdigest(), modules)
+
+
+def own(modules: Iterable[str]) -> dict[str, str]:
+    """The digests of these modules of the operator, without documentation, by file: `my_robot.py`."""
+    return {f"{name.rpartition('.')[2]}.py": _meaning(LOADED.files[name]) for name in modules if name in LOADED.files}
+
+
+def own_modules() -> list[str]:
+    """The modules of the operator as they were loaded."""
+    return [name for name in LOADED.files if name.startswith(f"{OWN}.") and name != OWN]
 
 
 def _meaning(content: bytes) -> str:
@@ -157,6 +175,13 @@ def _modules(name: str, place: Path, folders: list[str]) -> Iterator[tuple[str, 
             if file.endswith(_SUFFIXES):
                 stem = file.partition(".")[0]
                 yield below if stem == "__init__" else f"{below}.{stem}", Path(folder, file)
+
+
+def _own(folder: Path, paths: list[str]) -> Iterator[tuple[str, Path]]:
+    """The Python files of a folder of the operator, not those of folders in it."""
+    paths.append(str(folder))
+    for file in sorted(folder.glob("*.py")):
+        yield f"{OWN}.{file.stem}", file
 
 
 def _version(name: str) -> str:

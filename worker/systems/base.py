@@ -195,6 +195,8 @@ class System(ABC):
     """What evaluates on other machines; empty: this process or others of its machine."""
     given: str = ""
     """The command line that the campaign file gave; empty: the system is one of this installation."""
+    own: tuple[str, ...] = ()
+    """The modules of the operator's own components that it uses."""
     cost: float | None = None
     """Time per evaluation as measured over the latest batch [s]; None before the first. The batch size follows from it,
     so that progress and cancellation stay prompt."""

@@ -38,7 +38,7 @@ export const catalogueQuery = queryOptions({
   ...untilPublished,
   queryKey: ['catalogue'],
   queryFn: async () => learnMethods(await calls.getCatalogue()),
-  staleTime: 300_000,
+  staleTime: 10_000, // a component may have been edited in another window
 })
 
 export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: calls.getLibrary, staleTime: 300_000 })

@@ -1,7 +1,7 @@
 // The code version of each run: digests, packages, machine, and a warning if one campaign ran with different code.
 import { clsx } from 'clsx'
 import { Card } from '../ui/Card'
-import { codeRows, sameCampaignOtherCode } from './code'
+import { changedComponents, codeRows, sameCampaignOtherCode } from './code'
 import type { Compared } from './data'
 import { RunHeads } from './Picks'
 import styles from './compare.module.css'
@@ -9,6 +9,7 @@ import styles from './compare.module.css'
 export function Code({ runs, className }: { runs: Compared[]; className: string }) {
   const told = runs.map(({ run }) => run)
   const rows = codeRows(told)
+  const changed = changedComponents(told)
   const missing = runs.filter(({ run }) => !run.flown?.code)
   return (
     <Card title="Code and packages" note="As loaded at the start of the first stage" className={className} flush id="code">
@@ -19,6 +20,11 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
             <p>This alone may change the results. Rows that differ are marked.</p>
           </div>
         </div>
+      )}
+      {changed.length > 0 && (
+        <p className="fig" data-testid="changed-components">
+          Changed between these runs: {changed.join(', ')}.
+        </p>
       )}
       <table className={clsx('tight', styles.codes)}>
         <thead>

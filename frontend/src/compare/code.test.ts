@@ -1,7 +1,7 @@
 // When two runs of one campaign are reported as run by different code.
 import { describe, expect, it } from 'vitest'
 import type { Versions } from '../client'
-import { codeRows, sameCampaignOtherCode } from './code'
+import { changedComponents, codeRows, sameCampaignOtherCode } from './code'
 
 const flown: Versions = {
   system: 'Linux x86_64',
@@ -32,6 +32,14 @@ describe('the versions', () => {
       ['packages.numpy', '2.4.6', '2.5.0'],
     ])
     expect(differing(run(), run())).toEqual([])
+  })
+  it('name the own components whose files are not the same', () => {
+    const one = run({ components: { 'my_way.py': 'a', 'my_robot.py': 'b' } })
+    const other = run({ components: { 'my_way.py': 'c', 'my_robot.py': 'b' } })
+    expect(changedComponents([one, other])).toEqual(['components/my_way.py'])
+    expect(sameCampaignOtherCode([one, other])).toBe(true)
+    expect(changedComponents([one, one])).toEqual([])
+    expect(changedComponents([one, run()])).toEqual([])
   })
   it('is different code for every part that may change a number', () => {
     for (const change of [{ code: 'b' }, { loop: 'c' }, { python: '3.12.1' }, { packages: { numpy: '2.5.0' } }])

@@ -27,10 +27,12 @@ const CODE = new Set(['code', 'loop', 'simulator', 'python'])
 export function codeRows(runs: readonly Compared[]): CodeRow[] {
   const flown = runs.map((run) => run.flown ?? null)
   const packages = [...new Set(flown.flatMap((one) => Object.keys(one?.packages ?? {})))]
+  const components = [...new Set(flown.flatMap((one) => Object.keys(one?.components ?? {})))].toSorted()
   const simulated = flown.filter((one) => one?.simulator).length
   const meant = { loop: simulated < flown.length, simulator: simulated > 0 }
   const all = [
     ...ROWS.filter(({ key }) => !(key in meant) || meant[key as keyof typeof meant]),
+    ...components.map((name) => ({ key: `components.${name}`, name: `components/${name}`, digest: true, of: (one: Versions) => one.components?.[name] })),
     ...packages.map((name) => ({ key: `packages.${name}`, name, digest: false, of: (one: Versions) => one.packages?.[name] })),
   ]
   return all.map(({ key, name, digest = false, of }) => {
@@ -40,10 +42,15 @@ export function codeRows(runs: readonly Compared[]): CodeRow[] {
   })
 }
 
+/** The operator's own components that are not the same in all runs that use them. */
+export function changedComponents(runs: readonly Compared[]): string[] {
+  return codeRows(runs).flatMap(({ key, name, differs }) => (differs && key.startsWith('components.') ? [name] : []))
+}
+
 /** Whether runs of one campaign used different code or packages. */
 export function sameCampaignOtherCode(runs: readonly Compared[]): boolean {
   const campaigns = [...new Set(runs.map((run) => run.campaign_digest))]
   return campaigns.some((campaign) =>
-    codeRows(runs.filter((run) => run.campaign_digest === campaign)).some(({ key, differs }) => differs && (CODE.has(key) || key.startsWith('packages.'))),
+    codeRows(runs.filter((run) => run.campaign_digest === campaign)).some(({ key, differs }) => differs && (CODE.has(key) || /^(packages|components)\./.test(key))),
   )
 }

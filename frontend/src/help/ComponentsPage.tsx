@@ -1,6 +1,7 @@
 // The equations, sources and parameters of all components, from the catalogue: the texts are their docstrings.
 import { useQuery } from '@tanstack/react-query'
 import { catalogueQuery } from '../api/queries'
+import { Skipped } from '../page/Skipped'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import type { ComponentEntry, SimulatorEntry } from '../client'
@@ -24,7 +25,7 @@ export function ComponentsPage() {
   const query = useQuery(catalogueQuery)
   if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what="the components" />
-  const { components, simulators = [], version } = query.data
+  const { components, simulators = [], unusable, version } = query.data
   const roles = ROLES.flatMap(([role, title]) => {
     const found = components.filter((component) => component.role === role)
     return found.length > 0 ? [{ role, title, found }] : []
@@ -46,6 +47,7 @@ export function ComponentsPage() {
           : []),
       ]}
     >
+      <Skipped unusable={unusable} />
       {roles.map(({ role, title, found }) => (
         <section key={role} className="stack">
           <h2 className="sect">{title}</h2>

@@ -8,6 +8,7 @@ import { checkCampaign, submitRun } from '../api/calls'
 import { asCampaign, hasScenario } from '../api/campaign'
 import { type FieldProblem, Refusal } from '../api/problems'
 import type { Catalogue, Draft, LibraryCampaign } from '../client'
+import { Skipped } from '../page/Skipped'
 import { Seg } from '../ui/Card'
 import { useHotkeys } from '../ui/useHotkeys'
 import type { Start } from './draft/beginning'
@@ -117,6 +118,7 @@ export function Editor(props: EditorProps) {
         onSave={() => saved.save({ leaving: true })}
       />
       <Heading from={from} draft={saved.draft} />
+      <Skipped unusable={catalogue.unusable} />
       {!from && !saved.draft && (
         <>
           <Drafts />

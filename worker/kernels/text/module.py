@@ -12,7 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from types import ModuleType
 
-from worker.kernels.cache import cache_folder
+from worker.kernels.folder import cache_folder
 
 
 def loaded(text: str, name: str) -> ModuleType:

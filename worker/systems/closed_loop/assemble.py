@@ -144,11 +144,15 @@ class Loop:
     @property
     def digest(self) -> str:
         """Identifies the loop: everything that results depend on except the parameters, the step and the machine."""
-        return digest(self._filled(loop.fly, SLOTS))
+        return digest(self.filled_template())
 
     def extend(self, params: Floats) -> tuple[float, ...]:
         """The flat parameters (size,) followed by all derived constants, as the functions of `part` take them."""
         return self.part("extend")(tuple(float(v) for v in params))  # type: ignore[no-any-return]
+
+    def filled_template(self) -> Function:
+        """The loop over time with its slots filled, as `loop.fly`; `bind.rebuilt` makes plain Python of it."""
+        return self._filled(loop.fly, SLOTS)
 
     def assembly(self) -> str:
         """The machine code of the compiled loop, for the vectorisation report."""

@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+from numba.core.errors import NumbaError
+
 from backend.db.records import Trace
 from campaigns import Campaign
 from campaigns.claims.codes import CheckCode
 from campaigns.claims.spans import Said
+from worker.catalogue import installed
 from worker.search.base import Batch
 from worker.systems.base import (
+    CampaignUnusable,
     Comparison,
     Confirmed,
     Floats,
@@ -23,7 +27,7 @@ from worker.systems.base import (
     System,
     Words,
 )
-from worker.systems.closed_loop import confirm, distances, encounter, wording
+from worker.systems.closed_loop import confirm, distances, encounter, refused, wording
 from worker.systems.closed_loop.assemble import LANES
 from worker.systems.closed_loop.flights import Flights
 from worker.systems.closed_loop.realisations import Realisations
@@ -49,6 +53,7 @@ class ClosedLoop(Flights, System):
         self.block = lanes
         self.shows = encounter.conditions(self)
         self.settings = Settings(lanes=lanes, step=self.step, integrator="RK4")
+        self.own = installed.own_modules(self.parts.all)
 
     @property
     def digest(self) -> str:
@@ -83,7 +88,11 @@ class ClosedLoop(Flights, System):
         return None if nominal is None else encounter.shown(self, nominal)
 
     def warm(self) -> None:
-        self.loop.warm()
+        """Compile; a component that the compiler refuses raises `CampaignUnusable` with file, line and sentence."""
+        try:
+            self.loop.warm()
+        except NumbaError as error:
+            raise CampaignUnusable([refused.by_compiler(error)]) from None
 
     @property
     def source(self) -> Path:

@@ -37,7 +37,8 @@ export function Components({ run, className }: { run: RunDetail; className: stri
 }
 
 /** Equal descriptions do not imply equal code. */
-const sameCode = ({ code, code_installed }: RunComponents) => code !== null && code === code_installed
+const sameCode = ({ code, code_installed, code_changes }: RunComponents) =>
+  code !== null && code === code_installed && code_changes.length === 0
 
 function Code({ told }: { told: RunComponents }) {
   const { code, code_installed: installed, code_changes: modules } = told
@@ -59,12 +60,18 @@ function Code({ told }: { told: RunComponents }) {
     <div className="note warn">
       <div>
         <p className="m">
-          The code differs: <Digest of={code} /> simulated this run, <Digest of={installed} /> is installed now. The same
-          campaign may give other results.
+          {code === installed ? (
+            'The components have changed since this run. '
+          ) : (
+            <>
+              The code differs: <Digest of={code} /> simulated this run, <Digest of={installed} /> is installed now.{' '}
+            </>
+          )}
+          The same campaign may give other results.
         </p>
         {modules.length > 0 && (
           <p className="small">
-            Modules that differ: {modules.slice(0, MOST).join(', ')}
+            {code === installed ? 'Files' : 'Modules'} that differ: {modules.slice(0, MOST).join(', ')}
             {modules.length > MOST && ` and ${modules.length - MOST} more`}.
           </p>
         )}

@@ -1,0 +1,146 @@
+"""The first hour with one's own robot: from an empty folder to two verdicts, with the mistakes on the way.
+
+Commands as a newcomer types them, a service, and a browser. Start reading at the one test.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from playwright.sync_api import Browser, expect
+
+from tests.e2e.browser import Visit, visiting
+from tests.faults.processes import CLEARANCE, REPOSITORY, until
+from tests.faults.serving import serving
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+DRAWS = False
+
+MISTAKES = [
+    (
+        "my_robot",
+        '"kg", "Mass"',
+        '"kgs", "Mass"',
+        r"my_robot\.py, line \d+: MyRobot\.m: unknown unit 'kgs': did you mean",
+    ),
+    (
+        "my_pilot",
+        "(error,)\n",
+        "error\n",
+        r"my_pilot\.py, line \d+: command_force returns as its second result the number",
+    ),
+    ("my_way", "\n    return (x, y), ()", "\n    raise ValueError", r"my_way\.py, line \d+: steer contains `raise`"),
+]
+"""A file, an edit of it, and the sentence."""
+
+
+def command(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(REPOSITORY), "CLEARANCE_COMPONENTS": str(folder)}
+    return subprocess.run(
+        [*CLEARANCE, *words], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+
+
+def campaign() -> dict[str, Any]:
+    """A small campaign around the three components."""
+    return {
+        "name": "My robot past a post",
+        "scenario": {
+            "vehicle": {"component": "my_robot"},
+            "controller": {"component": "my_pilot"},
+            "avoider": {"component": "my_way"},
+            "goal": {"x": 10.0, "y": 0.0},
+            "obstacles": [{"component": "circle", "parameters": {"position": {"x": 5.0, "y": 0.2}, "radius": 0.5}}],
+            "horizon": 20.0,
+            "step": 0.02,
+        },
+        "uncertain": {"vehicle.m": {"low": 4.0, "high": 6.0, "unit": "kg"}},
+        "criterion": {"component": "surface_separation", "threshold": 0.1},
+        "stages": {
+            "sensitivity": None,
+            "search": [{"method": "direct", "evaluations": 40}],
+            "certify": None,
+            "validate": {"neighbours": 10},
+        },
+    }
+
+
+def edited(file: Path, old: str, new: str) -> None:
+    text = file.read_text(encoding="utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def test_from_an_empty_folder_to_two_verdicts(tmp_path: Path, browser: Browser) -> None:
+    folder = tmp_path / "components"
+    folder.mkdir()
+    for words in (["vehicle", "my_robot"], ["controller", "my_pilot", "--for", "my_robot"], ["avoider", "my_way"]):
+        done = command(folder, "component", "new", *words)
+        assert done.returncode == 0, done.stderr
+    for name, old, new, sentence in MISTAKES:
+        edited(folder / f"{name}.py", old, new)
+        done = command(folder, "component", "check", f"{name}.py")
+        assert (done.returncode, len(done.stderr.splitlines())) == (1, 1), done.stderr
+        assert re.search(sentence, done.stderr), done.stderr
+        edited(folder / f"{name}.py", new, old)
+    (folder / "mine.yaml").write_text(yaml.safe_dump(campaign()), encoding="utf-8")
+    done = command(folder, "validate", "mine.yaml")
+    assert done.returncode == 0, done.stderr
+    with (
+        serving(tmp_path, CLEARANCE_COMPONENTS=str(folder)) as service,
+        visiting(browser, service.link().partition("/login")[0]) as visit,
+    ):
+        visit.page.goto(service.link())
+        in_the_browser(visit, folder)
+
+
+def in_the_browser(visit: Visit, folder: Path) -> None:
+    page = visit.page
+    first = submitted(visit, 1)
+    edited(folder / "my_way.py", "= 30.0", "= 3.0")
+    (folder / "broken.py").write_text("from worker.kernels.maths import kernel\n", encoding="utf-8")
+    until(lambda: catalogue(visit).get("unusable"), "the catalogue is published again", 60)
+    default = next(
+        p["default"]
+        for c in catalogue(visit)["components"]
+        if (c["role"], c["name"]) == ("avoider", "my_way")
+        for p in c["parameters"]
+        if p["name"] == "k_away"
+    )
+    assert default == 3.0
+    second = submitted(visit, 2)
+    assert (first, second) == ("Cleared", "Violated") or first != second, (first, second)
+    visit.go("/launch?from=R-0002")
+    skipped = page.get_by_test_id("skipped")
+    expect(skipped).to_contain_text("components/broken.py, line 1: there is no `component = ...` in the file")
+    expect(page.get_by_role("combobox", name="Vehicle", exact=True)).to_have_value("My robot")
+    visit.shot("first-hour-launch")
+    visit.go("/help/components")
+    expect(page.get_by_test_id("skipped")).to_contain_text("components/broken.py")
+    expect(page.get_by_role("heading", name="My way", exact=True)).to_be_visible()
+    visit.shot("first-hour-components", full=False)
+    visit.go("/compare?runs=R-0001,R-0002")
+    expect(page.get_by_test_id("changed-components")).to_have_text("Changed between these runs: components/my_way.py.")
+    visit.shot("first-hour-compare")
+
+
+def catalogue(visit: Visit) -> dict[str, Any]:
+    answer: dict[str, Any] = visit.page.request.get(f"{visit.address}/api/v1/components").json()
+    return answer
+
+
+def submitted(visit: Visit, number: int) -> str:
+    """Start the campaign; the word of its verdict."""
+    page, headers = visit.page, {"Origin": visit.address}
+    given = page.request.post(f"{visit.address}/api/v1/runs", data={"campaign": campaign()}, headers=headers)
+    assert given.status == 201, given.text()
+    visit.go(f"/runs/R-{number:04d}")
+    outcome = page.get_by_test_id("verdict")
+    expect(outcome).to_have_text(re.compile("Cleared|Violated|Inconclusive"), timeout=90_000)
+    return re.search("Cleared|Violated|Inconclusive", outcome.inner_text())[0]  # type: ignore[index]

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from pydantic import JsonValue, ValidationError
 
@@ -95,13 +96,13 @@ def applied(campaign: Campaign, wanted: Sequence[Remedy]) -> Campaign | None:
 
 def _set(document: JsonObject, change: Change) -> None:
     *parents, last = change.at
-    place: JsonObject = document
+    place: Any = document
     for step in parents:
-        place = place[step]  # type: ignore[index]
+        place = place[step]
     if isinstance(place, list) and last == len(place):
         place.append(change.value)
     else:
-        place[last] = change.value  # type: ignore[index]
+        place[last] = change.value
 
 
 def _remedy(kind: RemedyKind, said: Sequence[Part], *changes: tuple[Sequence[str | int], JsonValue]) -> Remedy:
@@ -270,7 +271,7 @@ def needed(violations: int, samples: int, goal: float, confidence: float) -> int
 
 def _rounded(size: int) -> int:
     """Up to two digits."""
-    grain = 10 ** max(0, len(str(size)) - 2)
+    grain: int = 10 ** max(0, len(str(size)) - 2)
     return -(-size // grain) * grain
 
 

@@ -24,6 +24,8 @@ TOKENS = {
 """The colours of the panel by theme."""
 SIZES = {"xs": "11px", "sm": "12px", "md": "13px", "lg": "15px", "xl": "20px"}
 """Micro, small, body and headings of our pages, by viser's names."""
+_BODY = "font-family:var(--mantine-font-family);font-size:var(--mantine-font-size-md);font-feature-settings:'tnum'"
+"""viser gives its body a family of its own."""
 LATIN = "inter-latin-wght-normal-*.woff2"
 """The font file of the built pages with the letters that the panel has."""
 
@@ -71,7 +73,7 @@ def style(font: str | None) -> str:
         f":root[data-mantine-color-scheme={theme}]{{{_properties(_colours(named))}}}" for theme, named in TOKENS.items()
     )
     face = _face(font) if font else ""
-    return f"{face}:root{{{_properties(common)}}}{''.join(themes)}body{{font-feature-settings:'tnum'}}"
+    return f"{face}:root{{{_properties(common)}}}{''.join(themes)}:root body{{{_BODY}}}"
 
 
 def _face(font: str) -> str:

@@ -42,7 +42,7 @@ export function ComparePage() {
         <div className="acts">
           {ids.length > 1 && (
             <>
-              <button type="button" className="btn" onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
+              <button type="button" className="btn s" onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
                 <IconArrowsExchange className="i s" aria-hidden />
                 {ids.length === 2 ? 'Swap' : 'Reverse the order'}
               </button>

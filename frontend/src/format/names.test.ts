@@ -1,6 +1,5 @@
 // Names of parameters: the same as those of the service (`tests/unit/test_check_titles.py`).
 import { expect, it } from 'vitest'
-import { symbolText } from '../ui/Sign'
 import { apart, nameOf, namesOf } from './names'
 
 const PATHS = ['obstacles.0.position.y', 'start.y', 'faults.2.y', 'vehicle.y', 'vehicle.b', 'sim.y']
@@ -18,8 +17,6 @@ it('names a parameter by its symbol alone if no other has it, and by its path wh
   expect(namesOf(['a.q', 'b.q'], new Map())).toEqual(new Map([['a.q', 'a.q'], ['b.q', 'b.q']]))
 })
 
-it('prints the symbol of a name as a symbol and its part as words', () => {
+it('separates the symbol of a name from its part', () => {
   expect(apart('omega_r of obstacle 1')).toEqual(['omega_r', ' of obstacle 1'])
-  expect(symbolText('omega_r of obstacle 1')).toBe('ω_r of obstacle 1')
-  expect(symbolText('m')).toBe('m')
 })

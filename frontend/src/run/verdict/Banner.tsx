@@ -33,9 +33,11 @@ export function Banner({ data }: { data: RunData }) {
           {run.verdict ? <Said spans={summary?.said ?? [words(run.reason ?? '')]} /> : reasonOf(run, outcome)}
         </p>
         {run.verdict && summary && summary.holds_for.length > 0 && (
-          <p className={styles.scope}>
-            Scope: <Said spans={summary.holds_for} exact />
-          </p>
+          <details className={styles.scope}>
+            <summary>
+              Scope: <Said spans={summary.holds_for} exact />
+            </summary>
+          </details>
         )}
         {run.verdict === 'inconclusive' && <NextSteps run={run} />}
         {run.verdict && summary && summary.checks.length > 0 && <Checks checks={summary.checks} />}

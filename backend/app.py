@@ -90,7 +90,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
-    app.state.recordings = recordings.Recordings(engine, capacities.recordings)
+    app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     app.state.readers = bodies.Readers()
     app.state.turns = Turns()
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)

@@ -42,6 +42,7 @@ _LEFT_OUT = {
     "Measured": ("call_seconds", "slots"),
     "TraceColumn": ("text",),
     "TraceHead": ("scene",),
+    "Compared": ("minima",),
     "Counts": ("flaky",),
     "Simulator": ("repeats", "retries"),
     "Repeats": ("quantile",),

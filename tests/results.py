@@ -40,6 +40,11 @@ def nominal(cost: float = 0.9, threshold: float = 0.5) -> NominalResult:
     return NominalResult(cost=cost, margin=cost - threshold, status="ok")
 
 
+def failed_nominal(reason: str = "the state diverged (non-finite or above 1e12)") -> NominalResult:
+    """A nominal stage whose evaluation failed."""
+    return NominalResult(cost=None, margin=None, status="failed", reason=reason)
+
+
 def searched(best: float | None = None, parameters: Values | None = None, method: str = "direct") -> SearchResult:
     """A search stage of 1,000 evaluations, a tenth of them failed."""
     found = None if best is None else Best(cost=best, margin=best - 0.5, parameters=parameters or {}, index=4)

@@ -194,7 +194,10 @@ def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
 
 
 def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
-    """One row for the nominal case and each finding, with every criterion's value, even without a stored flight."""
+    """One row for the nominal case and each finding, with every criterion's value, even without a stored flight.
+
+    The last column has the units of the columns whose headers have none: their names are as scripts know them.
+    """
     asked = runs.detail(reader, run_id)
     found = {finding.label: finding for finding in results.findings(reader, run_id)}
     # A simulator's trace shows one call, which may differ from the stored evaluation.
@@ -202,7 +205,10 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)} if flies else {}
     paths = list(asked.campaign["uncertain"])
     heads = [f"{name} [{unit}]" if unit else name for name, unit in headings(asked.criteria)]
-    yield _lines([["flight", *heads, "margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths]])
+    columns = ["margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths, "units"]
+    yield _lines([["flight", *heads, *columns]])
+    parameters = sheet(reader, run_id, runs.campaign(reader, run_id)).parameters
+    units = "; ".join(f"{name} [{unit}]" for name, unit in [("margin", asked.unit), *parameters] if unit)
     nominal = _nominal(reader, run_id)
     for name in dict.fromkeys([*flights, *(["nominal"] if nominal.cost is not None else []), *found]):
         head, finding = flights.get(name), found.get(name)
@@ -215,7 +221,7 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
         by = " ".join(finding.methods) if finding else ""
         ok = finding.validation.ok if finding and finding.validation else None
         at = [head.closest.time, head.closest.speed] if head is not None and head.closest else [None, None]
-        yield _lines([[name, *told, margin, *at, ok, by, *(of.get(p) for p in paths)]])
+        yield _lines([[name, *told, margin, *at, ok, by, *(of.get(p) for p in paths), units]])
 
 
 def _nominal(reader: sa.Connection, run_id: int) -> NominalResult:

@@ -17,7 +17,7 @@ from campaigns.claims import numbers
 from campaigns.results import TraceHead
 from campaigns.results.sensitivity import Curve
 from campaigns.results.trace import Closest
-from campaigns.symbols import is_path
+from campaigns.symbols import OF, is_path
 
 WIDE = 654
 """Text width of a page, 173 mm [px at 96 dpi]."""
@@ -159,7 +159,7 @@ def tornado(bars: Sequence[tuple[str, float, float]], of: Quantity) -> Markup:
     """Change from nominal at the low and the high bound of each parameter, largest first."""
     most = max((max(abs(a), abs(b)) for _, a, b in bars), default=1.0) or 1.0
     row = 22
-    left = max([52.0, *(5.4 * len(symbol) for symbol, _, _ in bars if is_path(symbol))])
+    left = max([52.0, *(5.4 * len(symbol) for symbol, _, _ in bars if is_path(symbol) or OF in symbol)])
     axes = Axes(
         WIDE / 2 - 46, row * len(bars) + 44, (-1.3 * most, 1.3 * most), (0, 1), left=left, right=4, top=4, bottom=34
     )

@@ -85,7 +85,7 @@ class Held:
         return None if found is None else found[0]
 
     def symbol(self, path: str) -> str:
-        """The label of a parameter: its symbol if unique in the campaign, else its path."""
+        """The name of a parameter: its symbol, with its part if others in the campaign have the same one."""
         return labels([*self.campaign.uncertain, path], {p: entry.symbol for p, (entry, _) in self.known.items()})[path]
 
     def words(self, path: str) -> str:

@@ -53,8 +53,8 @@ def uncertain(held: Held) -> list[Row]:
 def _distribution(asked: Uncertain) -> str:
     values = asked.distribution.model_dump()
     kind = values.pop("kind").replace("_", " ")
-    numbers = ", ".join(f"{name} {numbers.plain(value)}" for name, value in values.items())
-    return f"{kind} ({numbers})" if numbers else kind
+    given = ", ".join(f"{name} {numbers.plain(value)}" for name, value in values.items())
+    return f"{kind} ({given})" if given else kind
 
 
 def correlations(held: Held) -> list[str]:

@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 from campaigns.claims import say as claims
 from campaigns.claims.numbers import printed
 from campaigns.claims.spans import Quantity, Reference, Said, Span, Symbol, Text
-from campaigns.symbols import is_path
+from campaigns.symbols import apart, is_path
 
 _GREEK = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ",
@@ -47,19 +47,22 @@ def symbol_html(symbol: str, path: str = "") -> Markup:
     """A symbol in HTML as in print; a path is unchanged, with line-break opportunities. `path` is shown on hover."""
     if is_path(symbol):
         return Markup('<span class="path">{}</span>').format(Markup(".<wbr>").join(symbol.split(".")))
-    base, index = split(symbol)
+    own, part = apart(symbol)
+    base, index = split(own)
     below = Markup("<sub>{}</sub>").format(index) if index else ""
     title = Markup(' title="{}"').format(path) if path and path != symbol else ""
-    return Markup('<i class="v"{}>{}</i>{}').format(title, base, below)
+    return Markup('<i class="v"{}>{}</i>{}{}').format(title, base, below, part)
 
 
 def svg_symbol(symbol: str) -> Markup:
     """A symbol as in print, inside an SVG text."""
     if is_path(symbol):
         return Markup("<tspan>{}</tspan>").format(symbol)
-    base, index = split(symbol)
+    own, part = apart(symbol)
+    base, index = split(own)
     below = Markup('<tspan font-size="0.8em" dy="0.28em">{}</tspan><tspan dy="-0.22em">\u200b</tspan>').format(index)
-    return Markup('<tspan font-style="italic">{}</tspan>{}').format(base, below if index else "")
+    upright = Markup("<tspan>{}</tspan>").format(part) if part else ""
+    return Markup('<tspan font-style="italic">{}</tspan>{}{}').format(base, below if index else "", upright)
 
 
 def drawn(said: Said) -> Markup:

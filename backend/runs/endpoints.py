@@ -15,12 +15,14 @@ from backend.http.deps import Engine, Reader
 from backend.http.errors import problems
 from backend.http.schema import RunName, Seconds
 from backend.runs import edits, listing, removal, service, texts
+from backend.runs.code import changes
 from backend.runs.components import components
 from backend.runs.facets import facets
 from backend.runs.filters import Filters
 from backend.runs.history import history
 from backend.runs.order import Sort
 from backend.runs.schemas import (
+    CodeChanges,
     HistoryEntry,
     Reason,
     RunComponents,
@@ -239,6 +241,14 @@ def list_stages(run: RunName, reader: Reader) -> list[StageDetail]:
 def list_run_components(run: RunName, reader: Reader) -> RunComponents:
     """The description of a run's components and methods when it was submitted, and its differences from now."""
     return components(reader, service.number(run))
+
+
+@router.get("/runs/{run}/code", responses=problems("not-found", "other-version", "purged"))
+def compare_code(
+    run: RunName, against: Annotated[str, Query(description="Another run, R-0001.", max_length=20)], reader: Reader
+) -> CodeChanges:
+    """The source files in which the code of a run differs from that of another one, where both were stored."""
+    return changes(reader, service.number(run), service.number(against))
 
 
 @router.get("/runs/{run}/history", responses=problems("not-found"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, computed_field
 
@@ -235,6 +235,28 @@ class RunComponents(Schema):
     """Digest of the newest worker's code; None if no worker has published one."""
     code_changes: list[str]
     """The modules that differ between the two, if known."""
+
+
+class ChangedFile(Schema):
+    """A source file that is not the same in the code of two runs."""
+
+    file: str
+    """worker/components/avoiders/ge_cui.py"""
+    change: Literal["changed", "added", "removed"]
+    component: str | None
+    """The component or search method of the campaign that it is; None for all others."""
+
+
+class CodeChanges(Schema):
+    """The difference between the code that ran a run and that of another one."""
+
+    code: str | None
+    """Digest of the run's code; None if it was not stored."""
+    against: str | None
+    """Digest of the other run's code."""
+    files: list[ChangedFile] | None
+    """Those of the campaign's components and methods first; empty if the code is the same; None unless both are
+    stored."""
 
 
 class RunPage(Schema):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 
 from backend.catalog.criteria import criteria
-from backend.catalog.service import described, required
+from backend.catalog.service import described, published, required
 from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.engine import now, read
@@ -17,7 +17,7 @@ from backend.db.tables import IdempotencyKey, Run, RunText, Stage
 from backend.http import bodies
 from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, pace, waiting
-from backend.runs.earlier import Terms, terms_of
+from backend.runs.earlier import terms_of
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress, StageSummary
 from backend.runs.tombstones import refuse_purged
 from backend.runs.versions import readable
@@ -25,7 +25,9 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
 from campaigns.claims import earlier
 from campaigns.documents import JsonObject
-from campaigns.results import Verdict, verdicts
+from campaigns.results import SearchResult, Verdict, verdicts
+from campaigns.results.remedies import Ran
+from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name, run_number
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
@@ -159,7 +161,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         flown=None if versions is None else Versions.of(versions),
         plan=_plan(campaign),
         stages=stages,
-        summary=_described(parts, base.failed_evaluations, terms_of(reader, run_id)),
+        summary=_verdict(reader, run_id, campaign, parts, base.failed_evaluations),
         rate=rate,
         remaining=remaining,
         waits=waiting.reason(reader, run_id),
@@ -174,13 +176,29 @@ def _plan(campaign: Campaign) -> list[StageSummary]:
     ]
 
 
-def _described(parts: JsonObject | None, failed: int, terms: Terms) -> RunVerdict | None:
-    """The stored verdict with its checks."""
+def _verdict(
+    reader: sa.Connection, run_id: int, asked: Campaign, parts: JsonObject | None, failed: int
+) -> RunVerdict | None:
+    """The stored verdict with its checks; those of an inconclusive one with their remedies."""
     if not parts or not parts.get("verdict"):
         return None
     with readable("the verdict of this run"):
-        verdict = Verdict.model_validate(earlier.spoken(parts, terms))
-    return RunVerdict.model_validate(verdict.model_dump() | {"checks": verdicts.described(verdict.checks, failed)})
+        verdict = Verdict.model_validate(earlier.spoken(parts, terms_of(reader, run_id)))
+    ran = _ran(reader, run_id, asked, verdict) if verdict.verdict is VerdictWord.INCONCLUSIVE else None
+    checks = verdicts.described(verdict.checks, failed, ran)
+    return RunVerdict.model_validate(verdict.model_dump() | {"checks": checks})
+
+
+def _ran(reader: sa.Connection, run_id: int, asked: Campaign, verdict: Verdict) -> Ran | None:
+    """What remedies are derived from; None if a stage has a result that this version cannot read."""
+    try:
+        found = [stage.result for stage in stages(reader, run_id)]
+    except RefusedError:
+        return None
+    searches = [result for result in found if isinstance(result, SearchResult)]
+    installed = published(reader)
+    methods = [] if installed is None else [method.name for method in installed.methods]
+    return Ran(asked, searches, verdict.statistics, methods)
 
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:

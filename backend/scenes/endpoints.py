@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gzip
 import logging
+from functools import cache
 from pathlib import Path
 
 import viser
@@ -18,6 +19,7 @@ from backend.http.errors import RefusedError
 from backend.runs.service import number
 from backend.scenes.base import setting
 from backend.scenes.base.address import Address, parse
+from backend.scenes.base.dress import dressed, font_file
 from backend.scenes.base.progress import Progress
 from backend.scenes.control.relay import relay
 from backend.scenes.control.viewers import Handle, Viewers
@@ -25,7 +27,7 @@ from backend.scenes.viewer.viewer import Viewer
 
 router = APIRouter(include_in_schema=False)
 
-_MOVES = b"""<script>
+_MOVES = """<script>
 if(location.hash.length>1)history.replaceState(null,'',location.pathname+location.hash.slice(1));
 if(self===top&&!location.pathname.includes('/key/')){
 const q=new URLSearchParams(),[,run,...rest]=location.pathname.split('/').filter(Boolean);
@@ -37,18 +39,16 @@ location.replace('/runs/'+run+'/flight'+(q.size?'?'+q:''))}
 
 A view in its own window, without a key, has no controls: it redirects to the page that has them.
 """
-_DOCKS = b"""<script>
+_DOCKS = """<script>
 {const ask=matchMedia.bind(window);window.matchMedia=query=>ask(query==='(max-width: 36em)'?'not all':query)}
 </script>"""
 """Keeps the panel docked in narrow windows. There viser would show it as a sheet over the scene, which always begins
 unfolded and which no command folds.
 """
-_PAGE = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_bytes()
-_PAGE = _PAGE.replace(b"<head>", b"<head>" + _MOVES + _DOCKS, 1)
-_PACKED = gzip.compress(_PAGE, 9)
+_PAGE = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
 CSP = (
     "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob: data:; worker-src blob: data:; "
-    "style-src 'unsafe-inline'; img-src 'self' data: blob:; font-src data:; connect-src 'self' data: blob:; "
+    "style-src 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self' data: blob:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
 )
 """viser's page is one self-contained file. `connect-src 'self'` prevents it from connecting to another server."""
@@ -75,11 +75,21 @@ def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response
         raise RefusedError(400, "not-allowed", detail)
     if "playbackPath" in request.query_params:
         raise RefusedError(400, "not-allowed", "?playbackPath= is not allowed: recordings have their own addresses")
+    plain, compressed = _page(request.app.state.settings.pages)
     packed = "gzip" in request.headers.get("accept-encoding", "")
     headers = {"Content-Security-Policy": CSP, "Vary": "Accept-Encoding", "Cache-Control": "private, max-age=3600"}
     if packed:
         headers["Content-Encoding"] = "gzip"
-    return Response(_PACKED if packed else _PAGE, media_type="text/html", headers=headers)
+    return Response(compressed if packed else plain, media_type="text/html", headers=headers)
+
+
+@cache
+def _page(pages: Path) -> tuple[bytes, bytes]:
+    """The page, plain and compressed, with the font of the built pages."""
+    font = font_file(pages)
+    page = _PAGE.replace("<head>", f"<head>{_MOVES}{_DOCKS}", 1)
+    plain = dressed(page, f"/assets/{font.name}" if font else None).encode()
+    return plain, gzip.compress(plain, 9)
 
 
 @router.websocket("/view/{run}")

@@ -34,7 +34,7 @@ class Symbol(_Span):
     name: str
     """As it is written: d_min, or the path of a parameter."""
     symbol: str
-    """As printed; the path if another parameter of the campaign has the same symbol."""
+    """As printed; with its part, "y of obstacle 1", if another parameter of the campaign has the same symbol."""
 
 
 class Quantity(_Span):

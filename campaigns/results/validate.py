@@ -46,6 +46,9 @@ class Compared(Result):
     findings: list[str]
     """Labels of the findings that it found by itself."""
     stop: Stop | None
+    minima: Annotated[list[str | None], Field(exclude_if=lambda given: not given)] = []
+    """The finding whose basin contains each of its minima, in their order; null if there is none; omitted if it has no
+    minima, and in results of earlier versions."""
 
 
 class StageCount(Result):

@@ -15,6 +15,7 @@ from campaigns.claims.codes import CheckCode
 from campaigns.claims.say import count, say
 from campaigns.claims.spans import Said, words
 from campaigns.results.finding import Validation
+from campaigns.results.remedies import Ran, Remedy, remedies
 from campaigns.results.verdict import Check
 
 Standing = Literal["holds", "open", "fails"]
@@ -53,6 +54,8 @@ class DescribedCheck(Check):
     """`open`: it holds for the evaluations that have a value, but others failed."""
     limit: Said = ()
     """Its limitation; empty unless it is open."""
+    remedies: list[Remedy] = []
+    """Changes of the campaign with which a new run may settle it; empty if it holds, or if there is none."""
 
     @computed_field  # type: ignore[prop-decorator]
     @property
@@ -61,19 +64,22 @@ class DescribedCheck(Check):
         return words(self.limit)
 
 
-def described(checks: Iterable[Check], failed: int) -> list[DescribedCheck]:
-    """Every check with its title, whether it holds, and its limitation; failed: failed evaluations of the run."""
-    return [_described(check, failed) for check in checks]
+def described(checks: Iterable[Check], failed: int, ran: Ran | None = None) -> list[DescribedCheck]:
+    """Every check with its title, whether it holds, its limitation and, if `ran` is given, its remedies; failed: failed
+    evaluations of the run."""
+    return [_described(check, failed, [] if ran is None else remedies(check, ran)) for check in checks]
 
 
-def _described(check: Check, failed: int) -> DescribedCheck:
+def _described(check: Check, failed: int, found: list[Remedy]) -> DescribedCheck:
     code = check.code
     limited = check.ok and failed > 0 and code in OF_VALUES
     standing: Standing = "open" if limited else "holds" if check.ok else "fails"
     verb = "evaluation failed and has" if failed == 1 else "evaluations failed and have"
     limit = say(count(failed, "failed"), f" {verb} no value") if limited else ()
     title = TITLES.get(code, code[:1].upper() + code[1:])
-    return DescribedCheck(code=code, ok=check.ok, said=check.said, title=title, standing=standing, limit=limit)
+    return DescribedCheck(
+        code=code, ok=check.ok, said=check.said, title=title, standing=standing, limit=limit, remedies=found
+    )
 
 
 def validated(case: Validation | None) -> str:

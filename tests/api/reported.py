@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from backend.db.queue import Queue
-from backend.db.records import StagePlan
+from backend.db.records import StagePlan, Trace
 from backend.db.store import RunStore
 from campaigns.results import CertifyResult, Finding, SensitivityResult, ValidateResult
 from campaigns.results.finding import FoundBy
@@ -33,9 +34,18 @@ PARAMETERS = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 
 
 def finish_fully(
-    service: Service, verdict: Any = "cleared", text: str = SENTENCE, checked: str = "holds", criteria: int = 1
+    service: Service,
+    verdict: Any = "cleared",
+    text: str = SENTENCE,
+    checked: str = "holds",
+    criteria: int = 1,
+    further: Sequence[Check] = (),
+    nominal: Trace | None = None,
 ) -> None:
-    """Finish the next run in the queue with every kind of result; `text` and `checked` are part of the verdict."""
+    """Finish the next run in the queue with every kind of result; `text`, `checked` and `further` are of the verdict.
+
+    nominal: the trace of the nominal case, which failed; by default it succeeded.
+    """
     claim = Queue(service.engine).claim("w1")
     assert claim is not None
     store = RunStore(service.engine, claim)
@@ -44,7 +54,8 @@ def finish_fully(
     for position in range(len(PLAN)):
         store.begin(position)
     store.append(2, 0, search(0, 1000, criteria))
-    store.finish(0, results.nominal(1.4), 0.01, traces=[flight("nominal", 301)])
+    at_nominal = results.nominal(1.4) if nominal is None else results.failed_nominal()
+    store.finish(0, at_nominal, 0.01, traces=[nominal or flight("nominal", 301)])
     store.finish(1, sensitivity(), 0.1)
     store.finish(2, results.searched(1.3, PARAMETERS), 1.0)
     store.finish(3, CertifyResult(sample=sample(), grid=None, stop=results.ENDED, text=""), 2.0)
@@ -54,6 +65,7 @@ def finish_fully(
     checks = [
         Check(code="nominal", ok=True, said=results.said("margin +0.9 m")),
         Check(code="x", ok=False, said=results.said(checked)),
+        *further,
     ]
     origin = Provenance(seed=1, clearance="0.1.0", packages={"numpy": "2.4.6"}, cpu=Processor(model="A CPU"))
     scope = "Scope: one obstacle; horizon 15 s."

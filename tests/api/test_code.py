@@ -120,6 +120,43 @@ def test_page_report_and_files_state_the_code_and_whether_it_is_installed(
         assert writer.scalar(sa.select(CatalogueDocument.code)) is None
 
 
+def test_two_runs_of_one_campaign_name_the_files_of_their_code_that_differ(
+    service: Service, client: httpx.Client
+) -> None:
+    runs = [submit(client) for _ in range(3)]
+    finish_fully(service)
+    store = claimed(service)
+    other = Code(
+        "feed" * 16,
+        {
+            "worker.components.vehicles.unicycle": "9" * 16,
+            "worker.problem": "1" * 16,
+            "worker.problem.problem": "0" * 16,
+            "worker.problem.more": "0" * 16,
+        },
+    )
+    store.record_versions(VERSIONS.model_copy(update={"code": other.digest}), other)
+
+    def told(run: str, against: str) -> dict[str, object]:
+        answer = client.get(f"/api/v1/runs/{run}/code", params={"against": against})
+        assert answer.status_code == 200, answer.text
+        return dict(answer.json())
+
+    found = told(runs[1], runs[0])
+    assert (found["code"], found["against"]) == (other.digest, CODE.digest)
+    assert found["files"] == [
+        {"file": "worker/components/vehicles/unicycle.py", "change": "changed", "component": "unicycle"},
+        {"file": "worker/problem/__init__.py", "change": "added", "component": None},
+        {"file": "worker/problem/more.py", "change": "added", "component": None},
+    ]
+    assert [file["change"] for file in told(runs[0], runs[1])["files"]] == ["changed", "removed", "removed"]  # type: ignore[attr-defined]
+    assert told(runs[0], runs[0])["files"] == []
+    assert told(runs[2], runs[0]) == {"code": None, "against": CODE.digest, "files": None}, "it has not started"
+    assert client.get(f"/api/v1/runs/{runs[0]}/code", params={"against": "R-9999"}).status_code == 404
+    assert client.get(f"/api/v1/runs/{runs[0]}/code", params={"against": "../x"}).status_code == 404
+    assert client.get(f"/api/v1/runs/{runs[0]}/code").status_code == 422
+
+
 def test_a_database_of_the_migration_before_keeps_its_runs(tmp_path: Path, migrated: Path) -> None:
     shutil.copytree(migrated, tmp_path / "data")
     url = default_url(tmp_path / "data")

@@ -111,6 +111,8 @@ def test_files_and_report_have_every_criterion(client: httpx.Client, run: str) -
     assert [row[0] for row in rows] == ["nominal", "F1", "F2"]
     assert float(rows[1][2]) == 1.5 - 0.8
     assert dict(zip(head, rows[1], strict=True))["vehicle.m"] == "6.0"
+    assert {row[-1] for row in rows} == {"margin [m]; vehicle.m [kg]; vehicle.J [kg m2]"}
+    assert head[-1] == "units"
     told = client.get(f"/api/v1/runs/{run}/exports/run.json").json()
     assert told["columns"][4:6] == ["d_min [m]", "d_goal [m]"]
     assert told["findings"][0]["values"]["goal_miss"] == 1.5 - 0.8

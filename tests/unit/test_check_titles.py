@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from backend.reports.words import svg_symbol, symbol_html
 from campaigns.asked.spec import Encounter
 from campaigns.results.verdict import Check
 from campaigns.results.verdicts import OF_VALUES, TITLES, described, validated
@@ -45,5 +46,23 @@ def test_a_case_is_described_by_what_was_stored() -> None:
 
 def test_a_shared_symbol_is_never_shown() -> None:
     known = {"vehicle.m": "m", "obstacles.0.x": "x", "obstacles.1.x": "x", "start.x": "x"}
-    assert labels(["vehicle.m", "obstacles.1.x"], known) == {"vehicle.m": "m", "obstacles.1.x": "obstacles.1.x"}
+    assert labels(["vehicle.m", "obstacles.1.x"], known) == {"vehicle.m": "m", "obstacles.1.x": "x of obstacle 2"}
     assert labels(["a.q", "b.q"], {}) == {"a.q": "a.q", "b.q": "b.q"}
+
+
+def test_a_shared_symbol_names_the_part_it_belongs_to() -> None:
+    paths = ["obstacles.0.position.y", "start.y", "faults.2.y", "vehicle.y", "vehicle.b", "sim.y"]
+    found = labels(paths, dict.fromkeys(paths, "y"))
+    assert found["obstacles.0.position.y"] == "y of obstacle 1"
+    assert (found["start.y"], found["faults.2.y"]) == ("y of the start", "y of fault 3")
+    # Names that would not distinguish two parameters, and parts without a name: the path.
+    assert [found[path] for path in paths[3:]] == ["vehicle.y", "vehicle.b", "sim.y"]
+    assert len(set(found.values())) == len(paths)
+
+
+def test_the_symbol_of_a_name_is_in_italics_and_its_part_is_not() -> None:
+    assert symbol_html("omega_r of obstacle 1", "obstacles.0.rate") == (
+        '<i class="v" title="obstacles.0.rate">ω</i><sub>r</sub> of obstacle 1'
+    )
+    assert symbol_html("m", "vehicle.m") == '<i class="v" title="vehicle.m">m</i>'
+    assert svg_symbol("y of obstacle 1").endswith("<tspan> of obstacle 1</tspan>")

@@ -105,6 +105,29 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
     assert direct.basin == min(told, key=lambda f: f.cost).label
 
 
+def test_each_minimum_of_a_search_is_in_the_basin_of_the_finding_that_it_ended_in() -> None:
+    """Descents from everywhere end in two wells, or on the plain around them, which is no worst case."""
+    starts = [{"vehicle.m": m, "vehicle.J": j} for m in (4.3, 4.6, 5.4, 5.6) for j in (0.046, 0.053)]
+    asked = searching({"method": "direct", "evaluations": 500}, {"method": "sqp", "evaluations": 900, "starts": starts})
+    made, found, _ = found_by(asked, two_failures)
+    known = [FoundBy(position=1, method="direct", evaluations=1)]
+    told = [
+        Finding(
+            label=f"F{i}", cost=b.cost, margin=b.cost - 0.5, parameters={}, point=b.point.tolist(), methods=["direct"],
+            found=known, validation=None,
+        )
+        for i, b in enumerate(found.basins, 1)
+    ]  # fmt: skip
+    direct, sqp = compare(made, told, found, ["F1", "F2"])
+    ends = made.searched[2].minima
+    assert (direct.minima, len(sqp.minima)) == ([], len(ends))
+    by_label = {label: [end for end, of in zip(ends, sqp.minima, strict=True) if of == label] for label in ("F1", "F2")}
+    for finding in told:
+        assert by_label[finding.label], "at least one descent ended in each well"
+        for end in by_label[finding.label]:
+            assert np.abs(np.array(end.point) - finding.point).max() < 0.2
+
+
 def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:
     def three(x: Floats) -> Floats:
         bump = 0.3 * np.exp(-((x - [0.8, 0.2]) ** 2).sum(axis=1) / WELL)

@@ -75,7 +75,7 @@ def proposed(deviation: float | None, margin: float | None) -> int:
 
 
 def _advice(deviation: float | None, margin: float | None) -> Said:
-    return say("set simulator.repeats to {count: ", count(proposed(deviation, margin)), ", combine: worst}")
+    return say("set simulator.repeats to {count: ", count(proposed(deviation, margin), "repeats"), ", combine: worst}")
 
 
 def _combined(asked: Simulator) -> str:

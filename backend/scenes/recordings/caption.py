@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import viser
 
+from backend.scenes.base.dress import CHARSET, dressed
 from backend.scenes.base.palette import DARK, LIGHT
 from backend.scenes.base.setting import NOMINAL, Setting
 from backend.scenes.panel.tables import number
@@ -24,7 +25,7 @@ POLICY = (
 _STYLE = """
 #caption{position:fixed;top:12px;right:12px;z-index:4;max-width:min(340px,calc(100vw - 24px));
 max-height:calc(100vh - 76px);overflow:auto;box-sizing:border-box;padding:10px 14px;border:1px solid;border-radius:6px;
-font:12px/18px system-ui,"Segoe UI",Roboto,sans-serif;font-variant-numeric:tabular-nums}
+font:12px/18px var(--mantine-font-family,system-ui,sans-serif);font-variant-numeric:tabular-nums}
 #caption summary{cursor:pointer;font-weight:600;font-size:13px}
 #caption summary:focus-visible{outline:2px solid currentColor;outline-offset:2px}
 #caption p{margin:6px 0 0}
@@ -51,11 +52,13 @@ class Caption:
     """What the run stored of the nominal case and each finding, by label."""
 
 
-def with_caption(made: Recording, setting: Setting, cast: Cast, caption: Caption, dark: bool) -> str:
-    """viser's page with a title, a policy that blocks all requests, and the card."""
+def with_caption(
+    made: Recording, setting: Setting, cast: Cast, caption: Caption, dark: bool, font: str | None = None
+) -> str:
+    """viser's page with a title, a policy that blocks all requests, our style, and the card; font: a data address."""
     title = html.escape(f"{caption.run} {cast.label}: {caption.name}")
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
-    page = made.html.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />{policy}', 1)
+    page = dressed(made.html, font).replace(CHARSET, f"{CHARSET}{policy}", 1)
     page = page.replace("<title>Viser</title>", f"<title>{title}</title><style>{_STYLE}{_colours(dark)}</style>", 1)
     return page.replace(
         '<div id="root"></div>', f'<div id="root"></div>{_card(made.said, setting, cast, caption, dark)}', 1

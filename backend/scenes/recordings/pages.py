@@ -9,6 +9,7 @@ import hashlib
 import threading
 from collections import OrderedDict
 from dataclasses import dataclass
+from pathlib import Path
 
 import sqlalchemy as sa
 import viser
@@ -26,6 +27,7 @@ from backend.results import service as results
 from backend.runs.service import number, summary
 from backend.scenes.base import setting
 from backend.scenes.base.address import parse
+from backend.scenes.base.dress import font_inside
 from backend.scenes.base.flight import from_stored
 from backend.scenes.recordings.caption import POLICY, Caption, with_caption
 from backend.scenes.recordings.recording import Cast, record
@@ -57,8 +59,8 @@ class _Asked:
 class Recordings:
     """Creates recordings of stored flights, limited by the capacity."""
 
-    def __init__(self, engine: sa.Engine, capacity: Capacity) -> None:
-        self._engine, self._capacity = engine, capacity
+    def __init__(self, engine: sa.Engine, capacity: Capacity, pages: Path) -> None:
+        self._engine, self._capacity, self._pages = engine, capacity, pages
         self._lock = threading.Lock()
         self._kept: OrderedDict[str, str] = OrderedDict()
 
@@ -85,7 +87,7 @@ class Recordings:
         page = self._recall(asked.tag)  # created while this request waited
         if page is None:
             made = record(asked.setting, asked.cast, dark)
-            page = with_caption(made, asked.setting, asked.cast, asked.caption, dark)
+            page = with_caption(made, asked.setting, asked.cast, asked.caption, dark, font_inside(self._pages))
         with self._lock:
             self._kept[asked.tag] = page
             if len(self._kept) > KEPT:

@@ -20,6 +20,7 @@ import type {
   ListRunsData,
   Preview,
   Proposal,
+  CodeChanges,
   RunComponents,
   RunDetail,
   RunEdit,
@@ -84,6 +85,9 @@ export const restoreRuns = (runs: string[]): Promise<RunSummary[]> => answer(sdk
 export const getStages = (run: string): Promise<StageDetail[]> => answer(sdk.listStages({ path: { run } }))
 /** The descriptions of its components, and their differences from this installation. */
 export const getComponents = (run: string): Promise<RunComponents> => answer(sdk.listRunComponents({ path: { run } }))
+/** The source files in which the code of a run differs from that of another one. */
+export const getCodeChanges = (run: string, against: string): Promise<CodeChanges> =>
+  answer(sdk.compareCode({ path: { run }, query: { against } }))
 export const getHistory = (run: string): Promise<HistoryEntry[]> => answer(sdk.listHistory({ path: { run } }))
 export const getFindings = (run: string): Promise<FindingDetail[]> => answer(sdk.listFindings({ path: { run } }))
 export const getTraces = (run: string): Promise<TraceInfo[]> => answer(sdk.listTraces({ path: { run } }))

@@ -87,6 +87,10 @@ export const componentsQuery = (id: string) =>
     staleTime: 300_000,
   })
 
+/** Between the code of two runs, which no longer changes once both have started. */
+export const codeQuery = (id: string, against: string) =>
+  queryOptions({ queryKey: ['code', id, against], queryFn: () => calls.getCodeChanges(id, against), staleTime: 300_000 })
+
 export const stagesQuery = (id: string) =>
   queryOptions({ queryKey: ['stages', id], queryFn: () => calls.getStages(id) })
 

@@ -31,6 +31,8 @@ interface LaunchSearch {
   case?: string
   /** A run to start from. */
   from?: string
+  /** Changes of its campaign that its checks propose, `check.number` each, comma-separated. */
+  remedy?: string
   /** A draft to be edited. */
   draft?: string
   tab?: 'yaml'
@@ -44,6 +46,7 @@ const launch = createRoute({
   validateSearch: onlyKnown((search): LaunchSearch => ({
     case: word(search.case),
     from: word(search.from),
+    remedy: word(search.remedy),
     draft: word(search.draft),
     tab: search.tab === 'yaml' ? 'yaml' : undefined,
   })),

@@ -2,8 +2,8 @@
 import { decimalsFor, fixed, signed } from '../format/numbers'
 import { Sign } from '../ui/Sign'
 import { lookOf, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
-import { sameCampaignOtherCode } from './code'
 import { type Compared, unitOf } from './data'
+import { OtherCode } from './OtherCode'
 
 export function Change({ runs }: { runs: Compared[] }) {
   const [a, b] = runs
@@ -24,11 +24,7 @@ export function Change({ runs }: { runs: Compared[] }) {
               : tally(words)}
         </div>
         {runs.length === 2 ? <Two a={a} b={b} /> : <Many runs={runs} />}
-        {sameCampaignOtherCode(runs.map(({ run }) => run)) && (
-          <p>
-            <b>Same campaign, different code:</b> see <a href="#code">Code and packages</a>.
-          </p>
-        )}
+        <OtherCode runs={runs.map(({ run }) => run)} />
       </div>
     </section>
   )

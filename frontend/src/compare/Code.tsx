@@ -1,7 +1,8 @@
 // The code version of each run: digests, packages, machine, and a warning if one campaign ran with different code.
 import { clsx } from 'clsx'
 import { Card } from '../ui/Card'
-import { changedComponents, codeRows, sameCampaignOtherCode } from './code'
+import { changedComponents, codeRows, otherCode } from './code'
+import { OtherCode } from './OtherCode'
 import type { Compared } from './data'
 import { RunHeads } from './Picks'
 import styles from './compare.module.css'
@@ -13,15 +14,8 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
   const missing = runs.filter(({ run }) => !run.flown?.code)
   return (
     <Card title="Code and packages" note="As loaded at the start of the first stage" className={className} flush id="code">
-      {sameCampaignOtherCode(told) && (
-        <div className={clsx('note warn', styles.within)} data-testid="other-code">
-          <div>
-            <p className="m">Same campaign, different code.</p>
-            <p>This alone may change the results. Rows that differ are marked.</p>
-          </div>
-        </div>
-      )}
-      {changed.length > 0 && (
+      <OtherCode runs={told} className={clsx('note warn', styles.within)} more=" This alone may change the results. Rows that differ are marked." />
+      {changed.length > 0 && otherCode(told) === null && (
         <p className="fig" data-testid="changed-components">
           Changed between these runs: {changed.join(', ')}.
         </p>

@@ -1,4 +1,5 @@
 // Compares two to four runs: differences of their campaigns and results. The runs are in the address.
+import { IconArrowsExchange } from '@tabler/icons-react'
 import { useNavigate, useSearch } from '@tanstack/react-router'
 import { type ReactNode, useMemo } from 'react'
 import { Loading } from '../page/Trouble'
@@ -40,7 +41,13 @@ export function ComparePage() {
         </div>
         <div className="acts">
           {ids.length > 1 && (
-            <CopyButton text={() => location.href}>Copy link</CopyButton>
+            <>
+              <button type="button" className="btn s" onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
+                <IconArrowsExchange className="i s" aria-hidden />
+                {ids.length === 2 ? 'Swap' : 'Reverse the order'}
+              </button>
+              <CopyButton text={() => location.href}>Copy link</CopyButton>
+            </>
           )}
         </div>
       </div>

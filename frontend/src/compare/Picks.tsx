@@ -8,7 +8,7 @@ import { useState } from 'react'
 import { listRuns } from '../api/calls'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import type { Compared, Comparison } from './data'
-import { MOST } from './search'
+import { MOST, withRun } from './search'
 import styles from './compare.module.css'
 
 interface PicksProps {
@@ -34,7 +34,7 @@ export function Picks({ comparison, ids, onChange }: PicksProps) {
           <Remove id={id} onRemove={() => without(id)} />
         </div>
       ))}
-      {ids.length < MOST && <Add ids={ids} onAdd={(id) => onChange([...ids, id])} />}
+      {ids.length < MOST && <Add ids={ids} onAdd={(id) => onChange(withRun(ids, id))} />}
     </div>
   )
 }

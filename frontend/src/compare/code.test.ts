@@ -1,7 +1,7 @@
 // When two runs of one campaign are reported as run by different code.
 import { describe, expect, it } from 'vitest'
 import type { Versions } from '../client'
-import { changedComponents, codeRows, sameCampaignOtherCode } from './code'
+import { changedComponents, codeRows, otherCode, otherCodeText } from './code'
 
 const flown: Versions = {
   system: 'Linux x86_64',
@@ -24,6 +24,8 @@ const differing = (...runs: ReturnType<typeof run>[]) =>
     .filter((row) => row.differs)
     .map((row) => [row.key, ...row.values])
 
+const isOther = (runs: ReturnType<typeof run>[]) => otherCode(runs) !== null
+
 describe('the versions', () => {
   it('are listed row by row, and differences are marked', () => {
     const other = run({ code: 'b'.repeat(64), packages: { numpy: '2.5.0', scipy: '1.17.1' } })
@@ -37,22 +39,45 @@ describe('the versions', () => {
     const one = run({ components: { 'my_way.py': 'a', 'my_robot.py': 'b' } })
     const other = run({ components: { 'my_way.py': 'c', 'my_robot.py': 'b' } })
     expect(changedComponents([one, other])).toEqual(['components/my_way.py'])
-    expect(sameCampaignOtherCode([one, other])).toBe(true)
+    expect(isOther([one, other])).toBe(true)
+    expect(otherCodeText(one, other, [])).toBe('Same campaign, different code: components/my_way.py.')
     expect(changedComponents([one, one])).toEqual([])
     expect(changedComponents([one, run()])).toEqual([])
   })
   it('is different code for every part that may change a number', () => {
     for (const change of [{ code: 'b' }, { loop: 'c' }, { python: '3.12.1' }, { packages: { numpy: '2.5.0' } }])
-      expect(sameCampaignOtherCode([run(), run(change)])).toBe(true)
+      expect(isOther([run(), run(change)])).toBe(true)
   })
   it('is not different code of another campaign, on another processor or where nothing was stored', () => {
-    expect(sameCampaignOtherCode([run(), run()])).toBe(false)
-    expect(sameCampaignOtherCode([run(), run({ code: 'b' }, 'two')])).toBe(false)
-    expect(sameCampaignOtherCode([run(), run({ cpu: { model: 'B', target: 'x', features: '' } })])).toBe(false)
-    expect(sameCampaignOtherCode([run(), run(null)])).toBe(false)
+    expect(isOther([run(), run()])).toBe(false)
+    expect(isOther([run(), run({ code: 'b' }, 'two')])).toBe(false)
+    expect(isOther([run(), run({ cpu: { model: 'B', target: 'x', features: '' } })])).toBe(false)
+    expect(isOther([run(), run(null)])).toBe(false)
     expect(codeRows([run(), run(null)])[0]?.values).toEqual(['a'.repeat(64), undefined])
   })
   it('sees two of one campaign among others', () => {
-    expect(sameCampaignOtherCode([run({}, 'two'), run(), run({ loop: 'c' })])).toBe(true)
+    expect(isOther([run({}, 'two'), run(), run({ loop: 'c' })])).toBe(true)
+  })
+  it('has a row for the step and the integrator, as they were run', () => {
+    const rows = Object.fromEntries(codeRows([run(), run({ step: 0.01 })]).map((row) => [row.name, row]))
+    expect(rows['Step']).toMatchObject({ values: ['5 ms', '10 ms'], differs: true })
+    expect(rows['Integrator']).toMatchObject({ values: ['RK4', 'RK4'], differs: false })
+    expect([rows['Source digest']?.digest, rows['Loop digest']?.digest]).toEqual([true, true])
+  })
+})
+
+describe('different code of one campaign', () => {
+  const file = (name: string, change: 'changed' | 'added' = 'changed') => ({ file: name, change, component: null })
+  it('is a sentence of its own that names the files', () => {
+    const [a, b] = [run(), run({ code: 'b'.repeat(64) })]
+    expect(otherCodeText(a, b, [file('worker/components/avoiders/ge_cui.py'), file('worker/physics/new.py', 'added')])).toBe(
+      'Same campaign, different code: worker/components/avoiders/ge_cui.py, worker/physics/new.py (added).',
+    )
+    expect(otherCodeText(a, b, ['1', '2', '3', '4', '5', '6'].map((name) => file(name)))).toContain('1, 2, 3, 4 and 2 more files.')
+    expect(otherCodeText(a, b, null)).toBe('Same campaign, different code: source files whose names are not stored.')
+  })
+  it('is also another package, or another compiled loop of the same sources', () => {
+    expect(otherCodeText(run(), run({ packages: { numpy: '2.5.0', scipy: '1.17.1' } }), [])).toBe('Same campaign, different code: numpy 2.4.6 and 2.5.0.')
+    expect(otherCodeText(run(), run({ loop: 'beef' }), [])).toBe('Same campaign, different code: the compiled loop.')
   })
 })

@@ -26,3 +26,12 @@ export function idsOf(runs: unknown): string[] {
   const ids = runs.split(',').filter((id) => /^R-\d{1,15}$/.test(id))
   return [...new Set(ids)].slice(0, MOST)
 }
+
+const numberOf = (id: string): number => Number(id.slice(2))
+
+/** The ids from the oldest run to the newest: A is what was before. */
+export const olderFirst = (ids: readonly string[]): string[] => [...ids].sort((a, b) => numberOf(a) - numberOf(b))
+
+/** With another run: in the order of the runs, unless that order was changed. */
+export const withRun = (ids: readonly string[], id: string): string[] =>
+  olderFirst(ids).every((one, i) => one === ids[i]) ? olderFirst([...ids, id]) : [...ids, id]

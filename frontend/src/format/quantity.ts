@@ -34,3 +34,31 @@ function rounded(size: number, digits: number): string {
   const tie = /^50*$/.test(all.slice(digits)) && Number(all[digits - 1]) % 2 === 0
   return tie ? `${all[0]}.${all.slice(1, digits)}e${exponent}` : size.toExponential(digits - 1)
 }
+
+/** Digits of a number that is read, not copied; the full precision is shown on hover and is in the files. */
+const READ = 4
+
+/**
+ * The digits with which each quantity of a sentence is read: four, or more where a whole number or two different numbers of
+ * one unit need them. Counts and percentages are written as they are: a bound must not be rounded below itself.
+ */
+export function readDigits(quantities: readonly Pick<Quantity, 'value' | 'unit' | 'format' | 'digits'>[]): number[] {
+  const fewest = quantities.map(({ value, format, digits }) => {
+    if (format === 'percent' || format === 'count' || value === 0) return digits
+    return Math.min(digits, Math.max(READ, Math.floor(Math.log10(Math.abs(value))) + 1))
+  })
+  return quantities.map((one, i) => {
+    const same = (digits: number) =>
+      quantities.some((other) => {
+        if (other.unit !== one.unit || other.format !== one.format || other.value === one.value) return false
+        return quantityText({ ...one, digits }) === quantityText({ ...other, digits: Math.min(other.digits, digits) })
+      })
+    let digits = fewest[i] ?? one.digits
+    while (digits < one.digits && same(digits)) digits++
+    return digits
+  })
+}
+
+/** All digits of a quantity, as stored. */
+export const exactText = ({ value, unit, format }: Pick<Quantity, 'value' | 'unit' | 'format'>): string =>
+  `${String(format === 'percent' ? 100 * value : value).replace('-', MINUS)}${format === 'percent' ? `${NARROW}%` : unit && NARROW + unitText(unit)}`

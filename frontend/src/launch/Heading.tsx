@@ -2,11 +2,19 @@
 import { IconCopy, IconFileText } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
-import type { Draft } from '../client'
+import type { Draft, Span } from '../client'
 import { moment, when } from '../format/time'
+import { Said } from '../ui/Said'
 import { useNow } from '../ui/useNow'
 
-export function Heading({ from, draft }: { from: string | undefined; draft: Draft | null }) {
+interface HeadingProps {
+  from: string | undefined
+  /** What the page of that run proposed to change. */
+  changed: Span[] | undefined
+  draft: Draft | null
+}
+
+export function Heading({ from, changed = [], draft }: HeadingProps) {
   const now = useNow(30_000, draft !== null)
   return (
     <div className="ph">
@@ -33,6 +41,11 @@ export function Heading({ from, draft }: { from: string | undefined; draft: Draf
           <Link to="/runs/$id" params={{ id: from }}>
             {from}
           </Link>
+          {changed.length > 0 && (
+            <>
+              , <Said spans={changed} />
+            </>
+          )}
           . <Link to="/launch">Choose from the library instead</Link>
         </Note>
       )}

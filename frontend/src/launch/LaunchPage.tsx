@@ -64,8 +64,8 @@ export function LaunchPage() {
     ...once,
   })
   const again = useQuery({
-    queryKey: ['again', search.from],
-    queryFn: () => fromRun(earlier.data as RunDetail),
+    queryKey: ['again', search.from, search.remedy],
+    queryFn: () => fromRun(earlier.data as RunDetail, search.remedy),
     enabled: Boolean(search.from) && earlier.data?.id === search.from && Boolean(catalogue.data),
     ...once,
   })
@@ -82,7 +82,7 @@ export function LaunchPage() {
   if (catalogue.failureReason && !catalogue.data) return <Waiting error={catalogue.failureReason} />
   if (!library.data || !catalogue.data || !start) return <Loading what="campaigns" />
   const version = start.draft && `${start.draft.id}@${start.draft.version}`
-  const key = kept?.key ?? version ?? search.from ?? chosen ?? ''
+  const key = kept?.key ?? version ?? (search.from && [search.from, search.remedy].join()) ?? chosen ?? ''
   return (
     <Editor
       // Another case starts a new editor; edits belong to the old one.

@@ -10,7 +10,7 @@ import { Columns } from './Columns'
 import { Components } from './provenance/Components'
 import { Convergence } from './search/Convergence'
 import { calledOf, NOMINAL } from './data/chosen'
-import { bestOf, type RunData, stageOf } from './data/data'
+import { bestOf, finderOf, leavesGround, type RunData, stageOf } from './data/data'
 import { EncounterCard } from './verdict/EncounterCard'
 import { Failures } from './search/Failures'
 import { FindingsCard } from './findings/FindingsCard'
@@ -55,12 +55,16 @@ export function Finished({ data }: { data: RunData }) {
   const calm = useCalm()
   const cross = useCallback((time: number) => view.steer({ time, passing: true }), [view])
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
-  const searches = data.stages.flatMap((stage) => resultOf(stage, 'search') ?? [])
+  const searchStages = data.stages.flatMap((stage) => {
+    const search = resultOf(stage, 'search')
+    return search ? [{ position: stage.position, search }] : []
+  })
+  const searches = searchStages.map(({ search }) => search)
   const certified = resultOf(stageOf(data, 'certify'), 'certify')
   const sample = certified?.sample ?? searches.find((search) => search.sample)?.sample ?? null
   const indices = sensitivity !== null && Boolean(sensitivity.morris ?? sensitivity.sobol)
   const front = searches.some((search) => search.front?.length)
-  const minima = searches.filter((search) => search.minima.length > 0)
+  const minima = searchStages.filter(({ search }) => search.minima.length > 0)
   const published = run.verdict ? (data.campaign.published?.length ?? 0) : 0
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
   const encounter = validation?.encounter
@@ -84,7 +88,7 @@ export function Finished({ data }: { data: RunData }) {
   // A finding may have a trace although the nominal case has none.
   const timed = overTime(data.nominalTrace ?? (flies ? undefined : data.findingTrace)).length > 0
   const sections: Section[] = [
-    ...(drawn ? [{ id: 'flight', name: flies ? 'Flight' : '3D view' }] : []),
+    ...(drawn ? [{ id: 'flight', name: leavesGround(data) ? 'Flight' : '3D view' }] : []),
     ...(data.findings.length ? [{ id: 'findings', name: 'Findings', count: data.findings.length }] : []),
     ...(flown ? [{ id: 'separation', name: 'Separation' }] : []),
     ...(timed ? [{ id: 'motion', name: flies ? 'Speeds and commands' : 'Trace' }] : []),
@@ -127,7 +131,7 @@ export function Finished({ data }: { data: RunData }) {
               title={titleOf(data)}
               note={finding || chosen === NOMINAL ? undefined : 'not validated'}
               column={chosen === NOMINAL ? null : finding ? calledOf(chosen) : 'Lowest'}
-              worst={finding ? { ...finding, method: methodOf(data), atBounds: finding.at_bounds } : lowest}
+              worst={finding ? { ...finding, method: finderOf(data, finding), atBounds: finding.at_bounds } : lowest}
             />
             {raised && <Tornado data={data} result={sensitivity} className="" />}
           </div>
@@ -172,9 +176,9 @@ export function Finished({ data }: { data: RunData }) {
                   card: <EncounterCard key="encounter" data={data} encounter={encounter} className="" />,
                 }
               : null,
-            ...(many ? [] : minima).map((search) => ({
+            ...(many ? [] : minima).map(({ position, search }) => ({
               height: 110 + 38 * rowsOf(search),
-              card: <Minima key={search.method} data={data} search={search} className="" />,
+              card: <Minima key={position} data={data} search={search} position={position} className="" />,
             })),
             // No room next to a sample: its own row is lower than two columns of different height.
             published > 0 &&
@@ -193,7 +197,7 @@ export function Finished({ data }: { data: RunData }) {
           </div>
         )}
         {front && <FrontCard data={data} className="c12" />}
-        {many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="c12" tall />)}
+        {many && minima.map(({ position, search }) => <Minima key={position} data={data} search={search} position={position} className="c12" tall />)}
         {failures.length > 0 && <Failures data={data} className="c12" />}
         <Provenance data={data} className="c12" />
         <Components run={run} className="c12" />
@@ -209,9 +213,3 @@ function titleOf({ chosen, finding }: RunData): string {
   return finding ? `Nominal against ${chosen === 'F1' ? 'worst' : chosen}` : 'Nominal and lowest evaluation'
 }
 
-/** The method that reached the chosen finding with the fewest evaluations; for the worst finding, the lowest. */
-function methodOf({ run, chosen, finding }: RunData): string | null {
-  if (chosen === 'F1') return run.worst_method
-  const found = [...(finding?.found ?? [])].sort((a, b) => a.evaluations - b.evaluations)
-  return found[0]?.method ?? null
-}

@@ -1,7 +1,8 @@
-// The tabs below the figures: links to the sections, with the current one highlighted.
-import { useEffect, useState } from 'react'
+// The tabs below the figures: links to the sections in page order, with the one that is read highlighted.
+import { useCallback, useEffect, useRef, useState } from 'react'
 import { count } from '../format/numbers'
 import { useHotkeys } from '../ui/useHotkeys'
+import { currentOf, inPageOrder, lineOf, type Placed } from './sections'
 import styles from './run.module.css'
 
 export interface Section {
@@ -10,34 +11,80 @@ export interface Section {
   count?: number
 }
 
+/** The reading line below the header and the tabs [px]. */
+const LINE = 170
+
+/** What a visitor scrolls with; a jump to a section is none of them. */
+const SCROLLS = ['wheel', 'touchmove', 'pointerdown', 'keydown'] as const
+
 export function SectionTabs({ sections }: { sections: Section[] }) {
-  const [current, setCurrent] = useState(sections[0]?.id)
-  const ids = sections.map((section) => section.id).join()
-  useEffect(() => {
-    const elements = ids.split(',').flatMap((id) => document.getElementById(id) ?? [])
-    const read = () => {
-      const line = 170
-      const above = elements.filter((element) => element.getBoundingClientRect().top <= line)
-      const end = innerHeight + scrollY >= document.documentElement.scrollHeight - 4
-      setCurrent((end ? elements[elements.length - 1] : (above[above.length - 1] ?? elements[0]))?.id)
-    }
-    read()
-    addEventListener('scroll', read, { passive: true })
-    return () => removeEventListener('scroll', read)
+  const [shown, setShown] = useState({ order: sections.map(({ id }) => id), current: sections[0]?.id })
+  const bar = useRef<HTMLElement>(null)
+  const asked = useRef<string | undefined>(undefined)
+  const ids = sections.map(({ id }) => id).join()
+  const read = useCallback(() => {
+    const places = placesOf(ids.split(','))
+    const order = inPageOrder(places).map(({ id }) => id)
+    const [height, whole] = [innerHeight, document.documentElement.scrollHeight]
+    const current = currentOf(places, lineOf({ height, at: scrollY, most: whole - height }, LINE), asked.current)
+    setShown((before) => (before.current === current && before.order.join() === order.join() ? before : { order, current }))
   }, [ids])
+  useEffect(() => {
+    const scrolled = () => {
+      asked.current = undefined
+    }
+    // Cards that are loaded later, and other widths of the window, move the sections.
+    const moved = new ResizeObserver(read)
+    moved.observe(document.body)
+    addEventListener('scroll', read, { passive: true })
+    for (const kind of SCROLLS) addEventListener(kind, scrolled, { capture: true, passive: true })
+    return () => {
+      moved.disconnect()
+      removeEventListener('scroll', read)
+      for (const kind of SCROLLS) removeEventListener(kind, scrolled, { capture: true })
+    }
+  }, [read])
+  useEffect(() => {
+    const tab = bar.current?.querySelector<HTMLElement>('[aria-current]')
+    if (tab && bar.current) bar.current.scrollLeft = tab.offsetLeft - (bar.current.clientWidth - tab.clientWidth) / 2
+  }, [shown.current])
+  const jumped = (id: string) => {
+    asked.current = id
+    setShown((before) => ({ ...before, current: id }))
+  }
+  const ordered = inOrder(sections, shown.order)
   useHotkeys(
     Object.fromEntries(
-      sections.map((section, i) => [String(i + 1), () => document.getElementById(section.id)?.scrollIntoView()]),
+      ordered.map(({ id }, i) => [
+        String(i + 1),
+        () => {
+          jumped(id)
+          document.getElementById(id)?.scrollIntoView()
+        },
+      ]),
     ),
   )
   return (
-    <nav className={styles.subnav} aria-label="Sections">
-      {sections.map((section) => (
-        <a key={section.id} href={`#${section.id}`} aria-current={section.id === current ? 'true' : undefined}>
-          {section.name}
-          {section.count !== undefined && <span className="n">{count(section.count)}</span>}
+    <nav className={styles.subnav} aria-label="Sections" ref={bar}>
+      {ordered.map(({ id, name, count: number }) => (
+        <a key={id} href={`#${id}`} aria-current={id === shown.current ? 'true' : undefined} onClick={() => jumped(id)}>
+          {name}
+          {number !== undefined && <span className="n">{count(number)}</span>}
         </a>
       ))}
     </nav>
   )
+}
+
+const placesOf = (ids: readonly string[]): Placed[] =>
+  ids.flatMap((id) => {
+    const box = document.getElementById(id)?.getBoundingClientRect()
+    return box ? [{ id, top: box.top, left: box.left }] : []
+  })
+
+/** Sections that are not on the page yet keep their place among the others. */
+function inOrder(sections: readonly Section[], order: readonly string[]): Section[] {
+  const rank = (id: string) => order.indexOf(id)
+  const placed = sections.filter(({ id }) => rank(id) >= 0).sort((a, b) => rank(a.id) - rank(b.id))
+  return sections.map((section) => (rank(section.id) < 0 ? section : (placed.shift() ?? section)))
 }

@@ -1,8 +1,8 @@
 // Provenance of a run, from its verdict and from what was stored at its start.
 import { expect, it } from 'vitest'
 import { verdict } from '../api/fixtures'
-import type { Versions } from '../client'
-import { originOf } from './provenance/Provenance'
+import type { Catalogue, Versions } from '../client'
+import { originOf, titleOf } from './provenance/Provenance'
 
 const { provenance: NOTHING } = verdict()
 const FLOWN: Versions = { ...NOTHING, code: 'c0de', loop: 'abcd', packages: { numpy: '2.4.6' }, lanes: 8 }
@@ -17,4 +17,12 @@ it('takes what the verdict does not state from what was stored as the run began'
 it('has the versions of a run without a verdict, and nothing where nothing was stored', () => {
   expect(originOf({ summary: null, flown: FLOWN })).toMatchObject({ code: 'c0de', seed: null, cpu: null })
   expect(originOf({ summary: null, flown: null })).toEqual(NOTHING)
+})
+
+it('calls a part by its title, and by its name in files only if it is not described', () => {
+  const components = [{ role: 'controller', name: 'pid_speed', title: 'PID of speed' }, { role: 'vehicle', name: 'pid_speed', title: 'Another' }]
+  const catalogue = { components, simulators: [{ name: 'drop', title: 'Falling body' }], methods: [] } as unknown as Catalogue
+  expect(titleOf(catalogue, 'controller', 'pid_speed')).toBe('PID of speed')
+  expect(titleOf(catalogue, 'simulator', 'drop')).toBe('Falling body')
+  expect([titleOf(catalogue, 'avoider', 'ge_cui'), titleOf(undefined, 'vehicle', 'unicycle')]).toEqual(['ge_cui', 'unicycle'])
 })

@@ -8,7 +8,7 @@ import { cancelRuns, editRun } from '../api/calls'
 import { putRun } from '../api/events'
 import { isLive } from '../api/queries'
 import type { RunSummary } from '../client'
-import { MOST } from '../compare/search'
+import { MOST, olderFirst } from '../compare/search'
 import { count } from '../format/numbers'
 import { plural, RemoveMarked } from '../run/header/Removal'
 
@@ -38,7 +38,7 @@ export function Marked({ runs, onClear }: MarkedProps) {
         </button>
       )}
       {runs.length > 1 && runs.length <= MOST && (
-        <Link to="/compare" search={{ runs: runs.map((run) => run.id).join(',') }} className="btn s">
+        <Link to="/compare" search={{ runs: olderFirst(runs.map((run) => run.id)).join(',') }} className="btn s">
           <IconGitCompare className="i s" aria-hidden />
           Compare {plural(runs.length)}
         </Link>

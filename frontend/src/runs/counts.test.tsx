@@ -28,7 +28,7 @@ const RUN = given.run({
 })
 
 const text = (html: string) => html.replace(/<[^>]+>/g, '').replaceAll('\u202f', ' ')
-const figures = (run: RunDetail) => renderToStaticMarkup(<FiveFigures data={{ run, campaign: asCampaign(run.campaign) }} />)
+const figures = (run: RunDetail) => renderToStaticMarkup(<FiveFigures data={{ run, campaign: asCampaign(run.campaign), findings: [] }} />)
 const cell = (key: string, run: RunDetail) => {
   const column = COLUMNS.find((c) => c.key === key)
   return renderToStaticMarkup(<>{column?.cell(run, { units: false, now: 0, onTag: () => undefined })}</>)

@@ -1,6 +1,7 @@
 // A card with its heading, and small elements of cards.
 import { clsx } from 'clsx'
 import { type ReactNode, useEffect, useRef, useState } from 'react'
+import { field } from '../format/numbers'
 import styles from './ui.module.css'
 
 interface CardProps {
@@ -53,14 +54,18 @@ interface StatProps {
   note?: ReactNode
   bad?: boolean
   testId?: string
+  /** The value with all digits, shown on hover. */
+  exact?: number | null
 }
 
-export function Stat({ name, value, unit, note, bad, testId }: StatProps) {
+export function Stat({ name, value, unit, note, bad, testId, exact }: StatProps) {
   return (
     <div className={styles.stat}>
       <div className="k">{name}</div>
       <div className={bad ? 'n bad-t' : 'n'}>
-        <span data-testid={testId}>{value}</span>
+        <span data-testid={testId} title={exact == null ? undefined : field(exact)}>
+          {value}
+        </span>
         {unit && <small>{unit}</small>}
       </div>
       <div className={styles.x}>{note}</div>

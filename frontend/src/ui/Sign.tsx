@@ -1,5 +1,6 @@
 // Renders a symbol as in print: italic letter, upright subscript, so that "K_p1" reads K with index p1.
 import { Fragment } from 'react'
+import { apart } from '../format/names'
 import styles from './ui.module.css'
 
 const GREEK: Record<string, string> = {
@@ -38,16 +39,28 @@ export function split(text: string): [string, string] {
 }
 
 /** The symbol as plain text, for canvases, labels and files. */
-export const symbolText = (text: string): string => (isPath(text) ? text : split(text).filter(Boolean).join('_'))
+export function symbolText(text: string): string {
+  if (isPath(text)) return text
+  const [symbol, part] = apart(text)
+  return split(symbol).filter(Boolean).join('_') + part
+}
 
 /** `path` is the parameter's path, shown on hover. */
 export function Sign({ text, path }: { text: string; path?: string }) {
   if (isPath(text)) return <Path text={text} />
-  const [base, index] = split(text)
-  return (
+  const [symbol, part] = apart(text)
+  const [base, index] = split(symbol)
+  const sign = (
     <span className="nw" title={path}>
       <i className={styles.v}>{base}</i>
       {index && <sub>{index}</sub>}
+    </span>
+  )
+  if (!part) return sign
+  return (
+    <span title={path}>
+      {sign}
+      {part}
     </span>
   )
 }
@@ -73,7 +86,8 @@ function Path({ text }: { text: string }) {
 /** A symbol inside an SVG text. */
 export function SvgSign({ text }: { text: string }) {
   if (isPath(text)) return <tspan>{text}</tspan>
-  const [base, index] = split(text)
+  const [symbol, part] = apart(text)
+  const [base, index] = split(symbol)
   return (
     <>
       <tspan fontStyle="italic">{base}</tspan>
@@ -86,6 +100,7 @@ export function SvgSign({ text }: { text: string }) {
           <tspan dy="-0.22em">{'\u200b'}</tspan>
         </>
       )}
+      {part && <tspan>{part}</tspan>}
     </>
   )
 }

@@ -15,7 +15,8 @@ from worker.stages.parts.findings import SAME_COST, Found, scale
 
 def compare(context: Context, findings: Sequence[Finding], found: Found, labels: list[str]) -> list[Compared]:
     """A row per search stage; `to_near_best`: evaluations until within 1 % of nominal minus worst of it; `basin`: the
-    finding whose basin contains the stage's best, by the labels of the basins that were found."""
+    finding whose basin contains the stage's best, by the labels of the basins that were found; `minima`: the same for
+    each of its own minima."""
     searched = context.searched
     worst = min((f.cost for f in findings), default=None)
     rows = []
@@ -26,6 +27,7 @@ def compare(context: Context, findings: Sequence[Finding], found: Found, labels:
             near = int(np.argmax(close)) + 1 if close.any() else None
         best = result.best
         basin = None if best is None else found.basin_of(at, best.cost)
+        minima = found.minima_of(at)
         rows.append(
             Compared(
                 position=at,
@@ -40,6 +42,7 @@ def compare(context: Context, findings: Sequence[Finding], found: Found, labels:
                 to_near_best=near,
                 basin=None if basin is None else labels[basin],
                 findings=[f.label for f in findings if any(by.position == at for by in f.found)],
+                minima=[labels[minima[i]] if i in minima else None for i in range(len(result.minima))],
                 stop=result.stop,
             )
         )

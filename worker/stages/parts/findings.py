@@ -42,6 +42,8 @@ class Candidate:
     point: Floats
     cost: float
     position: int
+    minimum: int | None = None
+    """Which of the stage's own minima it is; None if it is another evaluation."""
 
 
 @dataclass
@@ -71,6 +73,11 @@ class Found:
         """The basin of a stage's best point, identified by its cost; None if it is in no listed basin."""
         wanted = {i for i, c in enumerate(self.candidates) if c.position == position and c.cost == cost}
         return next((i for i, basin in enumerate(self.basins) if wanted & set(basin.members)), None)
+
+    def minima_of(self, position: int) -> dict[int, int]:
+        """The basin of each of a stage's own minima that is in a listed basin, by the index of the minimum."""
+        mine = {i: c.minimum for i, c in enumerate(self.candidates) if c.position == position and c.minimum is not None}
+        return {mine[m]: i for i, basin in enumerate(self.basins) for m in basin.members if m in mine}
 
 
 def search(context: Context, position: int, found: Found) -> Search:
@@ -135,7 +142,7 @@ def gather(context: Context, position: int) -> list[Candidate]:
         best += mine[:1]
         found += mine
         if at in searched:
-            found += [Candidate(np.array(minimum.point), minimum.cost, at) for minimum in searched[at].minima]
+            found += [Candidate(np.array(m.point), m.cost, at, i) for i, m in enumerate(searched[at].minima)]
     kept = sorted(found, key=lambda c: c.cost)[:ALL]
     return sorted(kept + [b for b in best if not any(b is k for k in kept)], key=lambda c: c.cost)
 

@@ -1,7 +1,8 @@
 // The initial state of an editor: a library campaign, an earlier run's, or the text of a draft.
 import { checkCampaign, getRunText, getSchema } from '../../api/calls'
 import { asCampaign, type Campaign } from '../../api/campaign'
-import type { Draft, LibraryCampaign, RunDetail } from '../../client'
+import type { Draft, LibraryCampaign, RunDetail, Span } from '../../client'
+import { remedied } from './remedied'
 import type { Beginning } from './useDraft'
 
 export interface Start extends Beginning {
@@ -9,6 +10,8 @@ export interface Start extends Beginning {
   tags: string[]
   /** The draft as it was opened. */
   draft: Draft | null
+  /** The changes of a run's campaign that its page proposed, as a phrase. */
+  changed?: Span[]
 }
 
 export function fromLibrary(item: LibraryCampaign): Start {
@@ -16,10 +19,13 @@ export function fromLibrary(item: LibraryCampaign): Start {
   return { campaign, text: item.yaml, readable: true, name: campaign.name, tags: campaign.tags ?? [], draft: null }
 }
 
-export async function fromRun(run: RunDetail): Promise<Start> {
-  const campaign = asCampaign(run.campaign)
+/** An earlier run's campaign; `remedy` names changes that its checks propose. */
+export async function fromRun(run: RunDetail, remedy = ''): Promise<Start> {
+  const own = { readable: true, name: run.name, tags: run.tags, draft: null }
   const text = await getRunText(run.id)
-  return { campaign, text, readable: true, name: run.name, tags: run.tags, draft: null }
+  if (!remedy) return { ...own, campaign: asCampaign(run.campaign), text }
+  const { document, text: amended, said } = await remedied(run, text, remedy)
+  return { ...own, campaign: asCampaign(document), text: amended, changed: said }
 }
 
 /** A draft as it was saved, also in the form if possible. */

@@ -2,7 +2,8 @@
 import { expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
-import { uncertainOf } from './data'
+import { finding, flight, head, progress, run } from '../../api/fixtures'
+import { finderOf, leavesGround, rateOf, uncertainOf } from './data'
 
 const parameter = (name: string, symbol: string) => ({
   name,
@@ -22,7 +23,7 @@ const CATALOGUE = {
   ],
 } as unknown as Catalogue
 
-it('calls parameters of one symbol by their paths', () => {
+it('names the part that parameters of one symbol belong to', () => {
   const part = { component: 'any' }
   const bounds = { low: 0, high: 2 }
   const paths = ['vehicle.m', 'vehicle.r', 'obstacles.0.r', 'obstacles.0.speed', 'obstacles.1.speed']
@@ -33,10 +34,10 @@ it('calls parameters of one symbol by their paths', () => {
   } as unknown as Campaign
   expect(uncertainOf(campaign, CATALOGUE).map(({ symbol, text }) => `${symbol}: ${text}`)).toEqual([
     'm: m',
-    'vehicle.r: r',
-    'obstacles.0.r: r',
-    'obstacles.0.speed: speed',
-    'obstacles.1.speed: speed',
+    'r of the vehicle: r',
+    'r of obstacle 1: r',
+    'u_0 of obstacle 1: speed',
+    'u_0 of obstacle 2: speed',
   ])
 })
 
@@ -49,4 +50,28 @@ it('calls parameters of a simulator that have no symbol by their names', () => {
     uncertain: { 'simulator.mass': { low: 0, high: 2 }, 'simulator.wind': { low: 0, high: 2 } },
   } as unknown as Campaign
   expect(uncertainOf(campaign, known).map(({ symbol }) => symbol)).toEqual(['mass', 'wind'])
+})
+
+it('names a method for the worst finding that found it, not merely the one with the lowest value', () => {
+  const by = (method: string, evaluations: number) => ({ position: 2, method, evaluations })
+  const worst = finding('F1', { methods: ['direct', 'cma_es'], found: [by('direct', 90), by('cma_es', 40)] })
+  expect(finderOf({ run: run({ worst_method: 'direct' }) }, worst)).toBe('direct')
+  expect(finderOf({ run: run({ worst_method: 'genetic' }) }, worst)).toBe('cma_es')
+  // Reached only by local refinement: then the lowest value is all that is known.
+  expect(finderOf({ run: run({ worst_method: 'genetic' }) }, finding('F1'))).toBe('genetic')
+  expect(finderOf({ run: run({ worst_method: 'genetic' }) }, finding('F2'))).toBeNull()
+})
+
+it('states a rate only for a time that was measured', () => {
+  expect(rateOf(progress({ evaluations: 500, seconds: 0.25 }))).toBe(2000)
+  expect([rateOf(progress({ evaluations: 500, seconds: 0 })), rateOf(progress({ evaluations: 0, seconds: 9 }))]).toEqual([null, null])
+})
+
+it('speaks of a flight only of a vehicle that moves in space', () => {
+  const campaign = { scenario: { vehicle: { component: 'v' } } } as unknown as Campaign
+  const inSpace = { ...CATALOGUE, components: [{ ...CATALOGUE.components[0], dimension: 3 }] } as unknown as Catalogue
+  expect(leavesGround({ campaign, catalogue: CATALOGUE, nominalTrace: undefined })).toBe(false)
+  expect(leavesGround({ campaign, catalogue: inSpace, nominalTrace: undefined })).toBe(true)
+  expect(leavesGround({ campaign, catalogue: undefined, nominalTrace: flight({ meta: head({ frame: 'ned' }) }) })).toBe(true)
+  expect(leavesGround({ campaign: { simulator: { name: 's' } } as Campaign, catalogue: inSpace, nominalTrace: undefined })).toBe(false)
 })

@@ -1,7 +1,7 @@
 // Shared data of the cards of a run's page, and selectors. Start reading at `RunData`.
 import { keepPreviousData, usePrefetchQuery, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useEffect, useMemo, useRef } from 'react'
-import { asCampaign, type Campaign } from '../../api/campaign'
+import { asCampaign, type Campaign, hasScenario } from '../../api/campaign'
 import { useStreamStatus } from '../../api/events'
 import {
   componentsQuery,
@@ -25,13 +25,14 @@ import type {
   TraceData,
   TraceInfo,
 } from '../../client'
+import { namesOf } from '../../format/names'
 import { boundsOf, numberOf, parametersOf } from '../../launch/campaign/parameters'
 import { usePolling } from '../../ui/usePolling'
 import { chosenOf, NOMINAL } from './chosen'
 
 export interface UncertainParameter {
   path: string
-  /** Its symbol if unique in the campaign, else its path. */
+  /** Its symbol, with its part of the campaign if others have the same one: y of obstacle 1. */
   symbol: string
   unit: string
   text: string
@@ -142,18 +143,18 @@ function useFreshAtEnd(id: string, over: boolean): void {
 export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined): UncertainParameter[] {
   const all = catalogue ? parametersOf(campaign, catalogue) : []
   const known = new Map(all.map((p) => [p.path, p]))
-  const named = (path: string, symbol: string | undefined) => symbol || (path.split('.').at(-1) ?? path)
-  const having = (symbol: string) => all.filter((p) => named(p.path, p.entry.symbol) === symbol).length
+  const lastOf = (path: string) => path.split('.').at(-1) ?? path
+  const symbols = new Map(all.map(({ path, entry }) => [path, entry.symbol || lastOf(path)]))
+  const names = namesOf(Object.keys(campaign.uncertain), symbols)
   return Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
     const parameter = known.get(path)
     const nominal = numberOf(parameter?.nominal)
     const [low, high] = boundsOf(uncertain, nominal).map(numberOf)
     if (typeof low !== 'number' || typeof high !== 'number') return []
     const { unit = uncertain.unit ?? '', text = path } = parameter?.entry ?? {}
-    // Labels must be unambiguous: two obstacles have the same symbols. Parameters of a simulator may have none.
-    const symbol = parameter ? named(path, parameter.entry.symbol) : path
-    const label = having(symbol) > 1 ? path : symbol
-    return [{ path, symbol: label, unit, text, nominal: nominal ?? (low + high) / 2, low, high }]
+    // Names must be unambiguous: two obstacles have the same symbols. Parameters of a simulator may have none.
+    const symbol = parameter ? (names.get(path) ?? path) : path
+    return [{ path, symbol, unit, text, nominal: nominal ?? (low + high) / 2, low, high }]
   })
 }
 
@@ -246,4 +247,28 @@ export function leaderOf(run: RunDetail): StageProgress | null {
     if (stage.kind === 'search' && stage.best !== null && (leader?.best == null || stage.best < leader.best))
       leader = stage
   return leader
+}
+
+/**
+ * The method that found a finding: of the worst one, the method with the lowest value if it is among them; else the one that
+ * needed the fewest evaluations. With several calls for an evaluation the lowest value may be a lucky one of another case.
+ */
+export function finderOf({ run }: Pick<RunData, 'run'>, finding: FindingDetail): string | null {
+  const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
+  const methods = found.length > 0 ? found.map(({ method }) => method) : finding.methods
+  if (finding.label === 'F1' && run.worst_method !== null && (methods.length === 0 || methods.includes(run.worst_method)))
+    return run.worst_method
+  return methods[0] ?? null
+}
+
+/** Evaluations per second of a stage, as measured; null if its time was too short to measure. */
+export const rateOf = ({ evaluations, seconds }: Pick<StageProgress, 'evaluations' | 'seconds'>): number | null =>
+  evaluations > 0 && seconds >= 0.05 ? evaluations / seconds : null
+
+/** Whether the vehicle moves in space: "flight" is a word for aircraft only, not for a robot on the ground. */
+export function leavesGround({ campaign, catalogue, nominalTrace }: Pick<RunData, 'campaign' | 'catalogue' | 'nominalTrace'>): boolean {
+  if (!hasScenario(campaign)) return false
+  const name = campaign.scenario.vehicle.component
+  const vehicle = catalogue?.components.find((component) => component.role === 'vehicle' && component.name === name)
+  return vehicle ? vehicle.dimension === 3 : nominalTrace?.meta.frame === 'ned'
 }

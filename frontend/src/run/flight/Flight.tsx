@@ -7,7 +7,7 @@ import { Card } from '../../ui/Card'
 import { useCalm } from '../../ui/useCalm'
 import { useNear } from '../../ui/useNear'
 import { calledOf } from '../data/chosen'
-import type { RunData } from '../data/data'
+import { leavesGround, type RunData } from '../data/data'
 import { drawable } from './drawable'
 import { FlightHead } from './FlightHead'
 import { noiseOf } from './flown'
@@ -29,7 +29,7 @@ interface FlightProps {
 
 export function Flight({ data, view, whatIf, className, alone = false }: FlightProps) {
   const theme = useTheme()
-  const title = hasScenario(data.campaign) ? 'Flight' : '3D view'
+  const title = leavesGround(data) ? 'Flight' : '3D view'
   const named = title === 'Flight' ? 'Flight in 3D' : title
   // A viewer uses resources of the service: it is opened when it comes near the window.
   const [holder, near] = useNear<HTMLDivElement>()
@@ -78,7 +78,7 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
               inert={known.phase !== 'open'}
             />
           )}
-          {draws ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable what={title === 'Flight' ? 'flight' : 'case'} />}
+          {draws ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable what={hasScenario(data.campaign) ? 'flight' : 'case'} />}
         </div>
         <PlayBar data={data} view={view} shown={known.shown} whatIf={whatIf} />
       </div>

@@ -166,6 +166,7 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
           <small className={styles.two} title={text}>
             {text}
           </small>
+          <small className={styles.path}>{path}</small>
         </span>
       </td>
       <td className="num sec">{fixed(nominal, span)}</td>

@@ -4,7 +4,7 @@ import type { SensitivityResult } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { decimalsFor, fixed, signed } from '../../format/numbers'
-import { isPath, Sign, SvgSign } from '../../ui/Sign'
+import { Sign, SvgSign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import type { RunData } from '../data/data'
 
@@ -75,8 +75,8 @@ function barsOf({ run, parameters }: RunData, result: SensitivityResult): Bar[] 
 
 const reach = (bar: Bar): number => Math.max(Math.abs(bar.low), Math.abs(bar.high))
 const [BAR, SIGN, SIDE] = [16, 46, 34]
-/** Width of the labels: symbols are short, paths are not. */
-const leftOf = (bars: Bar[]): number => Math.max(SIGN, ...bars.map((bar) => (isPath(bar.symbol) ? 12 + 6.4 * bar.symbol.length : 0)))
+/** Width of the labels: symbols are short, names with a part and paths are not. */
+const leftOf = (bars: Bar[]): number => Math.max(SIGN, ...bars.map(({ symbol }) => (/[. ]/.test(symbol) ? 12 + 6.4 * symbol.length : 0)))
 
 function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; unit: string; row: number }) {
   const left = leftOf(bars)

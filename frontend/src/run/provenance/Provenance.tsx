@@ -94,27 +94,37 @@ const hash = (text: string | null | undefined) => (
   </span>
 )
 
-function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
+function flightRows(data: RunData, origin: Origin): Rows {
+  const { run, campaign } = data
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
-    ['Code', <span key="o">{run.flown?.code && 'sha256 '}{hash(run.flown?.code)}</span>],
-    [campaign.simulator ? 'Simulator digest' : 'Simulation kernel', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
+    ['Source digest', <span key="o">{run.flown?.code && 'sha256 '}{hash(run.flown?.code)}</span>],
+    [campaign.simulator ? 'Simulator digest' : 'Loop digest', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
-    ...(campaign.simulator ? [simulatorRow(campaign.simulator.name)] : loopRows(campaign, origin)),
+    ...(campaign.simulator ? [partRow(data, 'simulator', campaign.simulator.name)] : loopRows(data, origin)),
     ['Started by', `${run.owner}, ${moment(run.created)}`],
     ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
   ]
 }
 
-const simulatorRow = (name: string): Rows[number] => [
-  'Simulator',
-  <Link key="s" to="/help/components" hash={idOfComponent('simulator', name)}>
-    {name}
+type PartRole = 'vehicle' | 'controller' | 'avoider' | 'simulator'
+
+/** The title of a part, as the run stored it; its name in files if it is not described. */
+export function titleOf(catalogue: RunData['catalogue'], role: PartRole, name: string): string {
+  const entries = role === 'simulator' ? catalogue?.simulators : catalogue?.components.filter((each) => each.role === role)
+  return entries?.find((each) => each.name === name)?.title || name
+}
+
+const partRow = ({ catalogue }: RunData, role: PartRole, name: string): Rows[number] => [
+  role.charAt(0).toUpperCase() + role.slice(1),
+  <Link key={role} to="/help/components" hash={idOfComponent(role, name)} title={name}>
+    {titleOf(catalogue, role, name)}
   </Link>,
 ]
 
 /** Rows of a closed loop only: integrator, horizon, components. */
-function loopRows(campaign: RunData['campaign'], origin: Origin): Rows {
+function loopRows(data: RunData, origin: Origin): Rows {
+  const { campaign } = data
   const period = Number(campaign.scenario.guidance?.period ?? 0)
   return [
     [
@@ -122,15 +132,7 @@ function loopRows(campaign: RunData['campaign'], origin: Origin): Rows {
       `${origin.integrator ?? 'RK4'}, step ${plain((origin.step ?? Number(campaign.scenario.step)) * 1000)} ms`,
     ],
     ['Horizon, guidance', `${campaign.scenario.horizon} s, ${period > 0 ? `every ${plain(period)} s` : 'continuous'}`],
-    ...(['vehicle', 'controller', 'avoider'] as const).map((role): Rows[number] => {
-      const { component } = campaign.scenario[role]
-      return [
-        role.charAt(0).toUpperCase() + role.slice(1),
-        <Link key={role} to="/help/components" hash={idOfComponent(role, component)}>
-          {component.replaceAll('_', ' ')}
-        </Link>,
-      ]
-    }),
+    ...(['vehicle', 'controller', 'avoider'] as const).map((role) => partRow(data, role, campaign.scenario[role].component)),
   ]
 }
 

@@ -1,7 +1,7 @@
 // Comparison of the methods: results, effort, and how each ended.
 import { resultOf } from '../../api/stages'
 import type { Compared, Member } from '../../client'
-import { count, decimalsApart, duration, fixed, NONE, signed } from '../../format/numbers'
+import { count, decimalsApart, duration, fixed, NONE, plain, signed } from '../../format/numbers'
 import { words } from '../../format/said'
 import { HelpLink } from '../../help/links'
 import { Card, NumHead, Progress } from '../../ui/Card'
@@ -9,7 +9,7 @@ import { MethodName } from '../../ui/MethodMark'
 import { useMethodLook } from '../../ui/methods'
 import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
-import { type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
+import { rateOf, type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
 
 export function MethodsTable({ data, className, id }: { data: RunData; className: string; id?: string }) {
   const methodLook = useMethodLook()
@@ -55,6 +55,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
             {failed && <th className="num">Failed</th>}
             {excluded && <th className="num">Excluded</th>}
             <th className="num">Time</th>
+            <NumHead unit="1/s" title="Evaluations per second of its time" className="hide-n">Rate</NumHead>
           </tr>
         </thead>
         <tbody>
@@ -88,7 +89,12 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               )}
               {failed && <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>}
               {excluded && <td className={stage.excluded > 0 ? 'num b' : 'num sec'}>{count(stage.excluded)}</td>}
-              <td className="num sec">{stage.state === 'waiting' ? NONE : duration(stage.seconds)}</td>
+              <td className="num sec" title={stage.state === 'waiting' ? undefined : `${plain(stage.seconds)} s`}>
+                {stage.state === 'waiting' ? NONE : duration(stage.seconds)}
+              </td>
+              <td className="num sec hide-n" title={`${count(stage.evaluations)} evaluations in ${plain(stage.seconds)} s`}>
+                {plain(rateOf(stage), 3)}
+              </td>
             </tr>
           ))}
         </tbody>

@@ -8,6 +8,7 @@ import { HelpLink } from '../../help/links'
 import { Said } from '../../ui/Said'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
+import { NextSteps } from './NextSteps'
 import styles from './verdict.module.css'
 
 export function Banner({ data }: { data: RunData }) {
@@ -32,27 +33,69 @@ export function Banner({ data }: { data: RunData }) {
           {run.verdict ? <Said spans={summary?.said ?? [words(run.reason ?? '')]} /> : reasonOf(run, outcome)}
         </p>
         {run.verdict && summary && summary.holds_for.length > 0 && (
-          <p className={styles.scope}>
-            Scope: <Said spans={summary.holds_for} />
-          </p>
+          <details className={styles.scope}>
+            <summary>
+              Scope: <Said spans={summary.holds_for} exact />
+            </summary>
+          </details>
         )}
-        {run.verdict && summary && summary.checks.length > 0 && (
-          <ul className={styles.checks} aria-label="Checks">
-            {summary.checks.map((check) => (
-              <li key={check.name} data-check={check.name} data-standing={check.standing}>
-                <Standing check={check} />
-                <span>
-                  <span className="m">{check.title}</span>:{' '}
-                  <Said spans={check.limit.length > 0 ? [...check.said, words('; '), ...check.limit] : check.said} />
-                </span>
-              </li>
-            ))}
-          </ul>
-        )}
+        {run.verdict === 'inconclusive' && <NextSteps run={run} />}
+        {run.verdict && summary && summary.checks.length > 0 && <Checks checks={summary.checks} />}
       </div>
     </section>
   )
 }
+
+/**
+ * Folded, so that verdict, figures and 3D view fit on one screen; the line that unfolds it names every check that does not
+ * hold, and every one that holds only for the evaluations that have a value.
+ */
+function Checks({ checks }: { checks: readonly DescribedCheck[] }) {
+  return (
+    <details className={styles.fold} data-testid="checks">
+      <summary>
+        <Tally checks={checks} />
+      </summary>
+      <ul className={styles.checks} aria-label="Checks">
+        {checks.map((check) => (
+          <li key={check.name} data-check={check.name} data-standing={check.standing}>
+            <Standing check={check} />
+            <span>
+              <span className="m">{check.title}</span>:{' '}
+              <Said spans={check.limit.length > 0 ? [...check.said, words('; '), ...check.limit] : check.said} />
+            </span>
+          </li>
+        ))}
+      </ul>
+    </details>
+  )
+}
+
+function Tally({ checks }: { checks: readonly DescribedCheck[] }) {
+  const of = (standing: DescribedCheck['standing']) => checks.filter((check) => check.standing === standing)
+  const [failing, open] = [of('fails'), of('open')]
+  return (
+    <>
+      <b>
+        {failing.length + open.length === 0
+          ? `All ${checks.length} checks hold`
+          : `${of('holds').length} of ${checks.length} checks hold`}
+      </b>
+      {failing.length > 0 && (
+        <span>
+          <IconCircleX className="i s bad-t" aria-hidden /> not: {titles(failing)}
+        </span>
+      )}
+      {open.length > 0 && (
+        <span>
+          <IconHelpCircle className="i s unk-t" aria-hidden /> only for evaluations with a value: {titles(open)}
+        </span>
+      )}
+    </>
+  )
+}
+
+const titles = (checks: readonly DescribedCheck[]): string => checks.map(({ title }) => title).join(', ')
 
 /** Green only if no evaluation failed: failed ones have no value for which the check could hold. */
 export function Standing({ check }: { check: Pick<DescribedCheck, 'standing'> }) {

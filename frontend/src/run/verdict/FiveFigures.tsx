@@ -5,17 +5,19 @@ import { numberOf } from '../../launch/campaign/parameters'
 import { Stat } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { Sign } from '../../ui/Sign'
-import type { RunData } from '../data/data'
+import { finderOf, type RunData } from '../data/data'
 import runStyles from '../run.module.css'
 import { whereOf } from './where'
 
-export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> }) {
+export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' | 'findings'> }) {
   const { run, campaign } = data
   const statistics = run.summary?.statistics ?? null
   const decimals = decimalsFor([run.worst_cost, run.nominal_cost, run.threshold])
   const share = run.margin !== null && run.threshold ? run.margin / Math.abs(run.threshold) : null
   const lower = run.nominal_cost !== null && run.worst_cost !== null ? run.nominal_cost - run.worst_cost : null
-  const at = run.stages.find((stage) => stage.kind === 'search' && stage.method === run.worst_method)
+  const [worst] = data.findings
+  const method = worst ? finderOf(data, worst) : run.worst_method
+  const at = run.stages.find((stage) => stage.kind === 'search' && stage.method === method)
   const target = numberOf(campaign.target_probability)
   const compute = run.stages.reduce((sum, stage) => sum + stage.seconds, 0)
   const percentOf = percent(statistics?.upper_bound, 3).split('\u202f')
@@ -29,17 +31,19 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> 
             </>
           }
           value={fixed(run.worst_cost, decimals)}
+          exact={run.worst_cost}
           unit={run.unit}
           testId="worst"
           note={
-            run.worst_method
-              ? `${methodLook(run.worst_method).title}${whereOf(at, run.worst_cost)}`
+            method
+              ? `${methodLook(method).title}${whereOf(at, run.worst_cost)}`
               : 'none found'
           }
         />
         <Stat
           name="Margin to criterion"
           value={signed(run.margin, decimals)}
+          exact={run.margin}
           unit={run.unit}
           bad={run.margin !== null && run.margin <= 0}
           testId="margin"
@@ -57,12 +61,14 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> 
             </>
           }
           value={fixed(run.nominal_cost, decimals)}
+          exact={run.nominal_cost}
           unit={run.unit}
           note={lower === null ? '' : `worst is ${fixed(lower, decimalsFor([lower], 3))} ${run.unit} lower`}
         />
         <Stat
           name={statistics ? `P(violation), ${percent(statistics.confidence)} upper bound` : 'P(violation)'}
           value={statistics ? percentOf[0] : NONE}
+          exact={statistics ? 100 * statistics.upper_bound : null}
           unit={statistics ? '%' : undefined}
           note={
             statistics

@@ -1,0 +1,298 @@
+"""The remedies of checks that do not hold: changes of the campaign with which a new run may settle them.
+
+A remedy is derived from the code of the check, the campaign, and what the searches used; each one gives a valid
+campaign. It promises nothing: the new run has a verdict of its own. Start reading at `remedies`.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from pydantic import JsonValue, ValidationError
+
+from campaigns.asked.spec import MAX_EVALUATIONS, Campaign
+from campaigns.asked.stages import Certify, Search
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import Part, count, listed, method, number, say
+from campaigns.documents import JsonObject
+from campaigns.results.base import Described, Result
+from campaigns.results.search import SearchResult
+from campaigns.results.verdict import Check, Statistics
+
+GLOBAL_LEAST = 25
+"""Evaluations per parameter below which a global method has not searched."""
+MORE = 4
+"""Factor on a budget that was used up."""
+LONGER = 1.5
+"""Factor on a horizon that ends before the encounter does."""
+CEILING = 0.05
+"""The largest bound on P(violation) with which a campaign without a target is cleared."""
+SECONDS = {"direct": "DIRECT", "cma_es": "CMA-ES", "genetic": "the genetic algorithm"}
+"""Global methods that are added, in this order, if the campaign lacks them."""
+
+
+class RemedyKind(StrEnum):
+    """What a remedy changes."""
+
+    STEP = "step"
+    HORIZON = "horizon"
+    EVALUATIONS = "evaluations"
+    METHOD = "method"
+    FINDINGS = "findings"
+    SAMPLE = "sample"
+    REALISATIONS = "realisations"
+    CALLS = "calls"
+
+
+class Change(Result):
+    """One value of the campaign's document; a location just behind the end of a list adds an entry."""
+
+    at: list[str | int]
+    """Its location: ["scenario", "step"]."""
+    value: JsonValue
+
+
+class Remedy(Described):
+    """A change of the campaign; its sentence continues "Run again"."""
+
+    kind: RemedyKind
+    changes: list[Change]
+
+
+@dataclass(frozen=True)
+class Ran:
+    """What a remedy is derived from: the campaign, its searches in their order, the statement of its sample, and the
+    methods that a new run may name."""
+
+    campaign: Campaign
+    searches: Sequence[SearchResult]
+    statistics: Statistics | None = None
+    methods: Collection[str] = frozenset(SECONDS)
+
+
+def remedies(check: Check, ran: Ran) -> list[Remedy]:
+    """The remedies of a check that does not hold, each with a valid campaign; none for a check without a remedy."""
+    found = _OF.get(str(check.code))
+    if check.ok or found is None:
+        return []
+    return [remedy for remedy in found(check, ran) if applied(ran.campaign, [remedy]) not in (None, ran.campaign)]
+
+
+def applied(campaign: Campaign, wanted: Sequence[Remedy]) -> Campaign | None:
+    """The campaign with these changes; None if it would not be valid."""
+    document = copy.deepcopy(campaign.document())
+    try:
+        for change in (change for remedy in wanted for change in remedy.changes):
+            _set(document, change)
+        return Campaign.model_validate(document)
+    except (ValidationError, LookupError, TypeError):
+        return None
+
+
+def _set(document: JsonObject, change: Change) -> None:
+    *parents, last = change.at
+    place: Any = document
+    for step in parents:
+        place = place[step]
+    if isinstance(place, list) and last == len(place):
+        place.append(change.value)
+    else:
+        place[last] = change.value
+
+
+def _remedy(kind: RemedyKind, said: Sequence[Part], *changes: tuple[Sequence[str | int], JsonValue]) -> Remedy:
+    return Remedy(kind=kind, said=say(*said), changes=[Change(at=list(at), value=value) for at, value in changes])
+
+
+def _smaller_step(check: Check, ran: Ran) -> Iterator[Remedy]:
+    """Half the step, of a closed loop."""
+    scenario = ran.campaign.scenario
+    if scenario is None:
+        yield from _repeated_calls(check, ran)
+        return
+    step = scenario.step / 2
+    said = ("with step ", number(1000 * step, "ms"))
+    yield _remedy(RemedyKind.STEP, said, (("scenario", "step"), step))
+
+
+def _longer_horizon(check: Check, ran: Ran) -> Iterator[Remedy]:
+    """A longer horizon, if the closest approach is at its end; a whole number of guidance periods."""
+    scenario = ran.campaign.scenario
+    if scenario is None or "horizon" not in check.values:
+        return
+    grain = max(scenario.step, scenario.guidance.period)
+    horizon = float(f"{math.ceil(LONGER * scenario.horizon / grain - 1e-9) * grain:.12g}")
+    yield _remedy(RemedyKind.HORIZON, ("with horizon ", number(horizon, "s")), (("scenario", "horizon"), horizon))
+
+
+def _agreeing(check: Check, ran: Ran) -> Iterator[Remedy]:
+    """More evaluations for global methods that used theirs up or had too few, else a further global method."""
+    asked = list(enumerate(ran.campaign.stages.search))
+    result = dict(zip((i for i, _ in asked), ran.searches, strict=False))
+    if len(ran.searches) != len(asked):
+        return
+    globally = [(i, search) for i, search in asked if result[i].kind == "global"]
+    more = [(i, search, wanted) for i, search in globally if (wanted := _budget(ran, search, result[i]))]
+    if more:
+        yield _more(more, [result[i].title for i, _, _ in more])
+    if not more or len({search.method for _, search in globally}) < 2:
+        yield from _further(ran, [search for _, search in globally])
+
+
+def _budget(ran: Ran, search: Search, result: SearchResult) -> int | None:
+    """The budget with which a search is repeated; None if it ended by its own rule after enough evaluations."""
+    least = GLOBAL_LEAST * len(ran.campaign.uncertain)
+    if result.evaluations >= least and (result.stop is None or result.stop.kind != "budget"):
+        return None
+    wanted = min(max(MORE * search.evaluations, least), MAX_EVALUATIONS)
+    return wanted if wanted > search.evaluations else None
+
+
+def _more(more: Sequence[tuple[int, Search, int]], titles: Sequence[str]) -> Remedy:
+    wanted = {each for _, _, each in more}
+    of = listed([method(search.method, title) for (_, search, _), title in zip(more, titles, strict=True)])
+    each = "each of " if len(more) > 1 else ""
+    said: tuple[Part, ...] = ("with ", str(MORE), " times the evaluations of ", of)
+    if len(wanted) == 1:
+        said = ("with ", count(wanted.pop()), f" evaluations for {each}", of)
+    return _remedy(
+        RemedyKind.EVALUATIONS, said, *((("stages", "search", i, "evaluations"), value) for i, _, value in more)
+    )
+
+
+def _further(ran: Ran, globally: Sequence[Search]) -> Iterator[Remedy]:
+    searches = ran.campaign.stages.search
+    used = {search.method for search in searches}
+    name = next((name for name in SECONDS if name in ran.methods and name not in used), None)
+    if name is None:
+        return
+    least = GLOBAL_LEAST * len(ran.campaign.uncertain)
+    budget = max([least, *(search.evaluations for search in globally or searches)])
+    value: JsonValue = {"method": name, "evaluations": budget}
+    said = ("with ", method(name, SECONDS[name]), " as a further method")
+    yield _remedy(RemedyKind.METHOD, said, (("stages", "search", len(searches)), value))
+
+
+def _distinguished(check: Check, ran: Ran) -> Iterator[Remedy]:
+    """More evaluations to distinguish and polish the worst cases."""
+    if not ran.searches or all(search.best is None for search in ran.searches):
+        return
+    wanted = min(MORE * max(ran.campaign.stages.findings.evaluations, 1000), MAX_EVALUATIONS)
+    said = ("with ", count(wanted), " evaluations to distinguish the worst cases")
+    yield _remedy(RemedyKind.FINDINGS, said, (("stages", "findings", "evaluations"), wanted))
+
+
+def _larger_sample(check: Check, ran: Ran) -> Iterator[Remedy]:
+    """An independent sample that is large enough for the bound, if few of its flights violate."""
+    stated, goal = ran.statistics, ran.campaign.target_probability or CEILING
+    if stated is None or ran.campaign.stages.certify is None:
+        wanted = needed(0, 0, goal, ran.campaign.confidence)
+    else:
+        beyond = max(0.0, stated.upper_bound - bound(stated.violations, stated.samples, stated.confidence))
+        # A bound that the distributions' tails add to the sample's: see `worker.stages.parts.sample`.
+        goal -= beyond if beyond > 1e-9 else 0.0
+        wanted = needed(stated.violations, stated.samples, goal, stated.confidence)
+    if wanted is None:
+        return
+    certify = ran.campaign.stages.certify
+    if certify is None:
+        said: tuple[Part, ...] = ("with an independent sample of ", count(wanted))
+        yield _remedy(RemedyKind.SAMPLE, said, (("stages", "certify"), {"samples": wanted}))
+    elif wanted > certify.samples:
+        said = ("with ", count(wanted), " samples")
+        yield _remedy(RemedyKind.SAMPLE, said, (("stages", "certify", "samples"), wanted))
+
+
+def _drawn_noise(check: Check, ran: Ran) -> Iterator[Remedy]:
+    """The worst of the realisations, or a sample that draws one for every flight."""
+    scenario = ran.campaign.scenario
+    if scenario is not None and len(scenario.realisations.seeds) > 1 and scenario.realisations.combine == "mean":
+        said = ("with the worst of the noise realisations instead of their mean",)
+        yield _remedy(RemedyKind.REALISATIONS, said, (("scenario", "realisations", "combine"), "worst"))
+    elif ran.campaign.stages.certify is None:
+        yield _certified()
+
+
+def _repeated_calls(check: Check, ran: Ran) -> Iterator[Remedy]:
+    """Several calls of a simulator that does not repeat, of which the worst counts."""
+    simulator = ran.campaign.simulator
+    if simulator is None:
+        return
+    at = ("simulator", "repeats")
+    if simulator.calls == 1:
+        calls = int(check.values.get("repeats", 10))
+        said: tuple[Part, ...] = ("with the worst of ", count(calls), " calls for each evaluation")
+        yield _remedy(RemedyKind.CALLS, said, (at, {"count": calls, "combine": "worst"}))
+    elif simulator.combine != "worst":
+        said = ("with the worst of the ", count(simulator.calls), f" calls instead of their {simulator.combine}")
+        yield _remedy(RemedyKind.CALLS, said, (at, {"count": simulator.calls, "combine": "worst"}))
+    elif ran.campaign.stages.certify is None:
+        yield _certified()
+
+
+def _certified() -> Remedy:
+    samples = Certify().samples
+    said = ("with an independent sample of ", count(samples))
+    return _remedy(RemedyKind.SAMPLE, said, (("stages", "certify"), {"samples": samples}))
+
+
+_OF: dict[str, Callable[[Check, Ran], Iterator[Remedy]]] = {
+    CheckCode.AGREEMENT: _agreeing,
+    CheckCode.MINIMUM: _distinguished,
+    CheckCode.VALIDATION: _smaller_step,
+    CheckCode.REPETITION: _repeated_calls,
+    CheckCode.CALLS: _repeated_calls,
+    CheckCode.CLOSEST_APPROACH: _longer_horizon,
+    CheckCode.NOISE: _drawn_noise,
+    CheckCode.PROBABILITY: _larger_sample,
+    CheckCode.TARGET: _larger_sample,
+}
+"""By the code of the check; all others ask for a decision that no change of a number makes."""
+
+
+def needed(violations: int, samples: int, goal: float, confidence: float) -> int | None:
+    """The samples at which the bound is at most `goal` if the fraction of violations stays the same, rounded up to two
+    digits; None if no sample that a campaign may ask for is large enough."""
+    if goal <= 0.0 or (samples and violations / samples >= goal):
+        return None
+    size = _rounded(max(math.ceil(math.log1p(-confidence) / math.log1p(-goal)), samples, 1))
+    while size <= MAX_EVALUATIONS:
+        expected = math.ceil(violations * size / samples) if samples else 0
+        if bound(expected, size, confidence) <= goal:
+            return size
+        size = _rounded(math.ceil(1.1 * size) + 1)
+    return None
+
+
+def _rounded(size: int) -> int:
+    """Up to two digits."""
+    grain: int = 10 ** max(0, len(str(size)) - 2)
+    return -(-size // grain) * grain
+
+
+def bound(violations: int, samples: int, confidence: float) -> float:
+    """The one-sided upper Clopper-Pearson bound on a probability, by bisection."""
+    if samples == 0 or violations >= samples:
+        return 1.0
+    low, high = violations / samples, 1.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _at_most(violations, samples, middle) > 1.0 - confidence else (low, middle)
+    return high
+
+
+def _at_most(events: int, samples: int, chance: float) -> float:
+    """P(Binomial(samples, chance) <= events), summed from the largest term down."""
+    total = 0.0
+    for k in range(events, -1, -1):
+        log = math.lgamma(samples + 1) - math.lgamma(k + 1) - math.lgamma(samples - k + 1)
+        term = math.exp(log + k * math.log(chance) + (samples - k) * math.log1p(-chance))
+        total += term
+        if term < 1e-17 * total:
+            break
+    return total

@@ -1,0 +1,52 @@
+// The name of a parameter on the pages: its symbol, with its part of the campaign where others have the same symbol. Files
+// contain its path. The same names as in `campaigns/symbols.py`. Start reading at `namesOf`.
+
+/** Separates the symbol from the part it belongs to; no symbol has a space. */
+const OF = ' of '
+const PARTS: Record<string, string> = {
+  vehicle: 'the vehicle',
+  controller: 'the controller',
+  avoider: 'the avoider',
+  start: 'the start',
+  goal: 'the goal',
+  criterion: 'the criterion',
+}
+const LISTS: Record<string, string> = {
+  obstacles: 'obstacle',
+  environment: 'environment',
+  faults: 'fault',
+  objectives: 'further criterion',
+}
+
+/** A name for each path; symbols: of all parameters of the campaign, by path. */
+export function namesOf(paths: readonly string[], symbols: ReadonlyMap<string, string>): Map<string, string> {
+  const all = new Map([...paths.map((path) => [path, lastOf(path)] as const), ...symbols])
+  const counted = tally([...all.values()])
+  const names = new Map([...all].map(([path, symbol]) => [path, counted.get(symbol) === 1 ? symbol : nameOf(path, symbol)]))
+  // Two parameters of one part may have the same symbol.
+  const shared = tally([...names.values()])
+  return new Map(paths.map((path) => [path, shared.get(names.get(path) ?? '') === 1 ? (names.get(path) ?? path) : path]))
+}
+
+/** The symbol with the part of the campaign that the path is in; the path where that part has no name. */
+export function nameOf(path: string, symbol = lastOf(path)): string {
+  const [part = '', number = ''] = path.split('.')
+  const listed = LISTS[part]
+  if (listed !== undefined && /^\d+$/.test(number)) return `${symbol}${OF}${listed} ${Number(number) + 1}`
+  const owner = PARTS[part]
+  return owner === undefined ? path : `${symbol}${OF}${owner}`
+}
+
+/** The symbol of a name and the rest of it, which is upright in print: `y` and ` of obstacle 1`. */
+export function apart(name: string): [string, string] {
+  const at = name.indexOf(OF)
+  return at < 0 ? [name, ''] : [name.slice(0, at), name.slice(at)]
+}
+
+const lastOf = (path: string): string => path.split('.').at(-1) ?? path
+
+function tally(words: readonly string[]): Map<string, number> {
+  const found = new Map<string, number>()
+  for (const word of words) found.set(word, (found.get(word) ?? 0) + 1)
+  return found
+}

@@ -1,0 +1,29 @@
+// What may be tried next after an inconclusive verdict: each step opens the launch page with the campaign changed.
+import { IconRefresh } from '@tabler/icons-react'
+import { Link } from '@tanstack/react-router'
+import { keysOf, stepsOf } from '../../api/steps'
+import type { RunDetail } from '../../client'
+import { Said } from '../../ui/Said'
+import styles from './verdict.module.css'
+
+export function NextSteps({ run }: { run: RunDetail }) {
+  const steps = stepsOf(run.summary?.checks ?? [])
+  if (steps.length === 0) return null
+  return (
+    <div className={styles.next} role="group" aria-label="Next steps">
+      {steps.map((step) => (
+        <Link key={step.key} to="/launch" search={{ from: run.id, remedy: step.key }} className="btn s">
+          <IconRefresh className="i s" aria-hidden />
+          <span>
+            Run again <Said spans={step.remedy.said} />
+          </span>
+        </Link>
+      ))}
+      {steps.length > 1 && (
+        <Link to="/launch" search={{ from: run.id, remedy: keysOf(steps) }} className="btn s">
+          {steps.length === 2 ? 'With both' : `With all ${steps.length}`}
+        </Link>
+      )}
+    </div>
+  )
+}

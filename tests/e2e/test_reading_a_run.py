@@ -1,0 +1,202 @@
+"""Reading the page of a run: the first screen, the tabs, the next step, a nominal case that diverged; and comparing.
+
+The runs are written as a worker writes them, so that nothing is simulated here. Start reading at `finished`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+import sqlalchemy as sa
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from backend.db.records import Trace
+from backend.db.tables import Run
+from campaigns.results.verdict import Check
+from tests import results
+from tests.api.catalogue import campaign
+from tests.api.finished import COLUMNS, flight
+from tests.api.reported import finish_fully
+from tests.api.server import Service
+from tests.e2e.browser import Visit, visiting
+from tests.e2e.stored import served
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+DRAWS = False
+
+FAILING = [
+    Check(code="validation", ok=False, said=results.said("the integrations disagree for F1")),
+    Check(code="probability", ok=False, said=results.said("the bound of 9 % is above the required 5 %")),
+    *(Check(code=f"check {i}", ok=True, said=results.said(f"condition {i} holds as it should")) for i in range(12)),
+]
+
+LONG = (
+    "Nothing may be claimed: the integrations disagree by more than the tolerance for F1; the bound of 9.21 % on "
+    "P(violation) is above the required 5 %; draw more than 3000 samples, or set target_probability. The worst case "
+    "found has d_min = 1.31234 m, a margin of +0.812341 m. It was found in 1\u202f000 evaluations, searched by DIRECT "
+    "(1\u202f000) and SQP multistart (300). Of these, 100 failed."
+)
+"""A sentence as long as those of real runs."""
+
+
+def diverged() -> Trace:
+    """A nominal case that left the model's envelope: finite up to 1e12, then not a number."""
+    trace = flight("nominal", 3001)
+    growing = 10.0 ** np.linspace(0, 12, len(trace.data))
+    data = trace.data.copy()
+    for k, (name, _, _) in enumerate(COLUMNS):
+        if name != "t":
+            data[:, k] = growing * (-1.0) ** np.arange(len(data))
+    data[-40:, 1:] = np.nan
+    told = {"status": "failed", "reason": "the state diverged (non-finite or above 1e12)", "cost": None, "values": {}}
+    meta = trace.meta.model_dump() | told | {"closest": None}
+    return Trace(trace.name, trace.columns, data, results.head(**meta))
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """A service with four finished runs: cleared, inconclusive, one whose nominal case failed, the first one again."""
+    with served(tmp_path_factory.mktemp("reading")) as service:
+        with service.signed_in() as client:
+            for name, verdict, more in (
+                ("Cleared", "cleared", {}),
+                ("Inconclusive", "inconclusive", {"further": FAILING, "text": LONG}),
+                ("Diverged", "inconclusive", {"nominal": diverged(), "further": FAILING}),
+                ("Again", "violated", {}),
+            ):
+                answer = client.post("/api/v1/runs", json={"campaign": campaign(), "name": name})
+                assert answer.status_code == 201, answer.text
+                finish_fully(service, verdict, **more)  # type: ignore[arg-type]
+        with service.engine.begin() as writer:
+            flown: Any = writer.scalar(sa.select(Run.flown).where(Run.id == 4))
+            writer.execute(sa.update(Run).where(Run.id == 4).values(flown={**flown, "code": "feed" * 16}))
+        yield service
+
+
+@pytest.fixture(scope="module")
+def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
+    with visiting(browser, finished.url) as visit:
+        visit.go(f"/login?code={finished.login_code()}")
+        yield visit
+
+
+def bottom(of: Locator) -> float:
+    box = of.bounding_box()
+    assert box is not None
+    return box["y"] + box["height"]
+
+
+@pytest.mark.parametrize("run", ["R-0001", "R-0002", "R-0004"])
+def test_verdict_figures_and_view_share_the_first_screen(visit: Visit, run: str) -> None:
+    visit.go(f"/runs/{run}")
+    page = visit.page
+    view = page.get_by_role("group", name="3D view and its keys")
+    expect(view).to_be_visible()
+    assert bottom(page.get_by_test_id("verdict")) < bottom(page.get_by_test_id("worst")) < 400
+    box = view.bounding_box()
+    assert box is not None
+    assert box["y"] + 0.75 * box["height"] <= 900, "three quarters of the view are on the first screen"
+    visit.shot(f"reading-{run}", full=False)
+
+
+def test_checks_are_folded_and_the_fold_names_those_that_do_not_hold(visit: Visit) -> None:
+    page = visit.stay("/runs/R-0002")
+    fold = page.get_by_test_id("checks")
+    summary = fold.locator("summary")
+    expect(summary).to_contain_text("13 of 16 checks hold")
+    expect(summary).to_contain_text("not: X, Integration, Bound on P(violation)")
+    expect(fold.get_by_role("list", name="Checks")).to_be_hidden()
+    summary.focus()
+    page.keyboard.press("Enter")
+    expect(fold.locator("[data-check=validation]")).to_contain_text("the integrations disagree for F1")
+    visit.shot("reading-checks", full=False)
+
+
+def current(page: Page) -> str:
+    return page.get_by_role("navigation", name="Sections").locator("[aria-current]").inner_text().split("\n")[0]
+
+
+def test_tabs_are_in_page_order_and_follow_the_scroll(visit: Visit) -> None:
+    visit.go("/runs/R-0002")
+    page = visit.page
+    expect(page.locator("#space .card")).to_be_visible()
+    links = page.get_by_role("navigation", name="Sections").get_by_role("link")
+    targets = [str(link.get_attribute("href")) for link in links.all()]
+    places = [page.locator(target).bounding_box() for target in targets]
+    tops = [box["y"] for box in places if box is not None]
+    assert len(tops) == len(targets) > 8
+    for before, after in itertools.pairwise(tops):
+        assert after > before - 8, dict(zip(targets, tops, strict=True))
+    names = [link.inner_text().split("\n")[0] for link in links.all()]
+    whole = int(page.evaluate("document.documentElement.scrollHeight"))
+    seen: list[str] = []
+    for y in range(0, whole, 200):
+        page.evaluate(f"scrollTo({{top: {y}, behavior: 'instant'}})")
+        page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        if not seen or seen[-1] != current(page):
+            seen.append(current(page))
+    order = [names.index(name) for name in seen]
+    assert order == sorted(order), seen
+    assert seen[0] == names[0]
+    assert len(seen) >= 6
+    links.last.click()
+    expect(links.last).to_have_attribute("aria-current", "true")
+
+
+def test_an_inconclusive_verdict_opens_the_launch_page_with_the_change(visit: Visit) -> None:
+    visit.go("/runs/R-0002")
+    page = visit.page
+    steps = page.get_by_role("group", name="Next steps")
+    expect(steps.get_by_role("link")).to_have_count(3)
+    steps.get_by_role("link", name="With both").click()
+    expect(page).to_have_url(re.compile("/launch"))
+    told = "Starts from R-0002, with step 2.5 ms, with an independent sample of 59"
+    expect(page.get_by_text(re.compile(re.escape(told).replace("\\ ", r"\s")))).to_be_visible()
+    page.get_by_role("button", name="YAML").click()
+    for line in ("step: 0.0025", "samples: 59"):
+        expect(page.locator(".cm-line", has_text=line)).to_be_visible()
+    visit.shot("reading-next-step", full=False)
+
+
+def test_a_nominal_case_that_diverged_does_not_hold_the_page(visit: Visit) -> None:
+    visit.go("/runs/R-0003")
+    page = visit.page
+    expect(page.get_by_role("heading", name="Separation over time")).to_be_visible()
+    slowest = float(page.evaluate(LONGEST))
+    assert slowest < 10_000, f"the page was held for {slowest:.0f} ms at once"
+    visit.shot("reading-diverged")
+
+
+LONGEST = """new Promise(done => {
+  let most = 0
+  new PerformanceObserver(list => { for (const e of list.getEntries()) most = Math.max(most, e.duration) })
+    .observe({type: 'longtask', buffered: true})
+  scrollTo(0, document.documentElement.scrollHeight)
+  let frames = 20
+  const next = () => (frames-- > 0 ? requestAnimationFrame(next) : done(most))
+  next()
+})"""
+"""The longest time for which a script held the page [ms]."""
+
+
+def test_a_comparison_begins_with_the_older_run_and_can_be_swapped(visit: Visit) -> None:
+    visit.go("/runs")
+    page = visit.page
+    for run in ("R-0004", "R-0001"):
+        page.get_by_role("checkbox", name=re.compile(run)).check()
+    page.get_by_role("link", name="Compare 2 runs").click()
+    runs = page.locator("[data-run]")
+    expect(runs).to_have_count(2)
+    assert [one.get_attribute("data-run") for one in runs.all()] == ["R-0001", "R-0004"]
+    expect(page.get_by_test_id("other-code").first).to_have_text(
+        "Same campaign, different code: source files whose names are not stored."
+    )
+    expect(page.locator("tr[data-code=step]")).to_contain_text("5 ms")
+    page.get_by_role("button", name="Swap").click()
+    expect(runs.first).to_have_attribute("data-run", "R-0004")
+    visit.shot("reading-compare", full=False)

@@ -16,7 +16,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import IdempotencyKey, Run, RunText, Stage
 from backend.http import bodies
 from backend.http.errors import RefusedError, not_found
-from backend.runs import listing, pace, waiting
+from backend.runs import listing, pace
 from backend.runs.earlier import Terms, terms_of
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress, StageSummary
 from backend.runs.tombstones import refuse_purged
@@ -162,7 +162,6 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         summary=_described(parts, base.failed_evaluations, terms_of(reader, run_id)),
         rate=rate,
         remaining=remaining,
-        waits=waiting.reason(reader, run_id),
     )
 
 

@@ -13,8 +13,9 @@ from campaigns.asked.stages import Search
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 
-DIRECT_ITERATION = 5.5
-"""Evaluations of one iteration of DIRECT per parameter: 5.1 to 6.5 in the library's runs with 100 or 200 iterations."""
+DIRECT_ITERATION, DIRECT_GROWTH = 5.6, 0.25
+"""Evaluations of an iteration of DIRECT per parameter, of 100 iterations, and how that grows with their number: 5.1 to
+6.5 in the library's runs with 100 or 200 iterations, 8.3 with 500."""
 
 DESCENT = 10
 """Gradients of one descent of SQP until it ends: 4 to 9 in most of the library's runs."""
@@ -26,7 +27,7 @@ SLICE = 42
 """Evaluations along each parameter through a worst case."""
 
 RAY, RAYS = 34, 2
-"""Evaluations along one ray to the boundary of a violation, and rays per parameter; one more leads to the worst case."""
+"""Evaluations along one ray to the boundary of a violation; rays per parameter, and one more to the worst case."""
 
 
 class Expected(NamedTuple):
@@ -61,7 +62,8 @@ def _search(campaign: Campaign, asked: Search) -> int:
     if asked.method == "direct":
         iterations = asked.options.get("iterations")
         if isinstance(iterations, int | float) and iterations > 0:
-            usual = round(DIRECT_ITERATION * dimension * iterations)
+            growth = (min(iterations, 1e9) / 100) ** DIRECT_GROWTH
+            usual = round(min(DIRECT_ITERATION * dimension * iterations * growth, asked.evaluations))
     elif asked.method == "sqp":
         given = asked.options.get("starts", SQP_STARTS)
         starts = len(asked.starts) or (given if isinstance(given, int) else SQP_STARTS)
@@ -72,6 +74,6 @@ def _search(campaign: Campaign, asked: Search) -> int:
 def _validate(campaign: Campaign) -> int:
     """Descents from the candidates of all stages, then the neighbours of each worst case and slices through it."""
     stages, dimension = campaign.stages, len(campaign.uncertain)
-    descents = min(stages.findings.evaluations, 400 + 20 * dimension**3)
+    descents = min(stages.findings.evaluations, 400 + 22 * dimension**3)
     cases = min(float(stages.findings.at_most), 1.0 + dimension / 4)
     return descents + round(cases * (stages.validate_.neighbours + SLICE * dimension))

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from numba import config
 
 from worker.kernels import cache
 from worker.kernels.cache import cached
@@ -27,30 +31,30 @@ class Heard:
         self.ended += 1
 
 
-def function(folder: Path) -> object:
-    """A function of a file, as numba's cache needs it."""
-    file = folder / "rover.py"
-    if not file.exists():  # the cache is bound to the time of the file
-        file.write_text(TEMPLATE)
-    scope: dict[str, object] = {"__name__": "rover", "__file__": str(file)}
-    exec(compile(TEMPLATE, str(file), "exec"), scope)
-    return scope["rover_fly_8_0123456789abcdef"]
+def function() -> Callable[[float], float]:
+    """A function of a module, as numba's cache needs it; another object at every call."""
+    made: Callable[[float], float] = importlib.reload(importlib.import_module("rover")).rover_fly_8_0123456789abcdef
+    return made
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
+    (tmp_path / "rover.py").write_text(TEMPLATE)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "rover", raising=False)
     return tmp_path
 
 
 def test_a_compilation_is_reported_and_a_hit_is_not(folder: Path) -> None:
     heard = Heard()
     with reported(heard.begun.append, heard.end):
-        assert cached(function(folder))(1.0) == 2.0
+        assert cached(function())(1.0) == 2.0
         assert (heard.begun, heard.ended) == ([None], 1), "without earlier ones no number is invented"
-        assert cached(function(folder))(1.0) == 2.0, "loaded from the disk cache"
+        assert cached(function())(1.0) == 2.0, "loaded from the disk cache"
     assert (heard.begun, heard.ended) == ([None], 1)
-    cached(function(folder))(1)  # another signature; nothing listens
+    cached(function())(1)  # another signature; nothing listens
     assert heard.ended == 1
 
 

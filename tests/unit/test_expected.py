@@ -1,6 +1,7 @@
 """The announced number of evaluations is within 20 % of what runs of the published campaigns really have.
 
-`FLOWN` is what they had, by stage, measured with `worker.runs.runner.execute`; the nightly test measures one again.
+`FLOWN` is what they had, by stage; the nightly test measures one of them again. The others differ by a few percent from
+machine to machine, as searches depend on the last bits of every evaluation.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ FLOWN: dict[str, dict[str, int]] = {
     "unicycle_static": {"nominal": 1, "sensitivity": 42, "search": 6377, "certify": 3000, "validate": 996},
     "unicycle_navigation": {"nominal": 1, "sensitivity": 105, "search": 13_925, "certify": 3000, "validate": 4904},
     "uav_moving": {"nominal": 1, "sensitivity": 63, "search": 12_138, "certify": 3000, "validate": 1136},
+    "uav_moving_criteria": {"nominal": 1, "sensitivity": 33, "search": 4014, "certify": 2000, "validate": 1231},
+    "uav_aca": {"nominal": 1, "sensitivity": 126, "search": 42_045, "certify": 3000, "validate": 8276},
     "pioneer_moving": {"nominal": 1, "sensitivity": 168, "search": 25_804, "certify": 3000, "validate": 12_532},
 }
 
@@ -51,3 +54,15 @@ def test_no_search_is_announced_beyond_its_budget() -> None:
 def test_a_violation_adds_what_its_boundary_takes() -> None:
     """As `worker.stages.parts.boundary.most` counts, without the slices."""
     assert boundary(load_file(library()["unicycle_static"])) == 1 + 5 * (20 + 14)
+
+
+@pytest.mark.nightly
+def test_one_of_them_is_flown_again() -> None:
+    from worker.runs.runner import execute
+    from worker.runs.store import MemoryStore
+
+    name, store = "unicycle_static", MemoryStore()
+    execute(load_file(library()[name]), store)
+    columns = [store.evaluations(position) for position in range(len(store.stages))]
+    flown = sum(len(c.status) for c in columns if c is not None)
+    assert abs(flown - sum(FLOWN[name].values())) <= 0.05 * flown

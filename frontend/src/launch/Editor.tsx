@@ -12,7 +12,8 @@ import { Seg } from '../ui/Card'
 import { SectionTabs } from '../ui/SectionTabs'
 import { useHotkeys } from '../ui/useHotkeys'
 import type { Start } from './draft/beginning'
-import { CampaignForm, sectionsOf } from './form/CampaignForm'
+import { CampaignForm } from './form/CampaignForm'
+import { tabsOf } from './form/tabs'
 import { DraftBar } from './draft/DraftBar'
 import { Drafts } from './draft/Drafts'
 import { Heading } from './Heading'
@@ -147,7 +148,7 @@ export function Editor(props: EditorProps) {
         <span className="small mut">Both edit the same campaign</span>
         <Back draft={draft} />
       </div>
-      {tab === 'form' && draft.readable && <SectionTabs sections={sectionsOf(draft.campaign)} />}
+      {tab === 'form' && draft.readable && <SectionTabs sections={tabsOf(draft.campaign)} />}
       <div className={styles.launch}>
         <div className="stack">
           {tab === 'yaml' ? (

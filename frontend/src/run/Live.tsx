@@ -116,7 +116,7 @@ function Figures({ data }: { data: RunData }) {
         <Stat
           name="Evaluations"
           value={count(run.evaluations)}
-          note={`of at most ${count(run.planned)}, ${withoutValue(run)}`}
+          note={`budgets of all stages ${count(run.planned)}, ${withoutValue(run)}`}
         />
         <Stat
           name="Evaluations per second"

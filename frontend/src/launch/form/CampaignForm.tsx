@@ -3,15 +3,13 @@ import type { Catalogue } from '../../client'
 import { AboutForm } from './AboutForm'
 import { CriterionForm } from './CriterionForm'
 import { MethodsTable } from './MethodsTable'
-import { type Campaign, hasScenario } from '../../api/campaign'
+import { hasScenario } from '../../api/campaign'
 import type { Parameter } from '../campaign/parameters'
 import { ProposalCard } from '../proposal/ProposalCard'
 import { ScenarioForm } from './ScenarioForm'
 import { SettingsForm } from './SettingsForm'
 import { ResultForm, SimulatorForm } from './SimulatorForm'
 import { UncertainTable } from './UncertainTable'
-import { idOf } from '../fields/problems'
-import type { Section } from '../../ui/SectionTabs'
 import type { Draft } from '../draft/useDraft'
 
 interface CampaignFormProps {
@@ -42,15 +40,3 @@ export function CampaignForm({ draft, catalogue, parameters }: CampaignFormProps
     </>
   )
 }
-
-/** The sections of the form in their order on the page. */
-export const sectionsOf = (campaign: Campaign): Section[] =>
-  [
-    { id: 'section-uncertain', name: 'Parameters', count: Object.keys(campaign.uncertain).length },
-    { id: 'section-criterion', name: 'Criterion' },
-    !hasScenario(campaign) && { id: 'section-proposal', name: 'Proposal' },
-    { id: 'section-methods', name: 'Methods', count: campaign.stages.search.length },
-    { id: 'section-stages', name: 'Certify, verdict' },
-    hasScenario(campaign) ? { id: idOf('scenario'), name: 'Scenario' } : { id: idOf('simulator'), name: 'Simulator' },
-    { id: 'section-about', name: 'About' },
-  ].filter((section) => section !== false)

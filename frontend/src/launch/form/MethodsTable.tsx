@@ -23,6 +23,10 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
   // The methods above the others. While those are shown nothing moves, so that a ticked row stays under the pointer.
   const [fixed, setFixed] = useState<readonly string[] | null>(null)
   const stages = campaign.stages.search
+  // What was chosen once stays among the first, so that it can be chosen again.
+  const [known, setKnown] = useState<readonly string[]>([])
+  const fresh = stages.map((stage) => stage.method).filter((method) => !known.includes(method))
+  if (fresh.length > 0) setKnown([...new Set([...known, ...fresh])])
   const single = (campaign.objectives ?? []).length === 0
   const unknown = stages.flatMap((stage, i) => (catalogue.methods.some((m) => m.name === stage.method) ? [] : [i]))
   const replace = (next: SearchStage[]) => set(['stages', 'search'], next)
@@ -38,16 +42,16 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
     const before = stages.findIndex((s) => rank(s) > rank(stage))
     replace(before < 0 ? [...stages, stage] : stages.toSpliced(before, 0, stage))
   }
-  const searching = new Set([...stages.map((stage) => stage.method), ...Object.keys(held)])
-  const above = new Set(fixed ?? searching)
+  const above = new Set(fixed ?? known)
   const [first, others] = [catalogue.methods.filter((m) => above.has(m.name)), catalogue.methods.filter((m) => !above.has(m.name))]
   const rows = (methods: readonly MethodEntry[]) =>
     methods.flatMap((method) => {
       const own = stages.flatMap((stage, i) => (stage.method === method.name ? [i] : []))
       const places: (number | null)[] = own.length > 0 ? own : [null]
-      return places.map((at) => (
+      return places.map((at, i) => (
         <MethodRow
-          key={at === null ? method.name : `${method.name}-${at}`}
+          // The same row whether it is chosen or not: it keeps the focus.
+          key={`${method.name}-${i}`}
           at={at}
           stage={at === null ? held[method.name] : stages[at]}
           method={method}
@@ -88,7 +92,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
                   type="button"
                   className="btn s"
                   aria-expanded={fixed !== null}
-                  onClick={() => setFixed(fixed ? null : [...searching])}
+                  onClick={() => setFixed(fixed ? null : known)}
                 >
                   {fixed ? <IconChevronUp className="i s" aria-hidden /> : <IconChevronDown className="i s" aria-hidden />}
                   {fixed ? 'Fewer methods' : `More methods (${others.length})`}

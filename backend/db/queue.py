@@ -237,7 +237,7 @@ def waiting_order(at: float) -> sa.Select[int]:
     return sa.select(Run.id).where(_ready(at), Run.state != "cancelling").order_by(*_order(at))
 
 
-def _order(at: float) -> tuple[sa.ColumnElement[Any], ...]:
+def _order(at: float) -> tuple[Any, ...]:
     """Priority, then the owner with the fewest active runs, then age."""
     held = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
     share = held.group_by(Run.owner).subquery()

@@ -62,8 +62,8 @@ def _search(campaign: Campaign, asked: Search) -> int:
     if asked.method == "direct":
         iterations = asked.options.get("iterations")
         if isinstance(iterations, int | float) and iterations > 0:
-            growth = (min(iterations, 1e9) / 100) ** DIRECT_GROWTH
-            usual = round(min(DIRECT_ITERATION * dimension * iterations * growth, asked.evaluations))
+            stated = min(iterations, 1e9)
+            usual = round(DIRECT_ITERATION * dimension * stated * (stated / 100) ** DIRECT_GROWTH)
     elif asked.method == "sqp":
         given = asked.options.get("starts", SQP_STARTS)
         starts = len(asked.starts) or (given if isinstance(given, int) else SQP_STARTS)

@@ -101,6 +101,8 @@ def _uncollected() -> Iterator[None]:
 class _Cached(CPUDispatcher):
     """A dispatcher that compiles one signature in one process at a time."""
 
+    _cache: Any
+
     def compile(self, sig: Any) -> Any:
         with _watched(self.py_func) as watched, _alone(self.py_func, watched.wait), _uncollected():
             self._cache.missed = watched.compile

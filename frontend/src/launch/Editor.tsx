@@ -162,7 +162,7 @@ export function Editor(props: EditorProps) {
               jump={jump}
               onChange={(text, how) => {
                 const another = how === 'replaced' || isAnother(draft.text, text)
-                if (another) replace()
+                if (another && text !== draft.text) replace()
                 draft.setText(text, another ? 'replaced' : 'typed')
               }}
               onUndo={() => draft.undo?.()}

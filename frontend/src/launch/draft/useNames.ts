@@ -43,8 +43,8 @@ export function useNames(first: Names, campaign: Campaign) {
   return {
     name: own.name,
     tags: own.tags,
-    setName: (name: string) => setOwn((before) => ({ ...before, name })),
-    setTags: (tags: string[]) => setOwn((before) => ({ ...before, tags })),
+    setName: (name: string) => setOwn((before) => ({ ...before, name, replaced: false })),
+    setTags: (tags: string[]) => setOwn((before) => ({ ...before, tags, replaced: false })),
     /** Another campaign was opened, dropped or pasted. */
     replace: () => setOwn((before) => ({ ...before, replaced: true })),
   }

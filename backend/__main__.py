@@ -20,6 +20,7 @@ from backend.app import create
 from backend.db.access import create_login_code
 from backend.db.engine import migrate
 from backend.db.private import keep_private, write_private
+from backend.db.registered import registered
 from backend.middleware.connections import bounded, bounded_socket
 from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
@@ -68,7 +69,8 @@ def main() -> int:
         signal.SIGINT,
     ):  # uvicorn raises them again after its shutdown; ignore them
         signal.signal(number, lambda *_: setattr(server, "should_exit", True))
-    asyncio.run(server.serve([listening]))
+    with registered(settings.data, settings.database_url, settings.url(listening.getsockname()[1])):
+        asyncio.run(server.serve([listening]))
     return 0
 
 

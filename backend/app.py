@@ -44,6 +44,7 @@ from backend.sessions import endpoints as sessions
 from backend.sessions.attempts import Attempts
 from backend.settings import Settings
 from backend.signoffs import endpoints as signoffs
+from backend.workers import endpoints as workers
 from campaigns.version import VERSION
 
 API = "/api/v1"
@@ -96,7 +97,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)
     errors.install(app)
     api = APIRouter(responses=errors.PROBLEMS)
-    features = (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
+    features = (health, workers, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
     for feature in (*features, flights, cases, proposals, views):
         api.include_router(feature.router)
     app.include_router(

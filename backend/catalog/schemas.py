@@ -54,6 +54,30 @@ class CriterionOut(Schema):
     """The reference point of its distances on an obstacle; empty if it has none or it is unknown."""
 
 
+class EstimatedStage(Schema):
+    """The evaluations of all stages of one kind."""
+
+    kind: str
+    title: str
+    evaluations: int
+
+
+class Estimate(Schema):
+    """What a run of a campaign usually takes; both numbers are estimates, whose origin the sentences state."""
+
+    evaluations: int
+    """Of all stages, validation included."""
+    stages: list[EstimatedStage]
+    said: str
+    """Where the number of evaluations is known from, a sentence."""
+    seconds: float | None
+    """Working time [s]; None if nothing was measured yet."""
+    time_said: str
+    """Where the time is known from, or how to measure it, a sentence."""
+    run: str | None
+    """The finished run of the same campaign whose numbers these are, R-0001; None for a usual number."""
+
+
 class Checked(Schema):
     """A checked campaign: its parsed form, or its errors."""
 
@@ -64,9 +88,11 @@ class Checked(Schema):
     yaml: str | None
     parameters: list[CheckedParameter]
     evaluations: int | None
-    """The number of evaluations that a run would have."""
+    """The sum of the budgets of all stages; `estimate` states what a run usually takes."""
     seconds: float | None
-    """Estimated from the speed of earlier runs with the same components; None if there are none."""
+    """For these, from the speed of earlier runs with the same components; None if there are none."""
+    estimate: Estimate | None
+    """None if the campaign cannot be run."""
 
 
 LibraryCampaign.model_rebuild()

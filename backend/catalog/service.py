@@ -8,6 +8,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.catalog.estimate import estimate
 from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, ProblemOut
 from backend.db import snapshots
 from backend.db.tables import Campaign as CampaignRow
@@ -91,6 +92,7 @@ def checked(reader: sa.Connection, given: Campaign | CampaignError) -> Checked:
             parameters=[],
             evaluations=None,
             seconds=None,
+            estimate=None,
         )
     catalogue = required(reader)
     problems = check(given, catalogue)
@@ -104,6 +106,7 @@ def checked(reader: sa.Connection, given: Campaign | CampaignError) -> Checked:
         parameters=_parameters(given, catalogue),
         evaluations=evaluations,
         seconds=_seconds(reader, given, evaluations),
+        estimate=None if problems else estimate(reader, given, catalogue, lambda n: _seconds(reader, given, n)),
     )
 
 

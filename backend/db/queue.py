@@ -193,14 +193,10 @@ class Queue:
             return connection.scalar(found) is not None
 
     def _next(self, at: float, simulators: Sequence[str]) -> sa.Executable:
-        held = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
-        share = held.group_by(Run.owner).subquery()
-        fewest = sa.func.coalesce(sa.select(share.c.held).where(share.c.owner == Run.owner).scalar_subquery(), 0)
-        order = (Run.priority.desc(), fewest, Run.created, Run.id)
         return (
             sa.select(*_CLAIMED)
             .where(_ready(at), _able(simulators))
-            .order_by(*order)
+            .order_by(*_order(at))
             .limit(1)
             .with_for_update(skip_locked=True, of=Run)
         )
@@ -234,6 +230,19 @@ def _locked(connection: sa.Connection, claim: Claim) -> sa.Row[str, int, int]:
     if row is None:
         raise LostLease
     return row
+
+
+def waiting_order(at: float) -> sa.Select[int]:
+    """The numbers of the runs that wait for a worker, in the order of claims as of now (it changes with the owners)."""
+    return sa.select(Run.id).where(_ready(at), Run.state != "cancelling").order_by(*_order(at))
+
+
+def _order(at: float) -> tuple[Any, ...]:
+    """Priority, then the owner with the fewest active runs, then age."""
+    held = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
+    share = held.group_by(Run.owner).subquery()
+    fewest = sa.func.coalesce(sa.select(share.c.held).where(share.c.owner == Run.owner).scalar_subquery(), 0)
+    return (Run.priority.desc(), fewest, Run.created, Run.id)
 
 
 def _ready(at: float) -> sa.ColumnElement[bool]:

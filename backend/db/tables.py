@@ -241,6 +241,8 @@ class Worker(Base):
     run_id: orm.Mapped[int | None]
     simulators: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
     """The simulators that it has, see `SimulatorEntry.version`."""
+    doing: orm.Mapped[JsonObject | None]
+    """What it does besides the stages of its run, see `backend.db.workers.Doing`."""
 
 
 class RunText(Base):

@@ -18,6 +18,8 @@ class CatalogueDocument(Base):
     published: orm.Mapped[float]
     code: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
     """Code digest of that worker."""
+    departed: orm.Mapped[float | None]
+    """When a worker last stopped in an orderly way."""
 
 
 class CatalogueSnapshot(Base):

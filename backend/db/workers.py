@@ -6,6 +6,7 @@ import contextlib
 import os
 import socket
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 
 import sqlalchemy as sa
 from pydantic import ValidationError
@@ -20,7 +21,29 @@ FORGOTTEN = 24 * 3600.0
 """A worker without a heartbeat for longer than this is no longer listed [s]."""
 
 LIVE = 60.0
-"""A worker is live if it sent a heartbeat within this time [s]."""
+"""A worker is live if it sent a heartbeat within this time [s]; what it published stays for as long."""
+
+SEEN = 20.0
+"""People are told that a worker is alive if it sent a heartbeat within this time, ten times the usual interval [s]."""
+
+
+@dataclass(frozen=True)
+class Doing:
+    """What a worker does besides the stages of its run: `compiling`, since when, and how long it takes if known [s]."""
+
+    what: str
+    run_id: int
+    since: float
+    seconds: float | None
+
+    @classmethod
+    def of(cls, stored: object, run_id: int | None) -> Doing | None:
+        """What was stored, if it belongs to that run; None also for what another version stored."""
+        try:
+            found = cls(**stored) if isinstance(stored, dict) else None
+        except TypeError:
+            return None
+        return found if found is not None and run_id is not None and found.run_id == run_id else None
 
 
 def publish(connection: sa.Connection, catalogue: Catalogue, code: Code | None = None) -> None:
@@ -70,6 +93,12 @@ def simulators(connection: sa.Connection, within: float = LIVE) -> list[Simulato
     return found
 
 
+def doing(connection: sa.Connection, name: str, run_id: int, what: str = "", seconds: float | None = None) -> None:
+    """Record what the worker does besides the stages of its run; an empty `what` ends it. `seconds`: its estimate."""
+    told = asdict(Doing(what, run_id, now(connection), seconds)) if what else None
+    connection.execute(sa.update(Worker).where(Worker.name == name).values(doing=told))
+
+
 def beat(connection: sa.Connection, name: str, run_id: int | None, simulators: Sequence[str] = ()) -> None:
     """Record a heartbeat of the worker, the run that it executes, and the simulators that it has."""
     values = {"beat": now(connection), "run_id": run_id, "simulators": list(simulators)}
@@ -77,8 +106,16 @@ def beat(connection: sa.Connection, name: str, run_id: int | None, simulators: S
 
 
 def leave(connection: sa.Connection, name: str) -> None:
-    """Delete the entry of a worker after an orderly shutdown."""
+    """Delete the entry of a worker after an orderly shutdown; only the time is kept."""
     connection.execute(sa.delete(Worker).where(Worker.name == name))
+    connection.execute(sa.update(CatalogueDocument).values(departed=now(connection)))
+
+
+def last_seen(connection: sa.Connection) -> float | None:
+    """When any worker was last seen, by its heartbeat or its orderly stop [s since 1970]; None if it is not known."""
+    beaten = connection.scalar(sa.select(sa.func.max(Worker.beat)))
+    left = connection.scalar(sa.select(sa.func.max(CatalogueDocument.departed)))
+    return max((at for at in (beaten, left) if at is not None), default=None)
 
 
 def alive(connection: sa.Connection, host: str, within: float = LIVE) -> bool:

@@ -56,8 +56,9 @@ async def stream_events(
     Every event has an `id`; with it as `Last-Event-ID` a stream resumes: active runs are reported again, and every run
     that ended meanwhile (the newest 500). An invalid id is ignored.
 
-    `event: run` carries a RunSummary. With `run=` there are also `event: stages` with StageProgress[] and
-    `event: evaluations` with {position: NewImprovements}. The first events after connecting carry the full state.
+    `event: run` carries a RunSummary, `event: workers` Workers. With `run=` there are also `event: stages` with
+    StageProgress[] and `event: evaluations` with {position: NewImprovements}. The first events after connecting carry
+    the full state.
     """
     run_id = None if run is None else service.number(run)
     if run_id is not None:

@@ -11,6 +11,7 @@ import anyio
 import anyio.to_thread
 import sqlalchemy as sa
 
+from backend.events.roster import Roster
 from backend.events.watch import Event, Watch, identified
 
 PERIOD = 0.25
@@ -47,12 +48,15 @@ class _Listener:
 
     def send(self, events: list[Event], at: float = 0.0) -> None:
         """Send the events to which this listener subscribed."""
-        wanted = [e for e in events if (e.name == "run" if self.run_id is None else e.run_id == self.run_id)]
+        wanted = [e for e in events if e.run_id is None or self._asked(e)]
         for event in wanted[:-1]:
             self._put(event.text(self.mark))
         for event in wanted[-1:]:
             self.mark = _mark(at)
             self._put(event.text(self.mark))
+
+    def _asked(self, event: Event) -> bool:
+        return event.name == "run" if self.run_id is None else event.run_id == self.run_id
 
     def end(self) -> None:
         while self.queue.full():
@@ -122,26 +126,31 @@ class Hub:
             return COMMENT
 
     async def _poll(self) -> None:
-        watch = Watch(self._engine)
+        watch, roster = Watch(self._engine), Roster(self._engine)
         try:
             while self._listeners:
                 try:
-                    await self._look(watch)
+                    await self._look(watch, roster)
                 except sa.exc.SQLAlchemyError:
                     _log.exception("the database could not be read for the event streams; trying again")
                 await asyncio.sleep(PERIOD)
         finally:
             watch.close()
 
-    async def _look(self, watch: Watch) -> None:
+    async def _look(self, watch: Watch, roster: Roster) -> None:
         listeners = list(self._listeners)
         runs = {x.run_id for x in listeners if x.run_id is not None}
-        events = await anyio.to_thread.run_sync(watch.look, runs, limiter=self._thread)
+
+        def look() -> list[Event]:
+            moved = roster.look()
+            return [*moved, *watch.look(runs, bool(moved))]
+
+        events = await anyio.to_thread.run_sync(look, limiter=self._thread)
         for listener in listeners:
             if listener.greeted:
                 listener.send(events, watch.at)
                 continue
-            told = watch.everything(listener.run_id)
+            told = [*roster.everything(), *watch.everything(listener.run_id)]
             if listener.run_id is None and listener.since is not None:
                 told += await anyio.to_thread.run_sync(watch.ended, listener.since)
             listener.send_all(told, watch.at)

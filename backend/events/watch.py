@@ -36,7 +36,8 @@ MOST_ENDED = 500
 class Event:
     """One event for the listeners of a run, and a run's summary for those of all runs."""
 
-    run_id: int
+    run_id: int | None
+    """None: for every listener."""
     name: str
     data: str
 
@@ -93,11 +94,14 @@ class Watch:
             self._raw.close()
             self._raw = None
 
-    def look(self, runs: Iterable[int]) -> list[Event]:
-        """Changes since the last poll: summaries of all runs, stages and improvements of the given ones."""
+    def look(self, runs: Iterable[int], moved: bool = False) -> list[Event]:
+        """Changes since the last poll: summaries of all runs, stages and improvements of the given ones.
+
+        moved: the workers have changed, which may change what queued runs wait for although nothing was committed.
+        """
         wanted = set(runs)
         new = wanted - self._watched.keys()
-        if not self._committed() and not new and wanted == self._watched.keys():
+        if not self._committed() and not moved and not new and wanted == self._watched.keys():
             return []
         with read(self._engine) as reader:
             self.at = now(reader)

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import asdict
 
 import sqlalchemy as sa
 
+from backend.catalog import costs
 from backend.catalog.service import required
-from backend.db import workers
-from backend.db.tables import Run, Stage
 from backend.http.errors import not_found
 from backend.proposals.schemas import MeasuredCost, Proposal, ProposedSearch
 from campaigns.asked.proposal import Cost, lasting
-from campaigns.catalogue import SimulatorEntry
-from campaigns.results import NominalResult
-from campaigns.runs import run_name
-from campaigns.versions import Versions
 
-RECENT_RUNS = 50
-"""Number of recent runs of the simulator among which the newest measurement is searched."""
 UNKNOWN = "The time of an evaluation is not measured yet: the first stage of a run measures it"
 
 
@@ -29,7 +21,7 @@ def proposal(reader: sa.Connection, name: str, parameters: int, patience: float,
     entry = catalogue.simulator(name)
     if entry is None:
         raise not_found("simulator called", name)
-    cost, others = _newest(reader, entry, catalogue.digests.get(name))
+    cost, others = costs.newest(reader, entry, catalogue.digests.get(name))
     if cost is None:
         known = f"{UNKNOWN}. Its files have changed since {_took(others)}" if others else UNKNOWN
         return Proposal(measured=None, known=f"{known}.", sentence="", searches=[], seconds=None)
@@ -45,34 +37,3 @@ def proposal(reader: sa.Connection, name: str, parameters: int, patience: float,
 
 def _took(cost: Cost) -> str:
     return f"{cost.run}, in which one call took {lasting(cost.seconds)}"
-
-
-def _newest(reader: sa.Connection, entry: SimulatorEntry, digest: str | None) -> tuple[Cost | None, Cost | None]:
-    """What the newest run of the simulator as it is now measured, and else what one of other files of it did.
-
-    A run that began after the digest was published has seen newer files than that.
-    """
-    since = workers.published(reader) or 0.0
-    other = None
-    for started, flown, cost in _measured(reader, entry):
-        if digest is None or flown.simulator == digest or started > since:
-            return cost, None
-        other = other or cost
-    return None, other
-
-
-def _measured(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[tuple[float, Versions, Cost]]:
-    """The measurements by runs of the simulator with this declaration, the newest first: start, versions, cost."""
-    nominal = sa.and_(Stage.run_id == Run.id, Stage.kind == "nominal", Stage.state == "done")
-    asked = (
-        sa.select(Run.id, Run.started, Run.flown, Stage.result)
-        .join(Stage, nominal)
-        .where(Run.needs == entry.version, Run.removed.is_(None))
-        .order_by(Run.id.desc())
-        .limit(RECENT_RUNS)
-    )
-    for run_id, started, flown, result in reader.execute(asked):
-        measured = NominalResult.model_validate(result).measured
-        if measured is not None and measured.call_seconds and measured.slots:
-            counts = (measured.call_seconds, measured.slots, measured.evaluations, measured.failed)
-            yield started or 0.0, Versions.of(flown), Cost(run_name(run_id), *counts)

@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from backend.catalog.service import published
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
-from backend.runs import counts
+from backend.runs import counts, waiting
 from backend.runs.filters import Filters
 from backend.runs.order import Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
@@ -56,15 +56,26 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     working = _working(reader, [row.id for row in rows if row.state in ("running", "cancelling")])
     units = _units(reader) if any(row.unit is None for row in rows) else {}
     excluded = counts.excluded(reader, [row.id for row in rows])
-    return [_summary(row, working.get(row.id), units, counts.of(row, excluded.get(row.id, 0))) for row in rows]
+    waits = waiting.reasons(reader, [row.id for row in rows if row.state == "queued"])
+    doing = waiting.doing(reader, [row.id for row in rows if row.state == "running"])
+    return [
+        _summary(
+            row,
+            units,
+            counts.of(row, excluded.get(row.id, 0))
+            | {"stage": working.get(row.id), "waits": waits.get(row.id), "doing": doing.get(row.id)},
+        )
+        for row in rows
+    ]
 
 
-def _summary(row: Any, stage: StageProgress | None, units: Units, evaluations: dict[str, int]) -> RunSummary:
-    values = {column: getattr(row, column) for column in _PLAIN} | evaluations
+def _summary(row: Any, units: Units, others: dict[str, Any]) -> RunSummary:
+    """others: the fields that are not of the run's own row."""
+    values = {column: getattr(row, column) for column in _PLAIN} | others
     quantity, unit = units.get((row.simulator, row.result if row.simulator else row.component), ("", ""))
     margin = None if row.worst_cost is None or row.threshold is None else row.worst_cost - row.threshold
     values["continues"] = None if row.continues is None else run_name(row.continues)
-    values |= {"id": run_name(row.id), "campaign_name": row.campaign_name, "stage": stage, "margin": margin}
+    values |= {"id": run_name(row.id), "campaign_name": row.campaign_name, "margin": margin}
     values |= {"quantity": row.quantity or quantity, "unit": unit if row.unit is None else row.unit}
     return RunSummary.model_validate(values)
 

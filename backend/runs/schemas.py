@@ -139,6 +139,17 @@ class StageDetail(StageProgress):
     result: AnyResult | None
 
 
+class RunDoing(Schema):
+    """What the worker of a running run does besides its stages."""
+
+    sentence: str
+    """Compiling your closed loop, about 15 s, once: it is stored for later runs."""
+    since: float
+    """Seconds since 1970."""
+    seconds: float | None
+    """Estimated from earlier ones on the same machine [s]; None if there are none."""
+
+
 class RunSummary(Schema):
     """A run as in the list. Times are seconds since 1970; costs and margins are in `unit`."""
 
@@ -173,6 +184,10 @@ class RunSummary(Schema):
     finished: float | None
     stage: StageProgress | None
     """The running stage."""
+    waits: str | None
+    """Why a queued run has not started; None for any other."""
+    doing: RunDoing | None
+    """What its worker does besides the stages, such as compiling; None if nothing."""
     attempts: int
     worker: str | None
     continues: str | None
@@ -216,8 +231,6 @@ class RunDetail(RunSummary):
     """Evaluations per second of the running stage."""
     remaining: float | None
     """Estimated time left [s]; None while it cannot be estimated."""
-    waits: str | None
-    """Why a queued run has not started; None for any other."""
 
 
 class RunComponents(Schema):

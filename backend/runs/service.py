@@ -16,8 +16,8 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import IdempotencyKey, Run, RunText, Stage
 from backend.http import bodies
 from backend.http.errors import RefusedError, not_found
-from backend.runs import listing, pace, waiting
-from backend.runs.earlier import terms_of
+from backend.runs import listing, pace
+from backend.runs.earlier import Terms, terms_of
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress, StageSummary
 from backend.runs.tombstones import refuse_purged
 from backend.runs.versions import readable
@@ -164,7 +164,6 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         summary=_verdict(reader, run_id, campaign, parts, base.failed_evaluations),
         rate=rate,
         remaining=remaining,
-        waits=waiting.reason(reader, run_id),
     )
 
 

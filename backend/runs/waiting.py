@@ -1,38 +1,102 @@
-"""Why a queued run has not started. Start reading at `reason`."""
+"""Why queued runs have not started, and what a running one does besides its stages. Start reading at `reasons`."""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from typing import Any
 
 import sqlalchemy as sa
 
 from backend.db.engine import now
+from backend.db.queue import waiting_order
 from backend.db.tables import Run, Worker
-from backend.db.workers import LIVE
+from backend.db.workers import SEEN, Doing, last_seen
+from backend.runs.schemas import RunDoing
+from campaigns.runs import run_name
+
+MOST_NAMED = 3
+"""Largest number of runs that are named as the reason why another one waits."""
+
+_COMPILING = "Compiling your closed loop{about}, once: it is stored for later runs."
 
 
 def reason(reader: sa.Connection, run_id: int) -> str | None:
     """One sentence; None if the run is not queued."""
-    asked = sa.select(Run.state, Run.needs, Run.not_before).where(Run.id == run_id)
-    row = reader.execute(asked).one_or_none()
-    if row is None or row.state != "queued":
-        return None
+    return reasons(reader, [run_id]).get(run_id)
+
+
+def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, str]:
+    """One sentence for each of these runs that is queued.
+
+    Times in it are rounded, so that a page that is told of every change is not told every second.
+    """
+    asked = sa.select(Run.id, Run.needs, Run.not_before).where(Run.id.in_(run_ids), Run.state == "queued")
+    queued = reader.execute(asked).all()
+    if not queued:
+        return {}
     at = now(reader)
     workers = reader.execute(sa.select(Worker.beat, Worker.run_id, Worker.simulators)).all()
-    live = [worker for worker in workers if worker.beat > at - LIVE]
+    live = [worker for worker in workers if worker.beat > at - SEEN]
     if not live:
-        return _no_worker(max((worker.beat for worker in workers), default=None), at)
+        text = _no_worker(last_seen(reader), at)
+        return {row.id: text for row in queued}
+    order = list(reader.scalars(waiting_order(at)))
+    position = {run_id: k for k, run_id in enumerate(order, 1)}
+    return {row.id: _one(row, live, at, position.get(row.id)) for row in queued}
+
+
+def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing]:
+    """What the workers of these running runs do besides their stages; only of those that do anything."""
+    if not run_ids:
+        return {}
+    held = sa.select(Worker.run_id, Worker.doing, Worker.name, Run.worker).join(Run, Run.id == Worker.run_id)
+    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == "running", Worker.beat > now(reader) - SEEN)
+    found = {}
+    for row in reader.execute(held.where(live)):
+        known = Doing.of(row.doing, row.run_id) if row.name == row.worker else None
+        if known is not None:
+            found[row.run_id] = told(known)
+    return found
+
+
+def told(known: Doing) -> RunDoing:
+    """What a worker does, as a sentence."""
+    about = "" if known.seconds is None else f", about {max(1, math.ceil(known.seconds))} s"
+    return RunDoing(sentence=_COMPILING.format(about=about), since=known.since, seconds=known.seconds)
+
+
+def _one(row: Any, live: Sequence[Any], at: float, position: int | None) -> str:
     able = [worker for worker in live if row.needs is None or row.needs in worker.simulators]
     if not able:
         return _no_simulator(row.needs or "", len(live))
     if row.not_before > at:
-        return f"It is tried again in {max(1, round(row.not_before - at))} s."
+        return f"It is tried again in {10 * math.ceil((row.not_before - at) / 10)} s."
     if all(worker.run_id is not None for worker in able):
-        busy = "The only worker that can execute it is busy" if len(able) == 1 else f"All {len(able)} workers are busy"
-        return f"{busy}; it starts automatically when one is free."
+        return _busy([worker.run_id for worker in able], len(live), position)
+    if position is not None and position > 1:
+        return f"Position {position} in the queue; it starts automatically."
     return "It starts automatically within a few seconds."
 
 
+def _busy(runs: Sequence[int], live: int, position: int | None) -> str:
+    names = [run_name(run_id) for run_id in sorted(set(runs))]
+    more = len(names) - MOST_NAMED
+    listed = ", ".join(names[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+    if len(runs) == 1:
+        who = "The only worker is busy" if live == 1 else "The only worker that can execute it is busy"
+    else:
+        who = (
+            f"All {len(runs)} workers are busy"
+            if len(runs) == live
+            else f"All {len(runs)} workers that can execute it are busy"
+        )
+    place = "" if position is None else f"; position {position} in the queue"
+    return f"{who} with {listed}{place}. It starts automatically when one is free."
+
+
 def _no_worker(last: float | None, at: float) -> str:
-    seen = "" if last is None else f"; the last one was seen {_ago(at - last)} ago"
+    seen = "" if last is None else f"; the last one was seen {_ago(at - last)}"
     return f"No worker is running{seen}. Start one with `clearance worker`."
 
 
@@ -47,5 +111,5 @@ def _no_simulator(needs: str, live: int) -> str:
 def _ago(seconds: float) -> str:
     for size, unit in ((86_400, "days"), (3_600, "hours"), (60, "min")):
         if seconds >= 2 * size:
-            return f"{int(seconds // size)} {unit}"
-    return f"{int(seconds)} s"
+            return f"{int(seconds // size)} {unit} ago"
+    return "less than 2 min ago"

@@ -11,7 +11,7 @@ import gc
 import os
 import pickle
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import numba
@@ -21,6 +21,7 @@ from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
 from numba.core.registry import CPUDispatcher
 
+from worker.kernels.durations import Watched
 from worker.kernels.folder import cache_folder
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
@@ -30,19 +31,36 @@ if not os.environ.get("NUMBA_CACHE_DIR"):
 class KernelCache(FunctionCache):
     """Numba's cache of one function."""
 
+    missed: Callable[[], None] | None = None
+    """Called once if the next look-up finds nothing, so that a compilation begins."""
+
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The cached function for a signature; None if there is no entry, or none that this version can load."""
-        try:
-            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-        except (ImportError, AttributeError, EOFError, pickle.UnpicklingError):
-            return None
+        found = None
+        with suppress(ImportError, AttributeError, EOFError, pickle.UnpicklingError):
+            found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        missed, self.missed = self.missed, None
+        if found is None and missed is not None:
+            missed()
+        return found
 
 
 @contextmanager
-def _alone(function: Any) -> Iterator[None]:
+def _watched(function: Any) -> Iterator[Watched]:
+    """Report and time the compilation, if there is one."""
+    watched, succeeded = Watched(function, cache_folder()), False
+    try:
+        yield watched
+        succeeded = True
+    finally:
+        watched.end(succeeded)
+
+
+@contextmanager
+def _alone(function: Any, wait: Callable[[], None]) -> Iterator[None]:
     """Of several processes that need the same function, one compiles it; the others wait, and load it.
 
-    The lock ends with its process. Where the folder cannot be written, everybody compiles.
+    The lock ends with its process. Where the folder cannot be written, everybody compiles. wait: called before waiting.
     """
     folder = cache_folder() / "locks"
     try:
@@ -52,7 +70,11 @@ def _alone(function: Any) -> Iterator[None]:
         yield
         return
     with file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            wait()
+            fcntl.flock(file, fcntl.LOCK_EX)
         yield
 
 
@@ -71,8 +93,11 @@ def _uncollected() -> Iterator[None]:
 class _Cached(CPUDispatcher):
     """A dispatcher that compiles one signature in one process at a time."""
 
+    _cache: Any
+
     def compile(self, sig: Any) -> Any:
-        with _alone(self.py_func), _uncollected():
+        with _watched(self.py_func) as watched, _alone(self.py_func, watched.wait), _uncollected():
+            self._cache.missed = watched.compile
             return super().compile(sig)
 
 
@@ -81,7 +106,9 @@ class _CachedCallback(CFunc):
         self._cache = KernelCache(self.__wrapped__)  # type: ignore[no-untyped-call]
 
     def compile(self) -> None:
-        with _alone(self.__wrapped__), _uncollected():
+        function = self.__wrapped__
+        with _watched(function) as watched, _alone(function, watched.wait), _uncollected():
+            self._cache.missed = watched.compile
             super().compile()
 
 

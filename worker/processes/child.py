@@ -12,6 +12,8 @@ import os
 import sys
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
 from typing import Any, TextIO
 
 from campaigns.documents import JsonObject
@@ -77,12 +79,15 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
     from worker.processes import memory
     from worker.stages.parts.base import ReplayMismatch
     from worker.systems.base import CampaignUnusable
+    from worker.systems.closed_loop import compilation
 
     try:
         campaign = load_document(claim.document, f"run {claim.run_id}")
         store = RunStore(engine, claim)
         store.describe(campaign, components)
-        if execute(campaign, store) is None:
+        with compilation.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
+            verdict = execute(campaign, store)
+        if verdict is None:
             return {"outcome": "failed", "text": "the runner ended without a verdict"}
     except LostLease:
         return {"outcome": "lost", "text": ""}
@@ -102,6 +107,12 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
             "text": f"the runner raised {type(error).__name__}" + (f": {what}" if what else ""),
         }
     return {"outcome": "done", "text": ""}
+
+
+def _report(engine: sa.Engine, claim: Claim, what: str = "", seconds: float | None = None) -> None:
+    """Tell people what this process does; a run never fails because that could not be stored."""
+    with suppress(sa.exc.SQLAlchemyError):
+        write(engine, lambda c: workers.doing(c, claim.worker, claim.run_id, what, seconds), 0.0)
 
 
 def resolve(name: str) -> Execute:

@@ -36,14 +36,16 @@ import type {
   TraceInfo,
   ViewChange,
   ViewState,
+  Workers,
 } from '../client'
 import * as sdk from '../client'
 import { client } from '../client/client.gen'
 import { fetchOnce } from './ahead'
 import type { Campaign } from './campaign'
 import { refusalOf } from './problems'
+import { pulse } from './pulse'
 
-client.setConfig({ baseUrl: '', fetch: (request) => fetchOnce(request as Request) })
+client.setConfig({ baseUrl: '', fetch: (request) => pulse.follow(fetchOnce(request as Request)) })
 
 interface Answer<T> {
   data?: T
@@ -60,6 +62,7 @@ async function answer<T>(request: Promise<Answer<T>>): Promise<T> {
 export type RunFilter = Omit<NonNullable<ListRunsData['query']>, 'cursor' | 'limit'>
 
 export const getSession = (): Promise<SessionInfo> => answer(sdk.getSession())
+export const getWorkers = (): Promise<Workers> => answer(sdk.listWorkers())
 export const endSession = (): Promise<unknown> => answer(sdk.endSession())
 /** The API's OpenAPI document as JSON; parsed in `docs/openapi`. */
 export const getOpenApi = (): Promise<unknown> =>

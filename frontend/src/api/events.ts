@@ -2,9 +2,10 @@
 // hidden, because a browser has only six connections to a service; if it fails, polling continues. Start: `useStream`.
 import type { InfiniteData, QueryClient } from '@tanstack/react-query'
 import { useQueryClient } from '@tanstack/react-query'
-import { useEffect, useSyncExternalStore } from 'react'
-import type { EvaluationSeries, Evaluations, RunDetail, RunPage, RunSummary, StageProgress } from '../client'
+import { useEffect, useLayoutEffect, useSyncExternalStore } from 'react'
+import type { EvaluationSeries, Evaluations, RunDetail, RunPage, RunSummary, StageProgress, Workers } from '../client'
 import { refreshRuns } from './lists'
+import { pulse } from './pulse'
 import { isLive } from './queries'
 
 const FLUSH = 250
@@ -12,22 +13,30 @@ const FLUSH = 250
 type Status = 'closed' | 'connecting' | 'open'
 
 let status: Status = 'closed'
+/** How many parts of the page have a stream of their own: never more than one, besides while one replaces another. */
+let own = 0
+let streams = 0
 const listeners = new Set<() => void>()
 
 function set(next: Status): void {
+  // While one stream replaces another the first one to close does not count.
+  if (next === 'closed' && streams > 0) return
   status = next
   for (const listener of listeners) listener()
 }
 
+function subscribe(listener: () => void): () => void {
+  listeners.add(listener)
+  return () => listeners.delete(listener)
+}
+
 /** The state of this tab's stream, for display. */
-export const useStreamStatus = (): Status =>
-  useSyncExternalStore(
-    (listener) => {
-      listeners.add(listener)
-      return () => listeners.delete(listener)
-    },
-    () => status,
-  )
+export const useStreamStatus = (): Status => useSyncExternalStore(subscribe, () => status)
+
+/** The stream of all pages without one of their own: all runs, and the workers in the header. */
+export function useBaseStream(): void {
+  useSource(null, useSyncExternalStore(subscribe, () => own) === 0)
+}
 
 export interface Improvements {
   index: number[]
@@ -38,8 +47,21 @@ export interface Improvements {
   parameters: Record<string, number>
 }
 
-/** Subscribes to all runs, or to one with its stages and improvements, while the page is visible. */
-export function useStream(run: string | null, on = true): void {
+/** Subscribes to a run with its stages and improvements, in place of all runs, while the page is visible. */
+export function useStream(run: string, on = true): void {
+  useLayoutEffect(() => {
+    if (!on) return
+    const count = (by: number) => {
+      own += by
+      for (const listener of listeners) listener()
+    }
+    count(1)
+    return () => count(-1)
+  }, [on])
+  useSource(run, on)
+}
+
+function useSource(run: string | null, on: boolean): void {
   const cache = useQueryClient()
   useEffect(() => {
     if (!on) return
@@ -48,14 +70,20 @@ export function useStream(run: string | null, on = true): void {
     const flush = setInterval(() => {
       for (const apply of pending.splice(0)) apply()
     }, FLUSH)
-    const later = (event: Event, apply: (data: never) => void) =>
+    const later = (event: Event, apply: (data: never) => void) => {
+      pulse.beat()
       pending.push(() => apply(JSON.parse((event as MessageEvent<string>).data) as never))
+    }
     const open = () => {
+      streams++
       set('connecting')
       source = new EventSource(`/api/v1/events${run ? `?run=${encodeURIComponent(run)}` : ''}`)
       source.addEventListener('open', () => set('open'))
       source.addEventListener('error', () => set('connecting'))
       source.addEventListener('run', (event) => later(event, (data: RunSummary) => putRun(cache, data)))
+      source.addEventListener('workers', (event) =>
+        later(event, (data: Workers) => cache.setQueryData<Workers>(['workers'], data)),
+      )
       source.addEventListener('stages', (event) =>
         later(event, (data: StageProgress[]) => run && putStages(cache, run, data)),
       )
@@ -64,6 +92,7 @@ export function useStream(run: string | null, on = true): void {
       )
     }
     const close = () => {
+      if (source) streams--
       source?.close()
       source = null
       set('closed')

@@ -28,6 +28,9 @@ export const isLive = (run: Pick<RunSummary, 'state'>): boolean =>
 
 export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: calls.getSession, staleTime: 60_000 })
 
+/** Who executes runs; kept up to date by the event stream where there is one. */
+export const workersQuery = queryOptions({ queryKey: ['workers'], queryFn: calls.getWorkers, staleTime: 4000 })
+
 /** A worker publishes the catalogue when it starts; until then the service returns 503. */
 const untilPublished = {
   retry: (count: number, error: Error) => refused(error, 503) || (count < 2 && !refused(error, 404, 410)),

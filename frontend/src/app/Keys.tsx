@@ -46,7 +46,13 @@ const KEYS: { title: string; keys: [string[], string][] }[] = [
       [['Home', 'End'], 'Lower and upper bound'],
     ],
   },
-  { title: 'Launch', keys: [[['Ctrl', 'Enter'], 'Start the run']] },
+  {
+    title: 'Launch',
+    keys: [
+      [['1', '…', '7'], 'Go to a section'],
+      [['Ctrl', 'Enter'], 'Start the run'],
+    ],
+  },
 ]
 
 export function Keys({ opened, onClose }: { opened: boolean; onClose: () => void }) {

@@ -15,14 +15,17 @@ import { Link, Outlet, useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { lazy, Suspense, useCallback, useState } from 'react'
 import { endSession } from '../api/calls'
+import { useBaseStream } from '../api/events'
 import { catalogueQuery, sessionQuery } from '../api/queries'
 import { signedOut, useSignedOut } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
 import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
+import { Contact } from './Contact'
 import { Keys } from './Keys'
 import { toggleMine, useNotifier, useWanted } from '../page/notify'
 import { SignedOut } from './SignedOut'
+import { Workers } from './Workers'
 import styles from './app.module.css'
 
 const Jump = lazy(() => import('../jump/Jump').then((module) => ({ default: module.Jump })))
@@ -43,6 +46,7 @@ function Frame() {
   })
   const open = useCallback((run: string) => void navigate({ to: '/runs/$id', params: { id: run } }), [navigate])
   useNotifier(open)
+  useBaseStream()
   // Colours of methods of other packages come from here.
   usePrefetchQuery(catalogueQuery)
   return (
@@ -81,10 +85,12 @@ function Frame() {
           >
             <IconKeyboard className="i" aria-hidden />
           </button>
+          <Workers />
           <ThemeToggle />
           <Session />
         </div>
       </header>
+      <Contact />
       <main id="main" tabIndex={-1}>
         <Outlet />
       </main>

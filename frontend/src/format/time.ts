@@ -31,3 +31,12 @@ export function dayAndClock(time: number, now = Date.now() / 1000): string {
   const today = date.toDateString() === new Date(now * 1000).toDateString()
   return `${today ? 'Today' : day.format(date)} ${clock.format(date)}`
 }
+
+/** A length of time in its largest unit: 48 s, 3 min, 2 h, 5 days. */
+export function age(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds))
+  if (whole < 120) return `${whole} s`
+  if (whole < 7200) return `${Math.floor(whole / 60)} min`
+  if (whole < 172_800) return `${Math.floor(whole / 3600)} h`
+  return `${Math.floor(whole / 86_400)} days`
+}

@@ -10,9 +10,11 @@ import { type FieldProblem, Refusal } from '../api/problems'
 import type { Catalogue, Draft, LibraryCampaign } from '../client'
 import { Skipped } from '../page/Skipped'
 import { Seg } from '../ui/Card'
+import { SectionTabs } from '../ui/SectionTabs'
 import { useHotkeys } from '../ui/useHotkeys'
 import type { Start } from './draft/beginning'
 import { CampaignForm } from './form/CampaignForm'
+import { tabsOf } from './form/tabs'
 import { DraftBar } from './draft/DraftBar'
 import { Drafts } from './draft/Drafts'
 import { Heading } from './Heading'
@@ -22,9 +24,11 @@ import { criterionOf, decidingOf, parametersOf } from './campaign/parameters'
 import { PreviewCard } from './preview/PreviewCard'
 import { focusField, ProblemsProvider } from './fields/problems'
 import type { Shelf } from './library/shelf'
-import { Estimate, RunCard, StartButton } from './Side'
+import { Estimate, RunCard } from './Side'
+import { StartBar } from './StartBar'
 import { Summary } from './Summary'
 import { type Draft as DraftState, useDraft } from './draft/useDraft'
+import { isAnother, useNames } from './draft/useNames'
 import { usePreview } from './preview/usePreview'
 import { useSaved } from './draft/useSaved'
 import { YamlEditor } from './YamlEditor'
@@ -50,8 +54,7 @@ interface EditorProps {
 export function Editor(props: EditorProps) {
   const { start, from, catalogue, library, chosen, shelf, onShelf, tab, onChoose, onTab } = props
   const draft = useDraft(start)
-  const [name, setName] = useState(start.name)
-  const [tags, setTags] = useState(start.tags)
+  const { name, tags, setName, setTags, replace } = useNames(start, draft.campaign)
   const [remove, setRemove] = useState(false)
   const navigate = useNavigate()
   const cache = useQueryClient()
@@ -109,7 +112,7 @@ export function Editor(props: EditorProps) {
     onTab(undefined)
     requestAnimationFrame(() => focusField(field))
   }
-  const why = name.trim() === '' ? 'Give the run a name.' : ok ? '' : 'Solve the problems above first.'
+  const why = name.trim() === '' ? 'Give the run a name.' : ok ? '' : problems.length === 1 ? 'Solve the problem first.' : `Solve the ${problems.length} problems first.`
   return (
     <ProblemsProvider value={problems}>
       <Leaving
@@ -147,6 +150,7 @@ export function Editor(props: EditorProps) {
         <span className="small mut">Both edit the same campaign</span>
         <Back draft={draft} />
       </div>
+      {tab === 'form' && draft.readable && <SectionTabs sections={tabsOf(draft.campaign)} />}
       <div className={styles.launch}>
         <div className="stack">
           {tab === 'yaml' ? (
@@ -158,7 +162,11 @@ export function Editor(props: EditorProps) {
               campaign={draft.campaign}
               catalogue={catalogue}
               jump={jump}
-              onChange={draft.setText}
+              onChange={(text, how) => {
+                const another = how === 'replaced' || isAnother(draft.text, text)
+                if (another && text !== draft.text) replace()
+                draft.setText(text, another ? 'replaced' : 'typed')
+              }}
               onUndo={() => draft.undo?.()}
               onRedo={() => draft.redo?.()}
               onForm={toForm}
@@ -202,19 +210,24 @@ export function Editor(props: EditorProps) {
               />
             )}
             {draft.readable && <Estimate checked={draft.checked} campaign={draft.campaign} />}
-            <div>
-              <StartButton disabled={blocked} busy={launch.isPending} why={why} onStart={begin} />
-              <DraftBar
-                saved={saved}
-                dirty={said !== seen}
-                remove={remove}
-                onRemove={setRemove}
-                onReopen={props.onReopen}
-              />
-            </div>
+            <DraftBar
+              saved={saved}
+              dirty={said !== seen}
+              remove={remove}
+              onRemove={setRemove}
+              onReopen={props.onReopen}
+            />
           </div>
         </div>
       </div>
+      <StartBar
+        checked={draft.readable ? draft.checked : undefined}
+        checking={draft.checking}
+        disabled={blocked}
+        busy={launch.isPending}
+        why={why}
+        onStart={begin}
+      />
     </ProblemsProvider>
   )
 }

@@ -1,6 +1,6 @@
-// The side panel: name, tags and criterion of the run, estimated effort, and the start button.
+// The side panel: name, tags and criterion of the run, and its estimated effort.
 import { TagsInput } from '@mantine/core'
-import { IconPlayerPlay } from '@tabler/icons-react'
+import { Fragment } from 'react'
 import type { Campaign, Raw } from '../api/campaign'
 import type { Checked, ComponentEntry, ResultEntry } from '../client'
 import { count, duration, percent } from '../format/numbers'
@@ -81,13 +81,20 @@ export function Estimate({ checked, campaign }: EstimateProps) {
   const target = numberOf(campaign.target_probability)
   // With no violation among n independent samples, the Clopper-Pearson bound is 1 - (1 - confidence)^(1/n).
   const bound = samples && samples >= 1 ? 1 - (1 - confidence) ** (1 / samples) : null
+  const estimate = checked?.estimate
   return (
     <Card title="Estimate">
       <dl className="kv">
-        <dt>Evaluations at most</dt>
-        <dd>{count(checked?.evaluations)}</dd>
-        <dt>Time at most</dt>
-        <dd>{typeof checked?.seconds === 'number' ? `about ${duration(checked.seconds)}` : 'not known yet'}</dd>
+        <dt>Evaluations, about</dt>
+        <dd>{count(estimate?.evaluations)}</dd>
+        {estimate?.stages.map((stage) => (
+          <Fragment key={stage.title}>
+            <dt className="mut">· {stage.title}</dt>
+            <dd className="mut">{count(stage.evaluations)}</dd>
+          </Fragment>
+        ))}
+        <dt>Time, about</dt>
+        <dd>{typeof estimate?.seconds === 'number' ? duration(estimate.seconds) : 'not known'}</dd>
         {bound !== null && (
           <>
             <dt>Bound on P(violation)</dt>
@@ -102,7 +109,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         )}
       </dl>
       <p className="small mut" style={{ marginTop: 8 }}>
-        {typeof checked?.seconds !== 'number' && 'The time can be estimated after a run of the same components.  '}
+        {estimate && `${estimate.said} ${estimate.time_said} `}
         {bound !== null &&
           `The bound holds with ${percent(confidence)} confidence if none of the ${count(samples)} random samples violates.`}
         {bound !== null && unbounded && ' The probability beyond the bounds of normal distributions is added to it.'}
@@ -119,26 +126,4 @@ function samplesOf({ stages }: Campaign): number | null {
       method === 'monte_carlo' && (options?.sampling ?? 'plain') === 'plain' && !numberOf(options?.interval as Raw),
   )
   return numberOf(plain?.evaluations)
-}
-
-interface StartProps {
-  disabled: boolean
-  busy: boolean
-  why: string
-  onStart: () => void
-}
-
-export function StartButton({ disabled, busy, why, onStart }: StartProps) {
-  return (
-    <div>
-      <button type="button" className="btn p wide" disabled={disabled || busy} onClick={onStart}>
-        <IconPlayerPlay className="i s" aria-hidden />
-        {busy ? 'Starting …' : 'Start run'}
-        <span className="kbd">Ctrl ↵</span>
-      </button>
-      <p className="small mut" style={{ marginTop: 6, minHeight: 18 }} aria-live="polite">
-        {why}
-      </p>
-    </div>
-  )
 }

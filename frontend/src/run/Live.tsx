@@ -1,4 +1,5 @@
 // An active run: figures, stages, convergence, best so far, methods, improvements.
+import { IconLoader } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { RunDetail } from '../client'
 import { unknownOf, withoutValue } from '../format/counts'
@@ -23,6 +24,12 @@ export function Live({ data }: { data: RunData }) {
   if (run.state === 'queued') return <Queued data={data} />
   return (
     <>
+      {run.doing && (
+        <p className="note" style={{ marginBottom: 'var(--gap)' }} role="status">
+          <IconLoader className="i spin" aria-hidden />
+          <span>{run.doing.sentence}</span>
+        </p>
+      )}
       <Figures data={data} />
       <div style={{ marginTop: 'var(--gap)' }}>
         <StageStrip run={run} />
@@ -109,7 +116,7 @@ function Figures({ data }: { data: RunData }) {
         <Stat
           name="Evaluations"
           value={count(run.evaluations)}
-          note={`of at most ${count(run.planned)}, ${withoutValue(run)}`}
+          note={`budgets of all stages ${count(run.planned)}, ${withoutValue(run)}`}
         />
         <Stat
           name="Evaluations per second"

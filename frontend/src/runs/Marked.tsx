@@ -43,7 +43,7 @@ export function Marked({ runs, onClear }: MarkedProps) {
           Compare {plural(runs.length)}
         </Link>
       )}
-      <CancelMarked live={live} />
+      <CancelMarked key={runs.map((run) => run.id).join()} live={live} />
       <RemoveMarked runs={runs} onDone={onClear} />
       <button type="button" className="iconbtn" onClick={onClear} aria-label="Clear selection" title="Clear selection">
         <IconX className="i s" aria-hidden />
@@ -63,12 +63,15 @@ function CancelMarked({ live }: { live: RunSummary[] }) {
       setAsking(false)
     },
   })
-  if (live.length === 0 && !asking) return null
+  // It stays, no narrower, when the last of the selected runs ends: removal must not take its place under the pointer.
+  const [offered, setOffered] = useState(false)
+  if (live.length > 0 && !offered) setOffered(true)
+  if (!offered) return null
   return (
     <>
-      <button type="button" className="btn s danger" onClick={() => setAsking(true)}>
+      <button type="button" className="btn s danger" disabled={live.length === 0} onClick={() => setAsking(true)}>
         <IconPlayerStop className="i s" aria-hidden />
-        Cancel {plural(live.length)}
+        {live.length > 0 ? `Cancel ${plural(live.length)}` : 'Nothing left to cancel'}
       </button>
       <Modal opened={asking} onClose={() => setAsking(false)} title={`Cancel ${plural(live.length)}?`} centered lockScroll={false}>
         <p className="sec">

@@ -3,6 +3,7 @@ import { useNavigate } from '@tanstack/react-router'
 import { memo, type MouseEvent } from 'react'
 import type { RunSummary } from '../client'
 import { count, decimalsFor, duration, fixed } from '../format/numbers'
+import { age } from '../format/time'
 import { Progress } from '../ui/Card'
 import { RunName } from './cells'
 import type { CellContext, Column } from './columns'
@@ -65,8 +66,8 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
 function Standing({ run, now, span }: { run: RunSummary; now: number; span: number }) {
   if (run.state === 'queued')
     return (
-      <td colSpan={span} className="sec">
-        Waiting for a worker
+      <td colSpan={span} className="sec cut" title={run.waits ?? undefined}>
+        {run.waits ?? 'Waiting for a worker'}
       </td>
     )
   if (run.state === 'failed' || run.state === 'cancelled' || run.state === 'done') {
@@ -89,7 +90,7 @@ function Standing({ run, now, span }: { run: RunSummary; now: number; span: numb
 function Working({ run, now }: { run: RunSummary; now: number }) {
   const { stage } = run
   const share = stage && stage.planned > 0 ? Math.min(1, stage.evaluations / stage.planned) : 0
-  const name = stage ? stage.title : 'Starting'
+  const name = run.doing ? 'Compiling' : stage ? stage.title : 'Starting'
   const best = run.worst_cost
   return (
     <span className={styles.standing}>
@@ -98,9 +99,10 @@ function Working({ run, now }: { run: RunSummary; now: number }) {
       </span>
       <span className="b">
         {name}
-        {stage && stage.planned > 1 ? `, ${Math.round(100 * share)} %` : ''}
+        {!run.doing && stage && stage.planned > 1 ? `, ${Math.round(100 * share)} %` : ''}
       </span>
       <span className="mut cut">
+        {run.doing?.seconds != null && `about ${age(Math.ceil(run.doing.seconds))}, once · `}
         {run.started !== null && `${duration(Math.max(0, now - run.started))} so far`}
         {best !== null && ` · best so far ${fixed(best, decimalsFor([best]))} ${run.unit}`}
       </span>

@@ -3,7 +3,6 @@ import { IconPlus } from '@tabler/icons-react'
 import { useInfiniteQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo, useState } from 'react'
-import { useStream } from '../api/events'
 import { runsQuery } from '../api/queries'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
@@ -15,7 +14,6 @@ import { CLEARED, filterOf, isNarrowed, type RunsSearch } from './search'
 
 export function RunsPage() {
   useTitle('Runs')
-  useStream(null)
   const search = useSearch({ from: '/runs' })
   const navigate = useNavigate()
   const query = useInfiniteQuery(runsQuery(filterOf(search)))

@@ -53,7 +53,7 @@ export function MethodOptions({ field, at, stage, method, parameters, set }: Met
       )}
       {rules.length === 0 && <p className="small mut">This method has no settings except its budget.</p>}
       {(method.starts || (stage.starts?.length ?? 0) > 0) && (
-        <Starts field={field} at={at} starts={stage.starts ?? []} parameters={parameters} set={set} />
+        <Starts title={method.title} field={field} at={at} starts={stage.starts ?? []} parameters={parameters} set={set} />
       )}
       <details>
         <summary>What {method.title} does</summary>
@@ -121,6 +121,8 @@ function limits(rule: Rule): string {
 }
 
 interface StartsProps {
+  /** Of the method. */
+  title: string
   field: string
   at: (string | number)[]
   starts: Record<string, number>[]
@@ -128,7 +130,7 @@ interface StartsProps {
   set: MethodOptionsProps['set']
 }
 
-function Starts({ field, at, starts, parameters, set }: StartsProps) {
+function Starts({ title, field, at, starts, parameters, set }: StartsProps) {
   const paths = [...new Set(starts.flatMap((start) => Object.keys(start)))]
   const add = () => {
     const nominal = parameters.filter((p) => p.path in (starts[0] ?? {}) || starts.length === 0)
@@ -147,7 +149,7 @@ function Starts({ field, at, starts, parameters, set }: StartsProps) {
               <span style={{ width: 96 }}>
                 <NumberCell
                   field={`${field}.starts.${i}.${path}`}
-                  label={`Start ${i + 1}, ${path}`}
+                  label={`${title}, start ${i + 1}, ${path}`}
                   value={start[path]}
                   optional
                   placeholder="nominal"
@@ -159,7 +161,7 @@ function Starts({ field, at, starts, parameters, set }: StartsProps) {
           <button
             type="button"
             className="iconbtn"
-            aria-label={`Remove start ${i + 1}`}
+            aria-label={`Remove start ${i + 1} of ${title}`}
             onClick={() =>
               set(
                 [...at, 'starts'],
@@ -172,7 +174,7 @@ function Starts({ field, at, starts, parameters, set }: StartsProps) {
           <FieldErrors field={`${field}.starts.${i}`} deep />
         </div>
       ))}
-      <button type="button" className="btn s" onClick={add}>
+      <button type="button" className="btn s" aria-label={`Add start of ${title} at nominal`} onClick={add}>
         <IconPlus className="i s" aria-hidden /> Add start at nominal
       </button>
     </div>

@@ -1,5 +1,5 @@
 // The search methods: selection, budgets, options.
-import { IconAdjustments } from '@tabler/icons-react'
+import { IconAdjustments, IconChevronDown, IconChevronUp } from '@tabler/icons-react'
 import { useState } from 'react'
 import type { Campaign, SearchStage } from '../../api/campaign'
 import type { Catalogue, MethodEntry } from '../../client'
@@ -20,7 +20,13 @@ interface MethodsTableProps {
 
 export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTableProps) {
   const [held, setHeld] = useState<Record<string, SearchStage>>({})
+  // The methods above the others. While those are shown nothing moves, so that a ticked row stays under the pointer.
+  const [fixed, setFixed] = useState<readonly string[] | null>(null)
   const stages = campaign.stages.search
+  // What was chosen once stays among the first, so that it can be chosen again.
+  const [known, setKnown] = useState<readonly string[]>([])
+  const fresh = stages.map((stage) => stage.method).filter((method) => !known.includes(method))
+  if (fresh.length > 0) setKnown([...new Set([...known, ...fresh])])
   const single = (campaign.objectives ?? []).length === 0
   const unknown = stages.flatMap((stage, i) => (catalogue.methods.some((m) => m.name === stage.method) ? [] : [i]))
   const replace = (next: SearchStage[]) => set(['stages', 'search'], next)
@@ -36,9 +42,30 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
     const before = stages.findIndex((s) => rank(s) > rank(stage))
     replace(before < 0 ? [...stages, stage] : stages.toSpliced(before, 0, stage))
   }
+  const above = new Set(fixed ?? known)
+  const [first, others] = [catalogue.methods.filter((m) => above.has(m.name)), catalogue.methods.filter((m) => !above.has(m.name))]
+  const rows = (methods: readonly MethodEntry[]) =>
+    methods.flatMap((method) => {
+      const own = stages.flatMap((stage, i) => (stage.method === method.name ? [i] : []))
+      const places: (number | null)[] = own.length > 0 ? own : [null]
+      return places.map((at, i) => (
+        <MethodRow
+          // The same row whether it is chosen or not: it keeps the focus.
+          key={`${method.name}-${i}`}
+          at={at}
+          stage={at === null ? held[method.name] : stages[at]}
+          method={method}
+          single={single}
+          parameters={parameters}
+          set={set}
+          onToggle={() => (at === null ? add(method) : drop(at))}
+        />
+      ))
+    })
   return (
     <Card
       title="Methods and budgets"
+      id="section-methods"
       note="Each search ends by its own rule or at its budget."
       flush
       footer="Cleared requires global methods that agree on the worst case, and a certify stage if a target for P(violation) is set."
@@ -57,34 +84,23 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
           </tr>
         </thead>
         <tbody>
-          {catalogue.methods.map((method) => {
-            const own = stages.flatMap((stage, i) => (stage.method === method.name ? [i] : []))
-            if (own.length === 0)
-              return (
-                <MethodRow
-                  key={method.name}
-                  at={null}
-                  stage={held[method.name]}
-                  method={method}
-                  single={single}
-                  parameters={parameters}
-                  set={set}
-                  onToggle={() => add(method)}
-                />
-              )
-            return own.map((i) => (
-              <MethodRow
-                key={`${method.name}-${i}`}
-                at={i}
-                stage={stages[i]}
-                method={method}
-                single={single}
-                parameters={parameters}
-                set={set}
-                onToggle={() => drop(i)}
-              />
-            ))
-          })}
+          {rows(first)}
+          {others.length > 0 && (
+            <tr>
+              <td colSpan={6}>
+                <button
+                  type="button"
+                  className="btn s"
+                  aria-expanded={fixed !== null}
+                  onClick={() => setFixed(fixed ? null : known)}
+                >
+                  {fixed ? <IconChevronUp className="i s" aria-hidden /> : <IconChevronDown className="i s" aria-hidden />}
+                  {fixed ? 'Fewer methods' : `More methods (${others.length})`}
+                </button>
+              </td>
+            </tr>
+          )}
+          {fixed && rows(others)}
         </tbody>
       </table>
       <div style={{ padding: '0 16px 8px' }} id={idOf('stages.search')} tabIndex={-1}>

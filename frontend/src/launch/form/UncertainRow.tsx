@@ -27,6 +27,8 @@ const NUMBERS = {
 
 interface UncertainRowProps {
   path: string
+  /** Distinct among the rows, for the names of its controls. */
+  name: string
   parameter: Parameter | undefined
   /** Undefined if held at the nominal value. */
   uncertain: Uncertain | undefined
@@ -35,7 +37,7 @@ interface UncertainRowProps {
   set: (at: readonly (string | number)[], value: unknown) => void
 }
 
-export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }: UncertainRowProps) {
+export function UncertainRow({ path, name, parameter, uncertain, held, onToggle, set }: UncertainRowProps) {
   const field = `uncertain.${path}`
   const own = useProblems(field, true)
   const nominalProblems = useProblems(parameter?.field ?? field)
@@ -45,7 +47,6 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
   const nominal = parameter?.nominal ?? null
   const [low, high] = boundsOf(shown, nominal)
   const distribution = shown.distribution ?? { kind: 'uniform' }
-  const name = parameter?.entry.text ?? path
   const shaped = on && distribution.kind !== 'uniform'
   // An edited bound replaces a plus-minus; the other bound is unchanged.
   const bound = (which: 'low' | 'high') => (value: Raw | null) =>
@@ -73,7 +74,7 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
           <Sign text={parameter?.entry.symbol || (path.split('.').at(-1) ?? path)} />
         </td>
         <td title={path}>
-          {name}
+          {parameter?.entry.text ?? path}
           {parameter && parameter.group !== 'Vehicle' && !path.startsWith('simulator.') && (
             <span className="mut"> · {parameter.group.toLowerCase()}</span>
           )}

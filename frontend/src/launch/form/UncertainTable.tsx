@@ -33,11 +33,20 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
     }
   }
   const vary = Object.keys(uncertain).length
+  // Parameters of several parts may have the same text: their controls are told apart by the part.
+  const texts = rows.map((path) => known.get(path)?.entry.text)
+  const nameOf = (path: string) => {
+    const parameter = known.get(path)
+    if (!parameter) return path
+    const { text } = parameter.entry
+    return texts.indexOf(text) === texts.lastIndexOf(text) ? text : `${text}, ${parameter.group}`
+  }
   const free = parameters.filter((parameter) => !rows.includes(parameter.path))
   return (
     <Card
       title="Uncertain parameters"
       note={`${vary} of ${rows.length} vary. Untick to hold a parameter at its nominal value.`}
+      id="section-uncertain"
       flush
       right={<AddParameter free={free} onAdd={(path) => toggle(path, true)} />}
       footer={
@@ -64,6 +73,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
             <UncertainRow
               key={path}
               path={path}
+              name={nameOf(path)}
               parameter={known.get(path)}
               uncertain={uncertain[path]}
               held={held[path]}

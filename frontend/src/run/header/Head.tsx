@@ -21,6 +21,9 @@ import { Remove } from './Removed'
 import runStyles from '../run.module.css'
 
 export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
+  // The button stays when the run ends: another in its place could be pressed by mistake.
+  const [ran, setRan] = useState('')
+  if (isLive(run) && ran !== run.id) setRan(run.id)
   return (
     <div className="ph">
       <div className="t">
@@ -53,6 +56,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
         </div>
       </div>
       <div className="acts">
+        {!isLive(run) && run.removed === null && <Remove run={run} />}
         {isLive(run) && <Freshness stale={stale} />}
         {isLive(run) && <Bell run={run.id} />}
         {isLive(run) && hasScenario(asCampaign(run.campaign)) && (
@@ -65,7 +69,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           <IconRefresh className="i s" aria-hidden />
           Run again
         </Link>
-        {isLive(run) ? <Cancel run={run} /> : run.removed === null && <Remove run={run} />}
+        {ran === run.id && <Cancel run={run} />}
       </div>
     </div>
   )
@@ -92,14 +96,21 @@ function Cancel({ run }: { run: RunDetail }) {
     },
   })
   const cancelling = run.state === 'cancelling'
+  const over = !isLive(run)
   return (
     <>
-      <button type="button" className="btn danger" disabled={cancelling} onClick={() => setAsking(true)}>
+      <button
+        type="button"
+        className="btn danger"
+        disabled={cancelling || over}
+        title={over ? 'This run has ended.' : undefined}
+        onClick={() => setAsking(true)}
+      >
         <IconPlayerStop className="i s" aria-hidden />
         {cancelling ? 'Cancelling …' : 'Cancel run'}
       </button>
       <Modal
-        opened={asking && !cancelling}
+        opened={asking && !cancelling && !over}
         onClose={() => setAsking(false)}
         title={`Cancel ${run.id}?`}
         centered

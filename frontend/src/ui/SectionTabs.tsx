@@ -1,9 +1,9 @@
 // The tabs below the figures: links to the sections in page order, with the one that is read highlighted.
 import { useCallback, useEffect, useRef, useState } from 'react'
 import { count } from '../format/numbers'
-import { useHotkeys } from '../ui/useHotkeys'
+import { useHotkeys } from './useHotkeys'
 import { currentOf, inPageOrder, lineOf, type Placed } from './sections'
-import styles from './run.module.css'
+import styles from './sections.module.css'
 
 export interface Section {
   id: string

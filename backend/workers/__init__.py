@@ -1,0 +1,1 @@
+"""The workers: whether one is alive, and what each executes."""

@@ -1,0 +1,43 @@
+"""The API schemas of workers."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from backend.http.schema import Schema
+from backend.runs.schemas import RunDoing
+
+
+class WorkerOut(Schema):
+    """A worker by its last heartbeat."""
+
+    name: str
+    host: str
+    pid: int
+    started: float
+    """Seconds since 1970."""
+    beat: float
+    """The last heartbeat, seconds since 1970."""
+    state: Literal["idle", "busy", "silent"]
+    """`silent`: no heartbeat for 20 s, ten times the usual interval."""
+    run: str | None
+    """The run that it executes, R-0001."""
+    stage: str | None
+    """The running stage: Search, DIRECT; None between stages."""
+    doing: RunDoing | None
+    """What it does besides the stages of its run, such as compiling."""
+    simulators: list[str]
+    """The names of its simulators."""
+
+
+class Workers(Schema):
+    """The workers of this database: the live ones, and those that have become silent within ten minutes."""
+
+    now: float
+    """The time by the clock of the heartbeats, seconds since 1970."""
+    alive: int
+    last_seen: float | None
+    """When any worker was last seen, seconds since 1970; None if none is known."""
+    queued: int
+    """Number of runs that wait for a worker."""
+    items: list[WorkerOut]

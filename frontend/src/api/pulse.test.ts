@@ -1,0 +1,104 @@
+// A service that does not answer is reported after 3 s, whichever way it was noticed, and no longer once it answers.
+import { afterEach, beforeEach, expect, it, vi } from 'vitest'
+import { PATIENCE, Pulse } from './pulse'
+
+beforeEach(() => {
+  vi.useFakeTimers({ now: 1_000_000 })
+})
+afterEach(() => {
+  vi.useRealTimers()
+})
+
+/** A service that hangs, refuses connections, or answers, as told. */
+class Service {
+  state: 'hangs' | 'refuses' | 'answers' = 'answers'
+  asked = 0
+  private waiting: (() => void)[] = []
+
+  readonly ask = (signal: AbortSignal): Promise<void> => {
+    this.asked++
+    if (this.state === 'refuses') return Promise.reject(new TypeError('Failed to fetch'))
+    if (this.state === 'answers') return Promise.resolve()
+    return new Promise((resolve, reject) => {
+      this.waiting.push(resolve)
+      signal.addEventListener('abort', () => reject(new DOMException('', 'AbortError')))
+    })
+  }
+
+  wakes(): void {
+    this.state = 'answers'
+    for (const answer of this.waiting.splice(0)) answer()
+  }
+}
+
+const made = (state: Service['state']): [Service, Pulse] => {
+  const service = new Service()
+  service.state = state
+  return [service, new Pulse(service.ask)]
+}
+
+it('reports a request without an answer after 3 s, and takes it back', async () => {
+  const [service, pulse] = made('hangs')
+  const request = pulse.follow(new Promise(() => undefined))
+  await vi.advanceTimersByTimeAsync(PATIENCE - 1)
+  expect(pulse.contact.state).toBe('well')
+  await vi.advanceTimersByTimeAsync(1)
+  expect(pulse.contact).toEqual({ state: 'silent', since: 1_000_000 })
+  service.wakes()
+  await vi.advanceTimersByTimeAsync(0)
+  expect(pulse.contact.state).toBe('well')
+  void request
+})
+
+it('says nothing of a request that takes long while the service answers others', async () => {
+  const [, pulse] = made('answers')
+  void pulse.follow(new Promise(() => undefined))
+  for (let i = 0; i < 60; i++) {
+    await vi.advanceTimersByTimeAsync(1000)
+    pulse.tick()
+    expect(pulse.contact.state).toBe('well')
+  }
+})
+
+it('asks on a quiet page, and goes on asking until there is an answer', async () => {
+  const [service, pulse] = made('hangs')
+  for (let i = 0; i < 8; i++) {
+    pulse.tick()
+    await vi.advanceTimersByTimeAsync(1000)
+  }
+  expect(pulse.contact.state).toBe('silent')
+  for (let i = 0; i < 30; i++) {
+    pulse.tick()
+    await vi.advanceTimersByTimeAsync(1000)
+  }
+  expect(service.asked).toBeGreaterThan(2)
+  service.wakes()
+  await vi.advanceTimersByTimeAsync(0)
+  expect(pulse.contact.state).toBe('well')
+})
+
+it('distinguishes a service that is not there, with a pause between the questions', async () => {
+  const [service, pulse] = made('refuses')
+  for (let i = 0; i < 12; i++) {
+    pulse.tick()
+    await vi.advanceTimersByTimeAsync(1000)
+  }
+  expect(pulse.contact.state).toBe('unreachable')
+  expect(service.asked).toBeLessThan(7)
+  service.state = 'answers'
+  for (let i = 0; i < 3; i++) {
+    pulse.tick()
+    await vi.advanceTimersByTimeAsync(1000)
+  }
+  expect(pulse.contact.state).toBe('well')
+})
+
+it('asks nothing while answers come', async () => {
+  const [service, pulse] = made('answers')
+  for (let i = 0; i < 20; i++) {
+    await pulse.follow(Promise.resolve())
+    pulse.tick()
+    await vi.advanceTimersByTimeAsync(1000)
+  }
+  expect(service.asked).toBe(0)
+})

@@ -1,0 +1,99 @@
+// Whether the service answers. Every answer and event is a sign of life; without one the service is asked, and after 3 s
+// without an answer all pages say so, until it answers again. Start reading at `Pulse`.
+import { useSyncExternalStore } from 'react'
+
+/** Time without an answer after which it is reported [ms]. */
+export const PATIENCE = 3000
+/** A request that takes longer than this is a reason to ask whether the service answers at all: some take long [ms]. */
+const SLOW = 500
+/** The longest time without a sign of life on a visible page [ms]. */
+const QUIET = 5000
+/** Until an unanswered question is asked again [ms]. */
+const AGAIN = 10_000
+/** The pause after a refused connection [ms]. */
+const PAUSE = 1500
+
+/** `silent`: connected, but without an answer; `unreachable`: no connection. Since when [ms since 1970]. */
+export type Contact = { state: 'well' } | { state: 'silent' | 'unreachable'; since: number }
+
+const WELL: Contact = { state: 'well' }
+
+/** `ask` resolves with any answer of the service, and rejects if there is no connection or the signal aborts it. */
+export class Pulse {
+  contact: Contact = WELL
+  private heard: number
+  private asking = false
+  private readonly listeners = new Set<() => void>()
+
+  constructor(
+    private readonly ask: (signal: AbortSignal) => Promise<unknown>,
+    private readonly now: () => number = Date.now,
+  ) {
+    this.heard = now()
+  }
+
+  readonly subscribe = (listener: () => void): (() => void) => {
+    this.listeners.add(listener)
+    return () => this.listeners.delete(listener)
+  }
+
+  /** The service has answered something. */
+  beat(): void {
+    this.heard = this.now()
+    if (this.contact.state !== 'well') this.set(WELL)
+  }
+
+  /** Follows a request: its answer is a sign of life, and the service is asked if it takes long. */
+  async follow<T>(answer: Promise<T>): Promise<T> {
+    const slow = setTimeout(() => void this.check(this.now() - SLOW), SLOW)
+    try {
+      const found = await answer
+      this.beat()
+      return found
+    } finally {
+      clearTimeout(slow)
+    }
+  }
+
+  /** Asks if nothing was heard for long, or if the service did not answer before. */
+  tick(): void {
+    if (this.contact.state !== 'well' || this.now() - this.heard >= QUIET) void this.check()
+  }
+
+  /** Asks the service, one question at a time. `since`: when it should have begun to answer. */
+  async check(since = this.now()): Promise<void> {
+    if (this.asking) return
+    this.asking = true
+    const abort = new AbortController()
+    const late = setTimeout(() => this.lost('silent', since), Math.max(0, since + PATIENCE - this.now()))
+    const again = setTimeout(() => abort.abort(), AGAIN)
+    try {
+      await this.ask(abort.signal)
+      this.beat()
+    } catch {
+      if (!abort.signal.aborted) {
+        this.lost('unreachable', since)
+        await new Promise((resolve) => setTimeout(resolve, PAUSE))
+      }
+    } finally {
+      clearTimeout(late)
+      clearTimeout(again)
+      this.asking = false
+    }
+  }
+
+  private lost(state: 'silent' | 'unreachable', since: number): void {
+    if (this.contact.state === state) return
+    this.set({ state, since: this.contact.state === 'well' ? since : this.contact.since })
+  }
+
+  private set(contact: Contact): void {
+    this.contact = contact
+    for (const listener of this.listeners) listener()
+  }
+}
+
+/** Of this tab. Any answer counts, also a refusal. */
+export const pulse = new Pulse((signal) => fetch('/api/v1/health', { signal, cache: 'no-store' }))
+
+export const useContact = (): Contact => useSyncExternalStore(pulse.subscribe, () => pulse.contact)

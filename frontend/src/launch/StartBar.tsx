@@ -1,0 +1,45 @@
+// At the lower edge of the window wherever the page is scrolled: the estimated effort, and the start of the run.
+import { IconPlayerPlay } from '@tabler/icons-react'
+import type { Checked } from '../client'
+import { count, duration } from '../format/numbers'
+import styles from './launch.module.css'
+
+interface StartBarProps {
+  /** Undefined while there is no campaign to estimate. */
+  checked: Checked | undefined
+  /** Whether the estimate belongs to an earlier state of the campaign. */
+  checking: boolean
+  disabled: boolean
+  busy: boolean
+  /** Why it cannot be started; empty otherwise. */
+  why: string
+  onStart: () => void
+}
+
+export function StartBar({ checked, checking, disabled, busy, why, onStart }: StartBarProps) {
+  return (
+    <div className={styles.bar} role="region" aria-label="Start">
+      <div className={styles.effort}>
+        <p className="num" aria-busy={checking} data-testid="effort">
+          {effortOf(checked)}
+        </p>
+        <p className="small mut" aria-live="polite">
+          {why}
+        </p>
+      </div>
+      <button type="button" className="btn p" disabled={disabled || busy} onClick={onStart}>
+        <IconPlayerPlay className="i s" aria-hidden />
+        {busy ? 'Starting …' : 'Start run'}
+        <span className="kbd">Ctrl ↵</span>
+      </button>
+    </div>
+  )
+}
+
+/** About 21 600 evaluations, about 12 s. */
+export function effortOf(checked: Checked | undefined): string {
+  const { estimate } = checked ?? {}
+  if (!estimate) return 'No estimate yet'
+  const time = estimate.seconds === null ? 'time not known' : `about ${duration(estimate.seconds)}`
+  return `About ${count(estimate.evaluations)} evaluations, ${time}`
+}

@@ -1,0 +1,194 @@
+"""The daily work: whether anybody works, a service that hangs, cancelling, and launching a file of one's own.
+
+No run is executed: workers are rows of the database. Start reading at `visit`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sqlalchemy as sa
+import yaml
+from playwright.sync_api import Browser, Locator, Page, Route, expect
+
+from backend.db import workers
+from backend.db.queue import Queue
+from backend.db.tables import Run
+from tests.api.catalogue import campaign
+from tests.api.server import Service
+from tests.api.submitting import submit
+from tests.e2e.browser import Visit, visiting
+from tests.e2e.stored import served
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+DRAWS = False
+PHONE = {"width": 390, "height": 844}
+"""[px]"""
+
+
+@pytest.fixture(scope="module")
+def working(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """A service without a worker."""
+    with served(tmp_path_factory.mktemp("work")) as service:
+        yield service
+
+
+@pytest.fixture(scope="module")
+def visit(working: Service, browser: Browser) -> Iterator[Visit]:
+    with visiting(browser, working.url) as visit:
+        visit.go(f"/login?code={working.login_code()}")
+        yield visit
+
+
+def beat(service: Service, run: int | None = None) -> None:
+    with service.engine.begin() as connection:
+        workers.arrive(connection, "w1")
+        workers.beat(connection, "w1", run)
+
+
+def box(part: Locator) -> dict[str, float]:
+    found = part.bounding_box()
+    assert found is not None
+    return dict(found)
+
+
+def sideways(page: Page) -> int:
+    return int(page.evaluate("document.documentElement.scrollWidth - innerWidth"))
+
+
+def test_the_header_says_whether_anybody_works(working: Service, visit: Visit) -> None:
+    page = visit.page
+    with working.signed_in() as client:
+        submit(client)
+    visit.go("/runs")
+    row = page.locator("tr[data-run=R-0001]")
+    expect(row).to_contain_text("No worker is running. Start one with")
+    page.get_by_role("button", name="No worker is alive").click()
+    panel = page.get_by_role("dialog", name="Workers")
+    expect(panel).to_contain_text("No worker is alive. 1 run waits.")
+    visit.shot("no-worker", full=False)
+    beat(working)
+    expect(panel).to_contain_text("1 worker alive")
+    expect(row).to_contain_text("It starts automatically")
+    page.keyboard.press("Escape")
+    expect(panel).to_be_hidden()
+    expect(page.get_by_role("button", name="1 worker alive, 0 busy")).to_be_focused()
+
+
+def test_a_service_that_hangs_is_reported_until_it_answers(visit: Visit) -> None:
+    page = visit.page
+    visit.go("/help")
+    expect(page.get_by_role("heading", name="Verdicts", exact=True)).to_be_visible()
+    held: list[Route] = []
+    page.route("**/api/v1/**", held.append)
+    connection = page.get_by_role("status", name="Connection")
+    expect(connection).to_contain_text("The service does not answer")
+    visit.shot("hung", full=False)
+    page.unroute("**/api/v1/**")
+    for route in held:
+        route.continue_()
+    expect(connection).to_be_empty()
+
+
+def test_removal_never_takes_the_place_of_cancelling(working: Service, visit: Visit) -> None:
+    page = visit.page
+    claim = Queue(working.engine).claim("w1")
+    assert claim is not None
+    beat(working, claim.run_id)
+    with working.engine.begin() as connection:
+        workers.doing(connection, "w1", claim.run_id, "compiling", 14.0)
+    for width in (1440, PHONE["width"]):
+        with working.engine.begin() as connection:
+            connection.execute(sa.update(Run).values(state="running", finished=None))
+        page.set_viewport_size({"width": width, "height": 844})
+        visit.go("/runs/R-0001")
+        expect(page.get_by_text("Compiling your closed loop, about 14 s, once")).to_be_visible()
+        cancel = page.get_by_role("button", name="Cancel run")
+        place = box(cancel)
+        assert sideways(page) == 0
+        with working.engine.begin() as connection:
+            connection.execute(sa.update(Run).values(state="cancelled", finished=1e9))
+        expect(page.get_by_role("button", name="Remove", exact=True)).to_be_visible()
+        expect(cancel).to_be_disabled()
+        removal = box(page.get_by_role("button", name="Remove", exact=True))
+        apart = removal["x"] + removal["width"] <= place["x"] or removal["x"] >= place["x"] + place["width"]
+        assert apart or removal["y"] + removal["height"] <= place["y"]
+    page.set_viewport_size({"width": 1440, "height": 900})
+
+
+def test_a_file_brings_its_own_name(visit: Visit, tmp_path: Path) -> None:
+    page = visit.page
+    visit.go("/launch?tab=yaml")
+    expect(page.get_by_label("Name", exact=True)).to_have_value("Unicycle, static obstacle")
+    document: dict[str, Any] = campaign(name="Quadrotor, wall", tags=["quadrotor"])
+    file = tmp_path / "quadrotor.yaml"
+    file.write_text(yaml.safe_dump(document))
+    page.get_by_label("Name", exact=True).fill("My own")
+    page.locator("input[type=file]").set_input_files(file)
+    expect(page.get_by_label("Name", exact=True)).to_have_value("Quadrotor, wall")
+    expect(page.locator(".mantine-TagsInput-pill")).to_have_text(["quadrotor"])
+
+
+@pytest.mark.parametrize("width", [1440, 390])
+def test_the_start_and_the_estimate_stay_in_sight(visit: Visit, width: int) -> None:
+    page = visit.page
+    page.set_viewport_size({"width": width, "height": 844})
+    visit.go("/launch")
+    start, effort = page.get_by_role("button", name="Start run"), page.get_by_test_id("effort")
+    expect(effort).to_have_text(re.compile(r"^About [\d\s]+ evaluations, time not known$"))
+    tabs = page.get_by_role("navigation", name="Sections")
+    names = tabs.get_by_role("link")
+    tops = [page.locator(href).evaluate("e => e.getBoundingClientRect().top") for href in hrefs(names)]
+    assert tops == sorted(tops)
+    for i in range(names.count()):
+        page.locator(hrefs(names)[i]).evaluate("e => e.scrollIntoView({behavior: 'instant'})")
+        expect(names.nth(i)).to_have_attribute("aria-current", "true")
+        expect(names.nth(i)).to_be_in_viewport(ratio=0.9)
+        expect(start).to_be_in_viewport(ratio=1)
+        expect(effort).to_be_in_viewport(ratio=1)
+    visit.shot(f"launch-scrolled-{width}", full=False)
+    assert sideways(page) == 0
+
+
+def hrefs(links: Locator) -> list[str]:
+    return [str(link.get_attribute("href")) for link in links.all()]
+
+
+def test_the_chosen_methods_come_first(visit: Visit) -> None:
+    page = visit.page
+    page.set_viewport_size({"width": 1440, "height": 900})
+    visit.go("/launch")
+    ticks = page.locator("#section-methods").get_by_role("checkbox")
+    expect(ticks.first).to_be_checked()
+    before = ticks.count()
+    assert all(tick.is_checked() for tick in ticks.all())
+    more = page.get_by_role("button", name=re.compile("^More methods"))
+    more.click()
+    assert ticks.count() > before
+    other = ticks.nth(before)
+    name, place = other.get_attribute("aria-label"), box(other)
+    other.check()
+    same = page.get_by_role("checkbox", name=name)
+    assert abs(box(same)["y"] - place["y"]) < 2, "it stays under the pointer"
+    page.get_by_role("button", name="Fewer methods").click()
+    expect(same).to_be_checked()
+    assert ticks.count() == before + 1
+
+
+def test_controls_that_repeat_have_different_names(visit: Visit) -> None:
+    page = visit.page
+    for tab in ("form", "yaml"):
+        visit.go(f"/launch?tab={tab}" if tab == "yaml" else "/launch")
+        expect(page.get_by_role("button", name="Start run")).to_be_visible()
+        names = page.evaluate(
+            """() => [...document.querySelectorAll('main button, main input')].flatMap((e) => {
+                const name = e.getAttribute('aria-label') ?? e.labels?.[0]?.textContent ?? e.textContent
+                return e.checkVisibility() && name ? [`${e.tagName} ${name.trim()}`] : []
+            })"""
+        )
+        assert len(names) > 10
+        assert sorted(set(names)) == sorted(names)

@@ -23,6 +23,7 @@ import { focusField, ProblemsProvider } from './fields/problems'
 import type { Shelf } from './library/shelf'
 import { Estimate, RunCard, StartButton } from './Side'
 import { Summary } from './Summary'
+import { SweepCard } from './sweep/SweepCard'
 import { type Draft as DraftState, useDraft } from './draft/useDraft'
 import { usePreview } from './preview/usePreview'
 import { useSaved } from './draft/useSaved'
@@ -210,6 +211,21 @@ export function Editor(props: EditorProps) {
                 onReopen={props.onReopen}
               />
             </div>
+            {draft.readable && (
+              <SweepCard
+                campaign={draft.campaign}
+                parameters={parameters}
+                name={name.trim()}
+                tags={tags}
+                blocked={blocked}
+                typed={draft.typed}
+                onLaunched={(id) => {
+                  going.current = { pathname: `/sweeps/${id}` }
+                  void cache.invalidateQueries({ queryKey: ['runs'] })
+                  void navigate({ to: '/sweeps/$id', params: { id } })
+                }}
+              />
+            )}
           </div>
         </div>
       </div>

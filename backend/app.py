@@ -44,6 +44,10 @@ from backend.sessions import endpoints as sessions
 from backend.sessions.attempts import Attempts
 from backend.settings import Settings
 from backend.signoffs import endpoints as signoffs
+from backend.sweeps import endpoints as sweeps
+from backend.trends import endpoints as trends
+from backend.webhooks import endpoints as webhooks
+from backend.webhooks.dispatcher import Dispatcher
 from backend.workers import endpoints as workers
 from campaigns.version import VERSION
 
@@ -62,7 +66,9 @@ def create(settings: Settings) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        await app.state.webhooks.start()
         yield
+        await app.state.webhooks.close()
         await hub.close()
         await to_thread.run_sync(live.close)
         await to_thread.run_sync(app.state.previews.stop)
@@ -89,6 +95,7 @@ def create(settings: Settings) -> FastAPI:
         separate_input_output_schemas=False,
     )
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
+    app.state.webhooks = Dispatcher(engine, settings.hooks, settings.public_url)
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
@@ -98,11 +105,9 @@ def create(settings: Settings) -> FastAPI:
     errors.install(app)
     api = APIRouter(responses=errors.PROBLEMS)
     features = (health, workers, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
-    for feature in (*features, flights, cases, proposals, views):
+    for feature in (*features, flights, cases, proposals, trends, sweeps, webhooks, views):
         api.include_router(feature.router)
-    app.include_router(
-        api, prefix=API
-    )  # without one FastAPI builds all routes now, and again later
+    app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
     app.include_router(sessions.login)
     app.include_router(recordings.router)  # before the viewer, whose routes match any suffix
     app.include_router(scenes.router)

@@ -19,6 +19,7 @@ from pydantic.json_schema import JsonSchemaMode, models_json_schema
 from backend.events.schemas import NewImprovements
 from backend.http.errors import ProblemDocument, declare
 from backend.runs.schemas import RunSubmit
+from backend.sweeps.schemas import SweepSubmit
 from campaigns import Campaign
 from campaigns.documents import JsonObject
 
@@ -29,6 +30,7 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (NewImprovements, "serialization"),
     (Campaign, "serialization"),
     (RunSubmit, "validation"),
+    (SweepSubmit, "validation"),
 )
 _LEFT_OUT = {
     "Criterion": ("component", "result", "from_centre"),
@@ -54,7 +56,7 @@ _LEFT_OUT = {
 """Models whose defaults are omitted in responses."""
 _PARTIAL = frozenset(
     {
-        *("RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
+        *("RunSubmit", "SweepSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
         *("DraftContent", "DraftReplace", "ViewChange", "LayersChange", "FlightRequest", "CaseRequest"),
     }
 )
@@ -76,12 +78,14 @@ TAGS = [
     {"name": "catalog", "description": "Components, methods, the library of campaigns"},
     {"name": "drafts", "description": "Drafts of campaigns, as original text"},
     {"name": "runs", "description": "Submitting, listing, watching, cancelling, notes"},
+    {"name": "sweeps", "description": "One campaign with several values of a fixed parameter"},
     {"name": "results", "description": "Evaluations, findings, traces"},
     {"name": "exports", "description": "A run as files: JSON, CSV, MAT"},
     {"name": "reports", "description": "The report for a safety case"},
     {"name": "signoffs", "description": "Reviewers' sign-offs of a run's results"},
     {"name": "views", "description": "The 3D views that this visitor has open"},
     {"name": "events", "description": "Live progress"},
+    {"name": "webhooks", "description": "Messages to other programs when a run ends"},
 ]
 HEALTH = "/api/v1/health"
 SECURITY = {

@@ -8,9 +8,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, model_validator
 
 from backend.db.engine import default_url
+from backend.webhooks.configured import Configured, configured
 
 PREFIX = "CLEARANCE_"
 
@@ -45,6 +46,23 @@ class Settings(BaseModel):
     """Maximum number of open connections; further ones are refused."""
     request_patience: Annotated[float, Field(gt=0, le=3600)] = 20.0
     """How long a client may take to send a request, and to read on while an answer is sent [s]."""
+    webhooks: SecretStr = SecretStr("")
+    """Addresses that receive a message when a run ends, separated by spaces; secret: some contain a password."""
+    webhook_secret: SecretStr = SecretStr("")
+    """Signs the messages to them."""
+    webhook_private: bool = False
+    """Permits addresses in private networks, and HTTP without encryption."""
+
+    @property
+    def hooks(self) -> Configured:
+        """The webhooks; raises `ValueError` if they are invalid."""
+        secret = self.webhook_secret.get_secret_value()
+        return configured(self.webhooks.get_secret_value(), secret, self.webhook_private)
+
+    @model_validator(mode="after")
+    def _hooked(self) -> Settings:
+        _ = self.hooks
+        return self
 
     @model_validator(mode="after")
     def _loopback(self) -> Settings:

@@ -33,6 +33,7 @@ ENDED = (RunState.DONE, RunState.FAILED, RunState.CANCELLED)
 """States in which the run no longer changes."""
 
 _NAME = re.compile(r"R-([0-9]{1,15})")
+_SWEEP = re.compile(r"S-([0-9]{1,9})")
 
 
 def run_name(run_id: int) -> str:
@@ -43,4 +44,15 @@ def run_name(run_id: int) -> str:
 def run_number(name: str) -> int | None:
     """1 of R-0001; None if this is not the name of a run."""
     match = _NAME.fullmatch(name)
+    return None if match is None else int(match[1])
+
+
+def sweep_name(sweep_id: int) -> str:
+    """S-0001 of 1."""
+    return f"S-{sweep_id:04d}"
+
+
+def sweep_number(name: str) -> int | None:
+    """1 of S-0001; None if this is not the name of a sweep."""
+    match = _SWEEP.fullmatch(name)
     return None if match is None else int(match[1])

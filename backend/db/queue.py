@@ -74,6 +74,7 @@ def submit(
     """
     created = now(connection)
     row = {"digest": campaign.digest, "name": campaign.name, "document": campaign.document(), "created": created}
+    row |= {"seedless": campaign.seedless}
     connection.execute(insert(connection, CampaignRow).values(**row).on_conflict_do_nothing())
     values = {
         "campaign_digest": campaign.digest,

@@ -18,9 +18,13 @@ from backend.db.tables_access import Token as Token
 from backend.db.tables_installed import CatalogueDocument as CatalogueDocument
 from backend.db.tables_installed import CatalogueSnapshot as CatalogueSnapshot
 from backend.db.tables_installed import CodeVersion as CodeVersion
+from backend.db.tables_sweeps import Sweep as Sweep
+from backend.db.tables_sweeps import SweepRun as SweepRun
 from backend.db.tables_users import Audit as Audit
 from backend.db.tables_users import Draft as Draft
 from backend.db.tables_users import Signoff as Signoff
+from backend.db.tables_webhooks import WebhookDelivery as WebhookDelivery
+from backend.db.tables_webhooks import WebhookTarget as WebhookTarget
 from campaigns.documents import JsonObject
 
 
@@ -32,6 +36,8 @@ class Campaign(Base):
     name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
     document: orm.Mapped[JsonObject]
     created: orm.Mapped[float]
+    seedless: orm.Mapped[str | None] = orm.mapped_column(sa.String(64), index=True)
+    """Digest of the document without its seed, see `campaigns.asked.spec.seedless`."""
     __table_args__ = (sa.Index("ix_campaigns_name", "name", "digest"),)
 
 

@@ -73,6 +73,7 @@ KINDS = {
     "already-signed": Kind(409, "The same person has already signed off these results in this role."),
     "flight-overtaken": Kind(409, "A newer request of the same client superseded this one."),
     "draft-changed": Kind(409, "Another user has saved the draft since it was opened."),
+    "no-webhook": Kind(409, "The settings name no webhook."),
     "no-verdict": Kind(409, "The run has no verdict to sign off."),
     "not-removable": Kind(409, "A run is running, or has a valid sign-off."),
     "notes-changed": Kind(409, "Another user has changed the notes since they were read."),

@@ -1,16 +1,19 @@
-"""A run's report for a safety case, as HTML and as PDF. Start reading at `get_report`."""
+"""A run's report for a safety case, as HTML and as PDF, and the list of reports. Start reading at `get_report`."""
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import sqlalchemy as sa
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from backend.db.engine import now, read
-from backend.http.deps import Engine, capacities
+from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import problems
 from backend.http.schema import RunName
-from backend.reports import pdf, service
+from backend.reports import listing, pdf, service
+from backend.reports.schemas import ReportPage
 from backend.runs.service import number
 from campaigns.documents import JsonObject
 
@@ -57,6 +60,17 @@ async def get_report_pdf(run: RunName, request: Request, engine: Engine) -> Resp
     file, content = await capacities(request).pdf.run(printed, request.is_disconnected)
     headers = {"Content-Disposition": f'attachment; filename="{file}.pdf"'}
     return Response(content, headers=headers, media_type="application/pdf")
+
+
+@router.get("/reports", responses=problems("bad-cursor"))
+def list_reports(
+    reader: Reader,
+    q: Annotated[str, Query(max_length=200, description="Words in the name, campaign, tags, owner or number.")] = "",
+    cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the previous page.")] = None,
+    limit: Annotated[int, Query(ge=1, le=50, description="Maximum number of reports on a page.")] = 20,
+) -> ReportPage:
+    """The reports of all runs that have ended, newest first, with verdict, sign-offs and digest, in pages."""
+    return listing.page(reader, q, cursor, limit)
 
 
 def _made(request: Request, engine: sa.Engine, run_id: int) -> service.Page:

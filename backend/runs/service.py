@@ -17,7 +17,7 @@ from backend.db.tables import IdempotencyKey, Run, RunText, Stage
 from backend.http import bodies
 from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, pace
-from backend.runs.earlier import Terms, terms_of
+from backend.runs.earlier import terms_of
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress, StageSummary
 from backend.runs.tombstones import refuse_purged
 from backend.runs.versions import readable

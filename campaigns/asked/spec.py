@@ -234,6 +234,18 @@ class Campaign(Strict):
         """The JSON form with sorted keys, every default written out."""
         return json.dumps(self.document(), sort_keys=True, separators=(",", ":"), allow_nan=False)
 
+    @property
+    def seedless(self) -> str:
+        """SHA-256 over the canonical form without its seed: equal campaigns that differ only in the seed share it."""
+        return seedless(self.document())
+
     def document(self) -> JsonObject:
         """The campaign as plain JSON values."""
         return self.model_dump(mode="json", by_alias=True)
+
+
+def seedless(document: Mapping[str, Any]) -> str:
+    """The same digest from a stored document."""
+    rest = {key: value for key, value in document.items() if key != "seed"}
+    canonical = json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()

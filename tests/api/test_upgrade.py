@@ -20,7 +20,9 @@ from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.rows import as_finding, as_result
 from backend.db.tables import Audit, Finding, Run, Signoff, Stage
+from backend.db.tables import Campaign as CampaignRow
 from backend.settings import Settings
+from campaigns.asked.spec import seedless
 from campaigns.results import ValidateResult, Verdict
 from tests.api.server import Service
 from tests.audited import audited
@@ -105,6 +107,13 @@ def test_findings_hold_their_evidence(engine: sa.Engine, before: dict[str, Any])
     assert {"name": "nominal", **validated.encounter.closest.model_dump()} == closest["nominal"]
     new = {"stop": {"said", "code", "values"}}
     assert [row.model_dump(exclude=new) for row in validated.comparison] == before["validate"]["comparison"]
+
+
+def test_campaigns_are_found_apart_from_their_seed(engine: sa.Engine) -> None:
+    with read(engine) as reader:
+        rows = reader.execute(sa.select(CampaignRow.document, CampaignRow.seedless)).all()
+    assert rows
+    assert [row.seedless for row in rows] == [seedless(row.document) for row in rows]
 
 
 def test_the_audit_follows_before_and_after(engine: sa.Engine, tmp_path: Path) -> None:

@@ -44,10 +44,10 @@ class Remote:
     def __exit__(self, *_: object) -> None:
         self._client.close()
 
-    def submit(self, body: Mapping[str, Any], source: str, key: str) -> JsonObject:
-        """Queue a run; a repeated request with the same key returns the same run. Raises `CampaignError` for a refused
-        one."""
-        answer = self._ask("POST", "runs", json=body, headers={"Idempotency-Key": key})
+    def submit(self, body: Mapping[str, Any], source: str, key: str, what: str = "runs") -> JsonObject:
+        """Queue a run, or launch a sweep; a repeated request with the same key returns the same one. Raises
+        `CampaignError` for a refused one."""
+        answer = self._ask("POST", what, json=body, headers={"Idempotency-Key": key})
         errors = _problem(answer).get("errors")
         if answer.status_code == 422 and errors:
             problems = (Problem(e["field"].removeprefix("campaign."), e["given"], e["message"]) for e in errors)
@@ -61,6 +61,13 @@ class Remote:
     def followed(self, run: str) -> Iterator[JsonObject]:
         """The state of the run, repeatedly until it has ended."""
         while (document := self.run(run))["state"] in ACTIVE:
+            yield document
+            time.sleep(PAUSE)
+        yield document
+
+    def sweep_followed(self, sweep: str) -> Iterator[JsonObject]:
+        """The state of a sweep, repeatedly until every run of it has ended."""
+        while set((document := self._read(self._ask("GET", f"sweeps/{sweep}")))["states"]) & set(ACTIVE):
             yield document
             time.sleep(PAUSE)
         yield document

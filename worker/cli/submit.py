@@ -24,6 +24,13 @@ def submit(
         list[str] | None, typer.Option(help="Tag, may be repeated; default: the campaign's tags.", show_default=False)
     ] = None,
     priority: Annotated[int, typer.Option(help="Runs with a higher priority start first.", min=-10, max=10)] = 0,
+    sweep: Annotated[
+        str,
+        typer.Option(
+            metavar="PATH=V1,V2,...", show_default=False,
+            help="A run for each value of a fixed parameter; the exit code is that of the worst of them.",
+        ),
+    ] = "",
     wait: Annotated[bool, typer.Option(help="Wait for the verdict; otherwise print only the run's number.")] = True,
     out: Out = None,
     as_json: AsJson = False,
@@ -35,13 +42,19 @@ def submit(
     from worker.cli._following import follow_to_the_end, token_of
     from worker.cli._out import writable
     from worker.cli._remote import Remote
+    from worker.cli._sweep import parsed
+    from worker.cli._sweep import sweep as launched
 
     writable(out)
+    if sweep:
+        parsed(sweep)  # before anything is sent
     text = read_text(found(file))
     body: JsonObject = {"campaign": load_text(text, str(file)).document(), "text": text, "priority": priority}
     body |= {"name": name} if name else {}
     body |= {"tags": tag} if tag else {}
     with Remote(service, token_of(token_file), patience) as remote:
+        if sweep:
+            raise typer.Exit(launched(remote, body, str(file), sweep, wait, out, as_json))
         run = remote.submit(body, str(file), str(uuid.uuid4()))["id"]
         if not wait:
             typer.echo(run)

@@ -21,6 +21,8 @@ import type {
   Preview,
   Proposal,
   CodeChanges,
+  RelatedRuns,
+  ReportPage,
   RunComponents,
   RunDetail,
   RunEdit,
@@ -31,9 +33,12 @@ import type {
   Signoff,
   SignoffRequest,
   Signoffs,
+  SweepDetail,
+  SweepSummary,
   StageDetail,
   TraceData,
   TraceInfo,
+  Trend,
   ViewChange,
   ViewState,
   Workers,
@@ -102,6 +107,15 @@ export async function getFile(href: string): Promise<Blob> {
   if (!response?.ok) throw refusalOf(await response?.json().catch(() => null), response)
   return response.blob()
 }
+
+/** Other runs of the same campaign, and those that differ only in the seed or the code. */
+export const getRelated = (run: string): Promise<RelatedRuns> => answer(sdk.listRelated({ path: { run } }))
+export const getTrend = (query: { campaign?: string; name?: string }): Promise<Trend> => answer(sdk.getTrend({ query }))
+export const listSweeps = (): Promise<SweepSummary[]> => answer(sdk.listSweeps())
+export const getSweep = (sweep: string): Promise<SweepDetail> => answer(sdk.getSweep({ path: { sweep } }))
+export const cancelSweep = (sweep: string): Promise<SweepDetail> => answer(sdk.cancelSweep({ path: { sweep } }))
+export const listReports = (q: string, cursor: string | null): Promise<ReportPage> =>
+  answer(sdk.listReports({ query: { q, ...(cursor ? { cursor } : {}) } }))
 
 export const getSignoffs = (run: string): Promise<Signoffs> => answer(sdk.listSignoffs({ path: { run } }))
 export const signOff = (run: string, body: SignoffRequest): Promise<Signoff> => answer(sdk.signOff({ path: { run }, body }))
@@ -200,4 +214,24 @@ export const submitRun = (submission: Submission, key: string): Promise<RunSumma
       bodySerializer: null,
       headers: { 'Content-Type': 'application/json', 'Idempotency-Key': key },
     }) as Promise<Answer<RunSummary>>,
+  )
+
+export interface SweepRequest {
+  campaign: Campaign
+  /** A parameter that is not uncertain. */
+  path: string
+  values: number[]
+  name: string
+  tags: string[]
+}
+
+/** Launches a sweep; the same key never launches a second one. */
+export const submitSweep = (request: SweepRequest, key: string): Promise<SweepDetail> =>
+  answer(
+    client.post<SweepDetail>({
+      url: '/api/v1/sweeps',
+      body: JSON.stringify(request),
+      bodySerializer: null,
+      headers: { 'Content-Type': 'application/json', 'Idempotency-Key': key },
+    }) as Promise<Answer<SweepDetail>>,
   )

@@ -66,6 +66,9 @@ function Frame() {
           <Link to="/compare" activeProps={{ 'aria-current': 'page' }}>
             Compare
           </Link>
+          <Link to="/reports" activeProps={{ 'aria-current': 'page' }}>
+            Reports
+          </Link>
           <Link to="/help" activeProps={{ 'aria-current': 'page' }}>
             Help
           </Link>

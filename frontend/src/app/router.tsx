@@ -2,7 +2,9 @@
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from '@tanstack/react-router'
 import { readCompare } from '../compare/search'
 import { readChosen } from '../run/data/chosen'
+import { readReports } from '../reports/search'
 import { readSearch } from '../runs/search'
+import { readTrend } from '../trends/search'
 import { onlyKnown, parseSearch, stringifySearch } from './address'
 import { lazy } from './lazy'
 import { Shell } from './Shell'
@@ -115,8 +117,34 @@ const compare = createRoute({
   component: lazyRouteComponent(lazy.compare, 'ComparePage'),
 })
 
+const trends = createRoute({
+  getParentRoute: () => root,
+  path: '/trends',
+  validateSearch: onlyKnown(readTrend),
+  component: lazyRouteComponent(lazy.trends, 'TrendsPage'),
+})
+
+const sweeps = createRoute({
+  getParentRoute: () => root,
+  path: '/sweeps',
+  component: lazyRouteComponent(lazy.sweeps, 'SweepsPage'),
+})
+
+const sweep = createRoute({
+  getParentRoute: () => root,
+  path: '/sweeps/$id',
+  component: lazyRouteComponent(lazy.sweep, 'SweepPage'),
+})
+
+const reports = createRoute({
+  getParentRoute: () => root,
+  path: '/reports',
+  validateSearch: onlyKnown(readReports),
+  component: lazyRouteComponent(lazy.reports, 'ReportsPage'),
+})
+
 export const router = createRouter({
-  routeTree: root.addChildren([start, runs, launch, run.addChildren([runPage, flight]), docs, verdicts, evidence, methods, components, guide, compare]),
+  routeTree: root.addChildren([start, runs, launch, run.addChildren([runPage, flight]), docs, verdicts, evidence, methods, components, guide, compare, trends, sweeps, sweep, reports]),
   defaultPreload: 'intent',
   parseSearch,
   stringifySearch,

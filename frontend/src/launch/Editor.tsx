@@ -27,6 +27,7 @@ import type { Shelf } from './library/shelf'
 import { Estimate, RunCard } from './Side'
 import { StartBar } from './StartBar'
 import { Summary } from './Summary'
+import { SweepCard } from './sweep/SweepCard'
 import { type Draft as DraftState, useDraft } from './draft/useDraft'
 import { isAnother, useNames } from './draft/useNames'
 import { usePreview } from './preview/usePreview'
@@ -217,6 +218,21 @@ export function Editor(props: EditorProps) {
               onRemove={setRemove}
               onReopen={props.onReopen}
             />
+            {draft.readable && (
+              <SweepCard
+                campaign={draft.campaign}
+                parameters={parameters}
+                name={name.trim()}
+                tags={tags}
+                blocked={blocked}
+                typed={draft.typed}
+                onLaunched={(id) => {
+                  going.current = { pathname: `/sweeps/${id}` }
+                  void cache.invalidateQueries({ queryKey: ['runs'] })
+                  void navigate({ to: '/sweeps/$id', params: { id } })
+                }}
+              />
+            )}
           </div>
         </div>
       </div>

@@ -13,6 +13,7 @@ import { Head } from './header/Head'
 import { History } from './header/History'
 import { Live } from './Live'
 import { Purged, Removed } from './header/Removed'
+import { RelatedCard } from '../trends/RelatedCard'
 
 export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
@@ -36,6 +37,7 @@ function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
       {run.removed !== null && <Removed run={run} />}
       {isLive(run) ? <Live data={data} /> : drawn === run.id ? <Finished data={data} /> : <Loading what="results" />}
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
+        <RelatedCard run={run} />
         <History run={run.id} />
       </div>
     </>

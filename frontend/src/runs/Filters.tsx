@@ -1,11 +1,10 @@
 // The filters of the list: outcome chips with their counts, search, campaign, tag, method, user, date; all in the address.
-import { IconPinned, IconSearch, IconTrash } from '@tabler/icons-react'
+import { IconPinned, IconTrash } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
-import { useEffect, useRef, useState } from 'react'
 import { facetsQuery } from '../api/queries'
 import { count } from '../format/numbers'
 import { MethodName } from '../ui/MethodMark'
-import { useHotkeys } from '../ui/useHotkeys'
+import { SearchBox } from '../ui/SearchBox'
 import { lookOf, OutcomeIcon } from '../ui/VerdictBadge'
 import { ColumnsMenu } from './ColumnsMenu'
 import { USUAL, USUAL_REMOVED } from './columnKeys'
@@ -33,6 +32,7 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
       <Outcomes search={search} counts={counts} onChange={onChange} />
       <div className="filters">
         <SearchBox
+          label="Search runs"
           value={search.q ?? ''}
           begin={search.focus === 'search'}
           onChange={(q) => onChange({ q: q || undefined, focus: undefined })}
@@ -112,48 +112,5 @@ function Outcomes({ search, counts, onChange }: FiltersProps) {
         </button>
       )}
     </div>
-  )
-}
-
-function SearchBox({ value, begin, onChange }: { value: string; begin: boolean; onChange: (value: string) => void }) {
-  const input = useRef<HTMLInputElement>(null)
-  const [text, setText] = useState(value)
-  const sent = useRef(value)
-  useHotkeys({ '/': () => input.current?.focus() })
-  useEffect(() => {
-    if (begin) input.current?.focus()
-  }, [begin])
-
-  // External changes (back button, cleared filters) update the box; text being typed is kept.
-  useEffect(() => {
-    if (value !== sent.current) {
-      sent.current = value
-      setText(value)
-    }
-  }, [value])
-
-  useEffect(() => {
-    if (text === sent.current) return
-    const timer = setTimeout(() => {
-      sent.current = text
-      onChange(text.trim())
-    }, 250)
-    return () => clearTimeout(timer)
-  }, [text, onChange])
-
-  return (
-    <label className="inp search">
-      <IconSearch className="i s mut" aria-hidden />
-      <input
-        ref={input}
-        type="search"
-        value={text}
-        placeholder="Name, number, tag, user"
-        aria-label="Search runs"
-        onChange={(event) => setText(event.target.value)}
-        onKeyDown={(event) => event.key === 'Escape' && event.currentTarget.blur()}
-      />
-      <span className="kbd">/</span>
-    </label>
   )
 }

@@ -1,0 +1,51 @@
+"""The API schemas of the list of reports."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from backend.http.schema import Schema
+from campaigns.results.verdict import VerdictWord
+from campaigns.runs import RunState
+
+
+class ReportFile(Schema):
+    """A report in one format."""
+
+    format: Literal["html", "pdf"]
+    href: str
+    """Its address; the file is made when it is requested."""
+    unavailable: str | None
+    """Why it cannot be made; null if it can."""
+
+
+class Report(Schema):
+    """The report of a run that has ended. Times are seconds since 1970."""
+
+    id: str
+    """CLR-R-0001-0123abcd: the run and the first digits of the digest of its results, as printed on the report."""
+    run: str
+    """R-0001"""
+    name: str
+    campaign_name: str
+    state: RunState
+    verdict: VerdictWord | None
+    finished: float | None
+    digest: str
+    """SHA-256 of the results."""
+    signed: int
+    """Valid sign-offs of these results."""
+    outdated: int
+    """Sign-offs of other results of this run, which are not withdrawn."""
+    signed_by: list[str]
+    """The names on the valid sign-offs."""
+    files: list[ReportFile]
+
+
+class ReportPage(Schema):
+    """A page of the list of reports."""
+
+    items: list[Report]
+    next_cursor: str | None
+    total: int
+    """How many runs have ended, of those that match the search."""

@@ -1,0 +1,99 @@
+"""What came out of runs, as compared over time: verdict, worst margin, probability bound, code. Read `outcomes`.
+
+The list of runs shows the best value of a search that still runs; an outcome has numbers only of a run that is done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run
+from backend.http.schema import Schema
+from campaigns.documents import JsonObject
+from campaigns.results.verdict import VerdictWord
+from campaigns.runs import RunState, run_name
+
+
+class Outcome(Schema):
+    """The outcome of a run. Times are seconds since 1970; costs and margins are in `unit`.
+
+    Numbers are null unless the run is done: those of a cancelled or failed run would be of an incomplete search.
+    """
+
+    id: str
+    """R-0001"""
+    name: str
+    state: RunState
+    verdict: VerdictWord | None
+    error: str | None
+    campaign_name: str
+    campaign_digest: str
+    seed: int
+    code: str | None
+    """Digest of the code that ran it; None before its first stage, or if it was not stored."""
+    clearance: str | None
+    """Version of Clearance that ran it."""
+    quantity: str
+    unit: str
+    threshold: float | None
+    worst_cost: float | None
+    margin: float | None
+    """Worst value minus threshold; 0 or less violates the criterion."""
+    upper_bound: float | None
+    """On P(violation), from the independent sample; null without one."""
+    violations: int | None
+    samples: int | None
+    confidence: float | None
+    """Of the upper bound."""
+    created: float
+    finished: float | None
+    removed: bool
+    """Whether it is removed from the lists."""
+
+
+_PLAIN = ("name", "state", "verdict", "error", "campaign_digest", "threshold", "created", "finished")
+_NUMBERS = ("worst_cost", "upper_bound", "violations", "samples", "confidence")
+_STATISTICS = {
+    "violations": Run.summary["statistics", "violations"].as_integer(),
+    "samples": Run.summary["statistics", "samples"].as_integer(),
+    "confidence": Run.summary["statistics", "confidence"].as_float(),
+}
+CODE = Run.flown["code"].as_string()
+"""The code digest of a run, as a column."""
+
+
+def outcomes(
+    reader: sa.Connection, conditions: Sequence[sa.ColumnElement[bool]], limit: int | None = None
+) -> list[Outcome]:
+    """The outcomes of the runs that fulfil the conditions, newest first; purged runs are omitted."""
+    columns = [Run.id, Run.removed, Run.worst_cost, Run.upper_bound, *(getattr(Run, name) for name in _PLAIN)]
+    columns += [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
+    columns += [expression.label(name) for name, expression in _STATISTICS.items()]
+    columns += [CODE.label("code"), Run.flown["clearance"].as_string().label("clearance")]
+    columns += [CampaignRow.name.label("campaign_name"), CampaignRow.document["seed"].as_string().label("seed")]
+    query = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    query = query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc()).limit(limit)
+    return [_outcome(row) for row in reader.execute(query)]
+
+
+def _outcome(row: Any) -> Outcome:
+    done = row.state == RunState.DONE
+    values: JsonObject = {name: getattr(row, name) for name in _PLAIN}
+    values |= {name: getattr(row, name) if done else None for name in _NUMBERS}
+    known = values["worst_cost"] is not None and row.threshold is not None
+    return Outcome(
+        **values,
+        id=run_name(row.id),
+        margin=values["worst_cost"] - row.threshold if known else None,
+        quantity=row.quantity or "",
+        unit=row.unit or "",
+        code=row.code,
+        clearance=row.clearance,
+        campaign_name=row.campaign_name,
+        seed=1 if row.seed is None else int(row.seed),
+        removed=row.removed is not None,
+    )

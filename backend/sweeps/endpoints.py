@@ -1,0 +1,111 @@
+"""POST and GET /sweeps, one sweep, its table, cancellation."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Path, Query, Request, Response, status
+from fastapi.concurrency import run_in_threadpool
+from pydantic import ValidationError
+
+from backend.access.auth import CurrentVisitor
+from backend.http import bodies
+from backend.http.deps import Engine, Reader
+from backend.http.errors import RefusedError, problems
+from backend.sweeps import service, sheet
+from backend.sweeps.schemas import SweepDetail, SweepSubmit, SweepSummary
+from campaigns import CampaignError, Problem
+from campaigns.asked.load import load_document
+from campaigns.asked.problem import MOST, shown
+from campaigns.documents import JsonObject
+
+router = APIRouter(tags=["sweeps"])
+
+SweepName = Annotated[str, Path(description="The sweep by its name, such as S-0001.")]
+BODY = {"required": True, "content": {"application/json": {"schema": {"$ref": "#/components/schemas/SweepSubmit"}}}}
+LOCATION: dict[int | str, JsonObject] = {
+    201: {
+        "description": "The sweep that was launched, now or earlier with the same key.",
+        "headers": {"Location": {"description": "The address of the sweep.", "schema": {"type": "string"}}},
+    }
+}
+TABLE: dict[int | str, JsonObject] = {
+    200: {"description": "One row for each run.", "content": {"text/csv": {"schema": {"type": "string"}}}}
+}
+Key = Annotated[
+    str | None,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=128,
+        description="Any text: a repeated request with the same key returns the sweep launched by the first one.",
+    ),
+]
+
+
+@router.post(
+    "/sweeps",
+    status_code=status.HTTP_201_CREATED,
+    openapi_extra={"requestBody": BODY},
+    responses=LOCATION
+    | problems(
+        "unsupported-media-type", "unreadable", "invalid-campaign", "idempotency-key-reused", "no-catalogue", "busy"
+    ),
+)
+async def submit_sweep(
+    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, key: Key = None
+) -> SweepDetail:
+    """Queue one run for each value of a fixed parameter; all of them, or none if one is invalid."""
+    if bodies.content_type(request) not in bodies.JSON_TYPES:
+        raise RefusedError(415, "unsupported-media-type", "send a sweep as application/json: campaign, path, values")
+    body = await request.body()
+    submission = await bodies.apart(request, lambda: _submission(body))
+    sweep = await run_in_threadpool(service.submit, engine, submission, visitor, key)
+    response.headers["Location"] = f"{request.url.path}/{sweep.id}"
+    return sweep
+
+
+@router.get("/sweeps")
+def list_sweeps(
+    reader: Reader, limit: Annotated[int, Query(ge=1, le=200, description="Maximum number of sweeps.")] = 50
+) -> list[SweepSummary]:
+    """The newest sweeps, newest first."""
+    return service.listed(reader, limit)
+
+
+@router.get("/sweeps/{sweep}", responses=problems("not-found"))
+def get_sweep(sweep: SweepName, reader: Reader) -> SweepDetail:
+    """One sweep: its values in ascending order, with the outcome of each run."""
+    return service.detail(reader, service.number(sweep))
+
+
+@router.get("/sweeps/{sweep}/table.csv", response_class=Response, responses=TABLE | problems("not-found"))
+def get_sweep_table(sweep: SweepName, reader: Reader) -> Response:
+    """The sweep as CSV (RFC 4180); numbers that were not computed are empty."""
+    found = service.detail(reader, service.number(sweep))
+    headers = {"Content-Disposition": f'attachment; filename="{found.id}.csv"'}
+    return Response(sheet.csv_of(found), headers=headers, media_type="text/csv")
+
+
+@router.post("/sweeps/{sweep}/cancel", responses=problems("not-found"))
+def cancel_sweep(sweep: SweepName, engine: Engine, visitor: CurrentVisitor) -> SweepDetail:
+    """Cancel all runs of a sweep; those that have ended are unchanged."""
+    return service.cancel(engine, service.number(sweep), visitor)
+
+
+def _submission(body: bytes) -> service.Submission:
+    document = bodies.document(body)
+    try:
+        given = SweepSubmit.model_validate(document)
+        return service.Submission(load_document(given.campaign, "request"), given, body)
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_context=False)
+        wrong = [Problem(".".join(map(str, e["loc"])), _given(e), e["msg"]) for e in found[:MOST]]
+        raise bodies.invalid(CampaignError("request", wrong, len(found))) from None
+    except CampaignError as error:
+        raise bodies.invalid(error) from None
+
+
+def _given(error: object) -> str:
+    assert isinstance(error, dict)
+    return "" if error["type"] == "missing" else shown(error["input"])

@@ -1,0 +1,73 @@
+"""The API schemas of sweeps."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+from pydantic import Field, field_validator
+
+from backend.http.schema import Given, Schema
+from backend.runs.outcomes import Outcome
+from backend.runs.schemas import Tags
+from campaigns.asked.values import Number, Path
+from campaigns.documents import JsonObject
+
+MOST = 50
+"""Values of one sweep."""
+
+
+class SweepSubmit(Given):
+    """A campaign, and the values of one of its fixed parameters; each value is a run."""
+
+    checked_elsewhere: ClassVar = frozenset({"campaign"})
+    campaign: JsonObject
+    path: Annotated[Path, Field(description="A parameter that is not uncertain, such as avoider.d_0.")]
+    values: Annotated[list[Number], Field(min_length=2, max_length=MOST, description="In the parameter's unit.")]
+    name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
+    tags: Tags | None = None
+    priority: Annotated[int, Field(ge=-10, le=10)] = 0
+
+    @field_validator("values")
+    @classmethod
+    def _distinct(cls, values: list[float]) -> list[float]:
+        twice = next((value for i, value in enumerate(values) if value in values[:i]), None)
+        if twice is not None:
+            raise ValueError(f"{twice:.15g} is given twice; list each value once")
+        return values
+
+
+class SweepSummary(Schema):
+    """A sweep as in the list. Times are seconds since 1970."""
+
+    id: str
+    """S-0001"""
+    name: str
+    campaign_name: str
+    path: str
+    """The parameter that differs between its runs."""
+    title: str
+    """The description of the parameter."""
+    unit: str
+    owner: str
+    created: float
+    runs: int
+    states: dict[str, int]
+    """The numbers of its runs by state and by verdict; purged ones are omitted."""
+
+
+class SweepPoint(Schema):
+    """One value and its run."""
+
+    value: float
+    run: str
+    """R-0001"""
+    outcome: Outcome | None
+    """Null if the results were purged."""
+
+
+class SweepDetail(SweepSummary):
+    """A sweep with its runs, in ascending order of the values."""
+
+    nominal: float | None
+    """The parameter's value in the campaign."""
+    points: list[SweepPoint]

@@ -1,0 +1,201 @@
+"""Launching, reading and cancelling sweeps. Start reading at `submit`."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections import Counter
+from dataclasses import dataclass
+
+import sqlalchemy as sa
+
+from backend.catalog.service import required
+from backend.db import audit, queue
+from backend.db.access import Visitor
+from backend.db.engine import now, read
+from backend.db.tables import Run, Sweep, SweepRun
+from backend.http import bodies
+from backend.http.errors import RefusedError, not_found
+from backend.runs.outcomes import outcomes
+from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSummary
+from backend.sweeps.variants import described, variants
+from campaigns import Campaign, CampaignError, Catalogue
+from campaigns.runs import run_name, sweep_name, sweep_number
+from campaigns.stages.plan import plan
+
+LONGEST = 120
+"""Characters of a run's name."""
+
+
+@dataclass(frozen=True)
+class Submission:
+    """A sweep to launch, parsed but not yet checked against the catalogue."""
+
+    campaign: Campaign
+    given: SweepSubmit
+    body: bytes
+
+    @property
+    def digest(self) -> str:
+        """Of the body, to distinguish a repeated request from another one with the same key."""
+        return hashlib.sha256(self.body).hexdigest()
+
+
+def number(sweep: str) -> int:
+    """The number of a sweep from its name, S-0001; 404 for anything else."""
+    found = sweep_number(sweep)
+    if found is None:
+        raise not_found("sweep", sweep)
+    return found
+
+
+def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> SweepDetail:
+    """Queue all runs in one transaction, or return the sweep launched earlier with the same key."""
+    with read(engine) as reader:
+        catalogue = required(reader)
+    try:
+        campaigns = variants(submission.campaign, submission.given.path, submission.given.values, catalogue)
+    except CampaignError as error:
+        raise bodies.invalid(error) from None
+    try:
+        with engine.begin() as writer:
+            sweep_id = _repeated(writer, submission, visitor, key)
+            if sweep_id is None:
+                sweep_id = _launch(writer, submission, campaigns, visitor, key, catalogue)
+    except sa.exc.IntegrityError:  # the same request, at the same time
+        with read(engine) as reader:
+            found = _repeated(reader, submission, visitor, key)
+        if found is None:
+            raise
+        sweep_id = found
+    with read(engine) as reader:
+        return detail(reader, sweep_id)
+
+
+def _repeated(reader: sa.Connection, submission: Submission, visitor: Visitor, key: str | None) -> int | None:
+    if key is None:
+        return None
+    row = reader.execute(
+        sa.select(Sweep.id, Sweep.body).where(Sweep.key == key, Sweep.owner == visitor.user)
+    ).one_or_none()
+    if row is None:
+        return None
+    if row.body != submission.digest:
+        detail = (
+            f"the Idempotency-Key {key!r} was used for another request, which launched {sweep_name(row.id)}: "
+            "send the same body again, or another key"
+        )
+        raise RefusedError(422, "idempotency-key-reused", detail)
+    return int(row.id)
+
+
+def _launch(
+    writer: sa.Connection,
+    submission: Submission,
+    campaigns: list[Campaign],
+    visitor: Visitor,
+    key: str | None,
+    catalogue: Catalogue,
+) -> int:
+    given, asked = submission.given, submission.campaign
+    entry, nominal = described(asked, given.path, catalogue)
+    name = given.name or asked.name
+    row = {
+        "name": name,
+        "campaign_name": asked.name,
+        "path": given.path,
+        "title": entry.text[:400],
+        "unit": entry.unit,
+        "nominal": nominal if math.isfinite(nominal) else None,
+        "owner": visitor.user,
+        "created": now(writer),
+        "key": key,
+        "body": submission.digest,
+    }
+    sweep_id = int(writer.execute(sa.insert(Sweep).values(**row).returning(Sweep.id)).scalar_one())
+    runs = []
+    for position, (value, campaign) in enumerate(zip(given.values, campaigns, strict=True)):
+        run_id = _queue(writer, campaign, _named(name, given.path, value, entry.unit), given, visitor, catalogue)
+        runs.append({"sweep_id": sweep_id, "position": position, "value": value, "run_id": run_id})
+        noted = {"campaign": campaign.digest, "name": name, "sweep": sweep_name(sweep_id), given.path: value}
+        audit.note(writer, visitor, "run.submitted", run_name(run_id), noted)
+    writer.execute(sa.insert(SweepRun), runs)
+    return sweep_id
+
+
+def _queue(
+    writer: sa.Connection, campaign: Campaign, name: str, given: SweepSubmit, visitor: Visitor, catalogue: Catalogue
+) -> int:
+    return queue.submit(
+        writer,
+        campaign,
+        name=name,
+        tags=campaign.tags if given.tags is None else list(dict.fromkeys(given.tags)),
+        owner=visitor.user,
+        priority=given.priority,
+        planned=sum(stage.planned for stage in plan(campaign)),
+        catalogue=catalogue,
+    )
+
+
+def _named(name: str, path: str, value: float, unit: str) -> str:
+    """The name of a run; a long name of the sweep is cut, its value never."""
+    ending = f", {path} = {value:.15g} {unit}".rstrip()[:LONGEST]
+    return f"{name[: max(0, LONGEST - len(ending))]}{ending}"
+
+
+def listed(reader: sa.Connection, limit: int) -> list[SweepSummary]:
+    """The newest sweeps, newest first."""
+    rows = reader.execute(sa.select(Sweep.__table__).order_by(Sweep.id.desc()).limit(limit)).mappings().all()
+    of = sa.select(SweepRun.sweep_id, Run.state, Run.verdict, Run.purged).join(Run, Run.id == SweepRun.run_id)
+    members: dict[int, list[sa.Row[int, str, str | None, float | None]]] = {row["id"]: [] for row in rows}
+    for member in reader.execute(of.where(SweepRun.sweep_id.in_(list(members)))):
+        members[member.sweep_id].append(member)
+    found = []
+    for row in rows:
+        there = [member for member in members[row["id"]] if member.purged is None]
+        states = _counted([(member.state, member.verdict) for member in there])
+        found.append(_summary(row, len(members[row["id"]]), states))
+    return found
+
+
+def detail(reader: sa.Connection, sweep_id: int) -> SweepDetail:
+    """One sweep with the outcomes of its runs, or 404."""
+    row = reader.execute(sa.select(Sweep.__table__).where(Sweep.id == sweep_id)).mappings().one_or_none()
+    if row is None:
+        raise not_found("sweep", sweep_name(sweep_id))
+    of = sa.select(SweepRun.value, SweepRun.run_id).where(SweepRun.sweep_id == sweep_id).order_by(SweepRun.value)
+    members = reader.execute(of).all()
+    known = {found.id: found for found in outcomes(reader, [Run.id.in_([member.run_id for member in members])])}
+    points = [
+        SweepPoint(value=member.value, run=run_name(member.run_id), outcome=known.get(run_name(member.run_id)))
+        for member in members
+    ]
+    states = _counted([(found.state, found.verdict) for found in known.values()])
+    summary = _summary(row, len(members), states)
+    return SweepDetail(**dict(summary), nominal=row["nominal"], points=points)
+
+
+def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
+    """Cancel all runs of a sweep that have not ended; 404 if there is no such sweep."""
+    with engine.begin() as writer:
+        of = sa.select(Run.id).join(SweepRun, SweepRun.run_id == Run.id)
+        # Runs of which the results were purged have ended.
+        active = of.where(SweepRun.sweep_id == sweep_id, Run.purged.is_(None)).order_by(Run.id)
+        for run_id in writer.scalars(active).all():
+            before = writer.scalar(sa.select(Run.state).where(Run.id == run_id))
+            state = queue.request_cancel(writer, run_id)
+            if state != before:
+                noted = {"state": state, "sweep": sweep_name(sweep_id)}
+                audit.note(writer, visitor, "run.cancelled", run_name(run_id), noted)
+    with read(engine) as reader:
+        return detail(reader, sweep_id)
+
+
+def _summary(row: sa.RowMapping, runs: int, states: dict[str, int]) -> SweepSummary:
+    same = ("name", "campaign_name", "path", "title", "unit", "owner", "created")
+    return SweepSummary(id=sweep_name(row["id"]), **{name: row[name] for name in same}, runs=runs, states=states)
+
+
+def _counted(found: list[tuple[str, str | None]]) -> dict[str, int]:
+    return dict(Counter(word for pair in found for word in pair if word is not None))

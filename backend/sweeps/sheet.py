@@ -1,0 +1,47 @@
+"""A sweep as CSV (RFC 4180): one row for each run; a number that was not computed is empty."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+from backend.sweeps.schemas import SweepDetail, SweepPoint
+
+PURGED = "purged"
+
+
+def csv_of(sweep: SweepDetail) -> str:
+    """The file of a sweep."""
+    known = [point.outcome for point in sweep.points if point.outcome is not None]
+    quantity = next((found.quantity for found in known if found.quantity), "value")
+    unit = next((found.unit for found in known if found.quantity), "")
+    headers = [
+        _headed(sweep.path, sweep.unit), "run", "state", "verdict", _headed("criterion", unit),
+        _headed(f"worst {quantity}", unit), _headed("margin", unit), "P(violation) upper bound", "violations",
+        "samples", "confidence", "seed", "code", "error",
+    ]  # fmt: skip
+    text = io.StringIO()
+    rows = csv.writer(text)
+    rows.writerow(headers)
+    rows.writerows(_row(point) for point in sweep.points)
+    return text.getvalue()
+
+
+def _row(point: SweepPoint) -> list[object]:
+    found = point.outcome
+    if found is None:
+        return [repr(point.value), point.run, PURGED]
+    numbers = (found.threshold, found.worst_cost, found.margin, found.upper_bound)
+    counts = (found.violations, found.samples)
+    return [
+        repr(point.value), point.run, found.state, found.verdict, *map(_number, numbers), *counts,
+        _number(found.confidence), found.seed, found.code, found.error,
+    ]  # fmt: skip
+
+
+def _number(value: float | None) -> str | None:
+    return None if value is None else repr(value)
+
+
+def _headed(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name

@@ -1,0 +1,52 @@
+"""The API schemas of runs of the same campaign."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from backend.http.schema import Schema
+from backend.runs.outcomes import Outcome
+
+Difference = Literal["seed", "code"]
+
+
+class RelatedRun(Outcome):
+    """Another run of the same campaign."""
+
+    differs: list[Difference]
+    """What differs: nothing (empty), the seed, or the code."""
+    code_known: bool
+    """Whether the code of both runs is stored; if not, it may differ as well."""
+
+
+class RelatedRuns(Schema):
+    """Other runs with the same campaign, and those that differ in one thing: the seed or the code."""
+
+    runs: list[RelatedRun]
+    """The newest of them, newest first."""
+    total: int
+    """How many there are."""
+
+
+class TrendRun(Outcome):
+    """A run in a trend."""
+
+    code_changed: bool
+    """Whether its code differs from that of the newest earlier run in the trend whose code is stored."""
+    campaign_changed: bool
+    """Whether its campaign differs from that of the run before it."""
+
+
+class Trend(Schema):
+    """The runs of a campaign in the order of their numbers, which is that of submission."""
+
+    name: str
+    """The campaign's name."""
+    digest: str | None
+    """The campaign's digest; null for all campaigns of that name."""
+    campaigns: int
+    """How many different campaigns are among the runs."""
+    runs: list[TrendRun]
+    """The newest of them, oldest first."""
+    total: int
+    """How many there are."""

@@ -1,0 +1,45 @@
+"""The runs of a campaign in time, with changes of the code and of the campaign marked. Read `of_campaign`."""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run
+from backend.http.errors import RefusedError, not_found
+from backend.runs.outcomes import Outcome, outcomes
+from backend.trends.schemas import Trend, TrendRun
+from campaigns import Problem
+
+
+def of_campaign(reader: sa.Connection, digest: str | None, name: str | None, limit: int) -> Trend:
+    """The trend of one campaign, by its digest or by its name; 422 unless exactly one is given, 404 if unknown.
+
+    Removed runs are omitted.
+    """
+    if (digest is None) == (name is None):
+        message = "give either `campaign`, a digest, or `name`, the name of campaigns"
+        raise RefusedError(422, "invalid-request", message, [Problem("campaign", digest or "", message)])
+    if digest is not None:
+        name = reader.scalar(sa.select(CampaignRow.name).where(CampaignRow.digest == digest))
+        if name is None:
+            raise not_found("campaign with the digest", digest)
+        wanted = Run.campaign_digest == digest
+    else:
+        wanted = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == name))
+    conditions = (wanted, Run.removed.is_(None), Run.purged.is_(None))
+    numbers = sa.select(sa.func.count(), sa.func.count(sa.distinct(Run.campaign_digest))).where(*conditions)
+    total, campaigns = reader.execute(numbers).one()
+    found = outcomes(reader, conditions, limit)
+    return Trend(name=name or "", digest=digest, campaigns=campaigns, runs=_marked(found[::-1]), total=total)
+
+
+def _marked(found: list[Outcome]) -> list[TrendRun]:
+    runs: list[TrendRun] = []
+    code = campaign = None
+    for outcome in found:
+        changed = None not in (code, outcome.code) and code != outcome.code
+        other = campaign is not None and campaign != outcome.campaign_digest
+        runs.append(TrendRun(**dict(outcome), code_changed=changed, campaign_changed=other))
+        code, campaign = outcome.code or code, outcome.campaign_digest
+    return runs

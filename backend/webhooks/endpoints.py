@@ -1,0 +1,49 @@
+"""GET /webhooks, their deliveries, and a test message."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request, status
+
+from backend.access.auth import CurrentVisitor
+from backend.http.deps import Engine, Reader
+from backend.http.errors import problems
+from backend.webhooks import service
+from backend.webhooks.configured import Configured as Settings
+from backend.webhooks.dispatcher import Dispatcher
+from backend.webhooks.schemas import WebhookDelivery, Webhooks
+
+router = APIRouter(tags=["webhooks"])
+
+
+async def configured(request: Request) -> Settings:
+    """The webhooks of the settings."""
+    dispatcher = request.app.state.webhooks
+    assert isinstance(dispatcher, Dispatcher)
+    return dispatcher.configured
+
+
+Configured = Annotated[Settings, Depends(configured)]
+
+
+@router.get("/webhooks")
+def get_webhooks(reader: Reader, configured: Configured) -> Webhooks:
+    """The addresses of the settings that receive a message when a run ends, with the state of their messages."""
+    return service.state(reader, configured)
+
+
+@router.get("/webhooks/deliveries")
+def list_deliveries(
+    reader: Reader,
+    configured: Configured,
+    limit: Annotated[int, Query(ge=1, le=500, description="Maximum number of messages.")] = 100,
+) -> list[WebhookDelivery]:
+    """The newest messages to all targets, newest first."""
+    return service.deliveries(reader, configured, limit)
+
+
+@router.post("/webhooks/test", status_code=status.HTTP_202_ACCEPTED, responses=problems("no-webhook"))
+def test_webhooks(engine: Engine, configured: Configured, visitor: CurrentVisitor) -> list[WebhookDelivery]:
+    """Send a message of type `test` to every target; `GET /webhooks/deliveries` shows its outcome."""
+    return service.test(engine, configured, visitor)

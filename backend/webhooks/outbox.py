@@ -1,0 +1,128 @@
+"""The outbox: which messages are due, and what became of them. Every method is one transaction. Read `Outbox.fill`.
+
+A message is stored before it is sent, and an attempt is counted before it starts: a process that is killed loses no
+message, and one that may have arrived already is sent again under the same id with a higher attempt number.
+"""
+
+from __future__ import annotations
+
+import logging
+import uuid
+from collections.abc import Sequence
+
+import sqlalchemy as sa
+
+from backend.db.engine import insert, now, read
+from backend.db.tables import Run, WebhookDelivery, WebhookTarget
+from backend.webhooks import body
+from backend.webhooks.sending import Message, Sent
+from campaigns.runs import ENDED
+
+MOST = 15
+"""Attempts for one message."""
+FIRST, LONGEST = 10.0, 3600.0
+"""The first pause between two attempts, which doubles, and the longest one [s]."""
+LOST = 60.0
+"""An attempt that has reported no outcome after this time counts as lost [s]."""
+NEAR = 1000
+"""Runs below the oldest active one that are examined again: transactions may commit out of order."""
+BATCH = 100
+_log = logging.getLogger(__name__)
+
+
+def pause(attempts: int) -> float:
+    """The time until the next attempt, after this many [s]."""
+    return float(min(LONGEST, FIRST * 2 ** (attempts - 1)))
+
+
+class Outbox:
+    """The messages to one target."""
+
+    def __init__(self, engine: sa.Engine, target: str, public_url: str) -> None:
+        self.engine, self.target, self.public_url = engine, target, public_url
+        self._from = 0
+        """All runs with a lower number have ended and are reported."""
+
+    def register(self) -> None:
+        """Remember since when the target is configured."""
+        with self.engine.begin() as writer:
+            row = insert(writer, WebhookTarget).values(id=self.target, since=now(writer))
+            writer.execute(row.on_conflict_do_nothing())
+
+    def fill(self) -> int:
+        """Store a message for every run that has ended since the target was configured; returns how many were new."""
+        count = 0
+        while ids := self._unreported():
+            with self.engine.begin() as writer:
+                for run_id in ids:
+                    values = {"run_id": run_id, "body": self._body(writer, run_id)}
+                    row = insert(writer, WebhookDelivery).values(**_new(writer, self.target, body.ENDED), **values)
+                    once = row.on_conflict_do_nothing(index_elements=["target", "run_id"])
+                    count += writer.scalar(once.returning(WebhookDelivery.id)) is not None
+        return count
+
+    def _body(self, reader: sa.Connection, run_id: int) -> str:
+        """Never fails for one run, which would hold up all others."""
+        try:
+            return body.ended(reader, run_id, self.public_url)
+        except ValueError:
+            _log.exception("the results of run %d cannot be read; its message has none", run_id)
+            return body.unreadable(run_id, now(reader))
+
+    def _unreported(self) -> Sequence[int]:
+        since = sa.select(WebhookTarget.since).where(WebhookTarget.id == self.target).scalar_subquery()
+        of = (WebhookDelivery.target == self.target, WebhookDelivery.run_id == Run.id)
+        reported = sa.select(WebhookDelivery.id).where(*of).exists()
+        wanted = (Run.id >= self._from, Run.state.in_(ENDED), Run.finished >= since, Run.purged.is_(None), ~reported)
+        with read(self.engine) as reader:
+            found = reader.scalars(sa.select(Run.id).where(*wanted).order_by(Run.id).limit(BATCH)).all()
+            if not found:
+                active = sa.select(sa.func.min(Run.id)).where(Run.id >= self._from, Run.state.not_in(ENDED))
+                newest = sa.select(sa.func.max(Run.id))
+                oldest = reader.scalar(active) or reader.scalar(newest) or 0
+                self._from = max(self._from, oldest - NEAR)
+            return found
+
+    def claim(self) -> Message | None:
+        """The next message that is due, its attempt counted; None if there is none."""
+        due = (WebhookDelivery.target == self.target, WebhookDelivery.state == "pending")
+        columns = (WebhookDelivery.id, WebhookDelivery.body, WebhookDelivery.attempts)
+        next_one = sa.select(*columns).order_by(WebhookDelivery.not_before, WebhookDelivery.created).limit(1)
+        with read(self.engine) as reader:  # so that an idle service never writes
+            if reader.execute(next_one.where(*due, WebhookDelivery.not_before <= now(reader))).first() is None:
+                return None
+        with self.engine.begin() as writer:
+            at = now(writer)
+            locked = next_one.where(*due, WebhookDelivery.not_before <= at).with_for_update(skip_locked=True)
+            row = writer.execute(locked).first()
+            if row is None:
+                return None
+            counted = {"attempts": row.attempts + 1, "attempted": at, "not_before": at + LOST}
+            writer.execute(sa.update(WebhookDelivery).where(WebhookDelivery.id == row.id).values(**counted))
+            return Message(row.id, row.body, row.attempts + 1)
+
+    def record(self, message: Message, sent: Sent) -> None:
+        """Store the outcome of an attempt, unless a later one has begun."""
+        mine = (WebhookDelivery.id == message.id, WebhookDelivery.attempts == message.attempt)
+        with self.engine.begin() as writer:
+            at = now(writer)
+            values: dict[str, object] = {"status": sent.status, "error": sent.error}
+            if sent.error is None:
+                values |= {"state": "delivered", "delivered": at}
+            elif message.attempt >= MOST:
+                values |= {"state": "failed"}
+            else:
+                values |= {"not_before": at + pause(message.attempt)}
+            writer.execute(sa.update(WebhookDelivery).where(*mine).values(**values))
+
+
+def test(writer: sa.Connection, target: str) -> str:
+    """Store a test message; returns its id."""
+    values = _new(writer, target, body.TEST)
+    writer.execute(sa.insert(WebhookDelivery).values(**values, body=body.test(now(writer))))
+    return str(values["id"])
+
+
+def _new(writer: sa.Connection, target: str, kind: str) -> dict[str, object]:
+    at = now(writer)
+    return {"id": f"msg_{uuid.uuid4().hex}", "target": target, "type": kind, "created": at, "not_before": at}

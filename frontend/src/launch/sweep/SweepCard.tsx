@@ -1,0 +1,115 @@
+// Launches a sweep: the campaign with several values of one fixed parameter, as one launch.
+import { IconPlayerTrackNext } from '@tabler/icons-react'
+import { useMutation } from '@tanstack/react-query'
+import { useRef, useState } from 'react'
+import { checkCampaign, submitSweep } from '../../api/calls'
+import { asCampaign, type Campaign } from '../../api/campaign'
+import { Refusal } from '../../api/problems'
+import { unitText } from '../../format/units'
+import { Card } from '../../ui/Card'
+import type { Parameter } from '../campaign/parameters'
+import { valuesOf } from './values'
+
+interface SweepCardProps {
+  campaign: Campaign
+  parameters: readonly Parameter[]
+  name: string
+  tags: string[]
+  /** The campaign cannot be started as it is. */
+  blocked: boolean
+  typed: () => Promise<string>
+  onLaunched: (sweep: string) => void
+}
+
+export function SweepCard({ campaign, parameters, name, tags, blocked, typed, onLaunched }: SweepCardProps) {
+  const [open, setOpen] = useState(false)
+  const [path, setPath] = useState('')
+  const [text, setText] = useState('')
+  const fixed = parameters.filter((parameter) => !(parameter.path in campaign.uncertain))
+  const chosen = fixed.find((parameter) => parameter.path === path) ?? fixed[0]
+  const given = valuesOf(text, chosen?.entry)
+  const values = 'values' in given ? given.values : null
+  // One key per request: pressing twice never launches two sweeps.
+  const submission = useRef({ body: '', key: '' })
+  const launch = useMutation({
+    mutationFn: async () => {
+      const checked = await checkCampaign(await typed())
+      if (!checked.ok) throw new Refusal(422, 'The campaign has problems', 'Solve the problems of the campaign first.', [])
+      const request = { campaign: asCampaign(checked.document), path: chosen?.path ?? '', values: values ?? [], name, tags }
+      const body = JSON.stringify(request)
+      if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
+      return submitSweep(request, submission.current.key)
+    },
+    onSuccess: (sweep) => onLaunched(sweep.id),
+  })
+  const unit = unitText(chosen?.entry.unit ?? '')
+  return (
+    <Card
+      title="Sweep"
+      note="Several values of one parameter"
+      id="sweep"
+      right={
+        <button type="button" className="btn s" aria-expanded={open} onClick={() => setOpen(!open)}>
+          {open ? 'Hide' : 'Show'}
+        </button>
+      }
+    >
+      {!open && <p className="small mut">One run for each value of a parameter that is not uncertain, shown together.</p>}
+      {open && fixed.length === 0 && <p className="sec">Every parameter of this campaign is uncertain.</p>}
+      {open && fixed.length > 0 && (
+        <div className="stack" style={{ gap: 10 }}>
+          <div>
+            <label className="lbl" htmlFor="sweep-path">
+              Parameter
+            </label>
+            <span className="inp">
+              <select id="sweep-path" value={chosen?.path} onChange={(event) => setPath(event.target.value)} style={{ flex: 1, minWidth: 0 }}>
+                {fixed.map((parameter) => (
+                  <option key={parameter.path} value={parameter.path}>
+                    {parameter.path}
+                  </option>
+                ))}
+              </select>
+            </span>
+            {chosen && (
+              <p className="small mut">
+                {chosen.entry.text}
+                {chosen.nominal !== null && `; ${chosen.nominal} ${unit} in the campaign`}
+              </p>
+            )}
+          </div>
+          <div>
+            <label className="lbl" htmlFor="sweep-values">
+              Values{unit && `, ${unit}`}
+            </label>
+            <span className={'problem' in given && given.problem ? 'inp invalid' : 'inp'}>
+              <input
+                id="sweep-values"
+                autoComplete="off"
+                placeholder="0.5, 1, 2"
+                aria-invalid={'problem' in given && given.problem !== ''}
+                aria-describedby="sweep-problem"
+                value={text}
+                onChange={(event) => setText(event.target.value)}
+              />
+            </span>
+            <p id="sweep-problem" className="ferr" aria-live="polite">
+              {'problem' in given ? given.problem : ''}
+              {launch.error && saidOf(launch.error)}
+            </p>
+          </div>
+          <button type="button" className="btn wide" disabled={blocked || values === null || launch.isPending} onClick={() => launch.mutate()}>
+            <IconPlayerTrackNext className="i s" aria-hidden />
+            {launch.isPending ? 'Starting …' : `Start ${values?.length ?? ''} runs`.replace('  ', ' ')}
+          </button>
+          {blocked && <p className="small mut">Give the run a name and solve the problems of the campaign first.</p>}
+        </div>
+      )}
+    </Card>
+  )
+}
+
+const saidOf = (error: Error): string =>
+  error instanceof Refusal && error.errors.length > 0
+    ? error.errors.slice(0, 3).map(({ given, message }) => `${given ? `${given}: ` : ''}${message}`).join('; ')
+    : error.message

@@ -1,0 +1,29 @@
+// The values of a sweep as typed: numbers separated by commas, semicolons or spaces.
+import { parse } from '../../format/numbers'
+
+/** As the service allows. */
+export const MOST = 50
+
+export interface Limits {
+  low: number
+  high: number
+  unit: string
+}
+
+/** The values, or why the text cannot be used; an empty reason for an empty text. */
+export function valuesOf(text: string, limits: Limits | undefined): { values: number[] } | { problem: string } {
+  const words = text.split(/[,;\s]+/).filter(Boolean)
+  if (words.length === 0) return { problem: '' }
+  const values: number[] = []
+  for (const word of words) {
+    const value = parse(word)
+    if (value === null) return { problem: `“${word}” is not a number; give values such as 0.5, 1, 2.` }
+    if (limits && (value < limits.low || value > limits.high))
+      return { problem: `${word} is outside ${limits.low} to ${limits.high} ${limits.unit}`.trim() + '.' }
+    if (values.includes(value)) return { problem: `${word} is given twice.` }
+    values.push(value)
+  }
+  if (values.length < 2) return { problem: 'Give at least two values.' }
+  if (values.length > MOST) return { problem: `${values.length} values, at most ${MOST} are allowed.` }
+  return { values }
+}

@@ -1,0 +1,173 @@
+// All reports: one for every run that has ended, with verdict, sign-offs, digest and files.
+import { IconFileText, IconFileTypePdf, IconSignature } from '@tabler/icons-react'
+import { infiniteQueryOptions, useInfiniteQuery, useMutation } from '@tanstack/react-query'
+import { Link, useNavigate, useSearch } from '@tanstack/react-router'
+import { useCallback } from 'react'
+import { getFile, listReports } from '../api/calls'
+import type { Report, ReportFile } from '../client'
+import { count } from '../format/numbers'
+import { moment, when } from '../format/time'
+import { Loading, Trouble } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
+import { Card } from '../ui/Card'
+import { save } from '../ui/files'
+import { SearchBox } from '../ui/SearchBox'
+import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+
+const reportsQuery = (q: string) =>
+  infiniteQueryOptions({
+    queryKey: ['reports', q],
+    queryFn: ({ pageParam }) => listReports(q, pageParam),
+    initialPageParam: null as string | null,
+    getNextPageParam: (page) => page.next_cursor,
+    placeholderData: (before) => before,
+    // Sign-offs and new runs must be visible when the page is opened again.
+    staleTime: 0,
+  })
+
+export function ReportsPage() {
+  useTitle('Reports')
+  const { q = '' } = useSearch({ from: '/reports' })
+  const navigate = useNavigate({ from: '/reports' })
+  const search = useCallback((text: string) => void navigate({ search: { q: text || undefined }, replace: true }), [navigate])
+  const query = useInfiniteQuery(reportsQuery(q))
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what="reports" />
+  const items = query.data.pages.flatMap((page) => page.items)
+  const total = query.data.pages[0]?.total ?? items.length
+  return (
+    <>
+      <div className="ph">
+        <div className="t">
+          <h1>Reports</h1>
+        </div>
+      </div>
+      <div className="filters">
+        <SearchBox label="Search reports" value={q} onChange={search} />
+        <span className="small mut" aria-live="polite">
+          {count(total)} {total === 1 ? 'report' : 'reports'}
+        </span>
+      </div>
+      <Card
+        title="Safety-case reports"
+        note="One for every run that has ended, made from its stored results when it is opened"
+        flush={items.length > 0}
+        footer={
+          query.hasNextPage && (
+            <button type="button" className="btn s" disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
+              {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
+            </button>
+          )
+        }
+      >
+        {items.length === 0 && <p className="sec">{q ? 'No report matches.' : 'No run has ended yet.'}</p>}
+        {items.length > 0 && <Table items={items} />}
+      </Card>
+    </>
+  )
+}
+
+function Table({ items }: { items: readonly Report[] }) {
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th>Verdict</th>
+          <th>Run</th>
+          <th>Report</th>
+          <th>Sign-off</th>
+          <th>Finished</th>
+          <th>Results, sha256</th>
+          <th>Files</th>
+        </tr>
+      </thead>
+      <tbody>
+        {items.map((report) => (
+          <tr key={report.run}>
+            <td>
+              <VerdictBadge outcome={outcomeOf(report)} />
+            </td>
+            <td>
+              <span className="rn">
+                <Link to="/runs/$id" params={{ id: report.run }}>
+                  {report.name}
+                </Link>
+                <small>
+                  {report.run}
+                  {report.campaign_name !== report.name && ` · ${report.campaign_name}`}
+                </small>
+              </span>
+            </td>
+            <td className="sec nw">{report.id}</td>
+            <td>
+              <Signed report={report} />
+            </td>
+            <td className="sec nw" title={report.finished === null ? undefined : moment(report.finished)}>
+              {report.finished === null ? 'not recorded' : when(report.finished)}
+            </td>
+            <td>
+              <span className="mono" title={report.digest}>
+                {report.digest.slice(0, 16)}
+              </span>
+            </td>
+            <td>
+              <span className="row nw" style={{ gap: 6 }}>
+                {report.files.map((file) =>
+                  file.format === 'html' ? (
+                    <a key={file.format} className="btn s" href={file.href} target="_blank" rel="noreferrer" aria-label={`HTML report of ${report.run}`}>
+                      <IconFileText className="i s" aria-hidden /> HTML
+                    </a>
+                  ) : (
+                    <Pdf key={file.format} report={report} file={file} />
+                  ),
+                )}
+              </span>
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}
+
+function Signed({ report }: { report: Report }) {
+  const { signed, outdated, signed_by: names } = report
+  return (
+    <span className="rn">
+      {signed > 0 && (
+        <span className="ok-t nw">
+          <IconSignature className="i s" aria-hidden /> {names.join(', ')}
+        </span>
+      )}
+      {outdated > 0 && <span className="bad-t nw">{count(outdated)} of other results</span>}
+      {signed + outdated === 0 && <span className="mut">none</span>}
+    </span>
+  )
+}
+
+/** Printed on request, which takes a few seconds and can fail. */
+function Pdf({ report, file }: { report: Report; file: ReportFile }) {
+  const print = useMutation({
+    mutationFn: () => getFile(file.href),
+    onSuccess: (blob) => save(`${report.id}.pdf`, blob),
+  })
+  return (
+    <>
+      <button
+        type="button"
+        className="btn s"
+        disabled={file.unavailable !== null || print.isPending}
+        title={file.unavailable ?? 'Printed on request, a few seconds'}
+        aria-label={`PDF report of ${report.run}`}
+        onClick={() => print.mutate()}
+      >
+        <IconFileTypePdf className="i s" aria-hidden /> {print.isPending ? 'Printing …' : 'PDF'}
+      </button>
+      {print.isError && (
+        <span className="small bad-t" role="alert">
+          {print.error.message}
+        </span>
+      )}
+    </>
+  )
+}

@@ -1,0 +1,158 @@
+// A sweep: worst margin and P(violation) over the values of one parameter, and its runs.
+import { IconBan, IconDownload } from '@tabler/icons-react'
+import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { Link, useParams } from '@tanstack/react-router'
+import { useState } from 'react'
+import { cancelSweep, getSweep } from '../api/calls'
+import { ChartCard } from '../charts/ChartCard'
+import type { SweepDetail } from '../client'
+import { plain } from '../format/numbers'
+import { moment } from '../format/time'
+import { unitText } from '../format/units'
+import { Loading, Trouble } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
+import { boundOf, CodeCell, DateCell, marginOf, RunCell } from '../trends/cells'
+import { type At, codesOf, sampleOf } from '../trends/outcomes'
+import { OutcomeBadge, OutcomesChart } from '../trends/OutcomesChart'
+import { Card, NumHead } from '../ui/Card'
+import { usePolling } from '../ui/usePolling'
+import { activeOf, saidOf, valueText } from './states'
+
+const sweepQuery = (id: string) => queryOptions({ queryKey: ['sweep', id], queryFn: () => getSweep(id) })
+
+export function SweepPage() {
+  const { id } = useParams({ from: '/sweeps/$id' })
+  const query = useQuery(sweepQuery(id))
+  useTitle(query.data ? `${id} ${query.data.name}` : id)
+  usePolling(() => void query.refetch(), 2000, query.data !== undefined && activeOf(query.data.states) > 0)
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what={id} />
+  return <Shown sweep={query.data} />
+}
+
+function Shown({ sweep }: { sweep: SweepDetail }) {
+  const points = sweep.points.map(({ value, run, outcome }): At => ({ x: value, run, outcome }))
+  const unit = unitText(sweep.unit)
+  const codes = codesOf(points)
+  const axis = {
+    xTitle: `${sweep.path}${unit && `, ${unit}`}`,
+    xText: (x: number) => `${sweep.path} = ${plain(x)} ${unit}`.trim(),
+  }
+  const data = () => ({
+    name: 'sweep',
+    columns: [`${sweep.path}${unit && ` [${sweep.unit}]`}`, 'run', 'state', 'verdict', 'worst margin', 'unit', 'P(violation) upper bound', 'violations', 'samples'],
+    rows: sweep.points.map(({ value, run, outcome: o }) => [
+      value, run, o?.state ?? 'purged', o?.verdict ?? null, o?.margin ?? null, o?.unit ?? null, o?.upper_bound ?? null, o?.violations ?? null,
+      o?.samples ?? null,
+    ]),
+  })
+  return (
+    <>
+      <div className="ph">
+        <div className="t">
+          <h1>{sweep.name}</h1>
+          <p className="sec">
+            {sweep.id}, {sweep.title} over {sweep.runs} values. {saidOf(sweep.states)}.
+          </p>
+        </div>
+        <div className="acts">
+          <Link to="/sweeps" className="btn">
+            All sweeps
+          </Link>
+          <a className="btn" href={`/api/v1/sweeps/${sweep.id}/table.csv`} download>
+            <IconDownload className="i s" aria-hidden /> CSV
+          </a>
+          {activeOf(sweep.states) > 0 && <Cancel sweep={sweep} />}
+        </div>
+      </div>
+      {codes.length > 1 && (
+        <div className="note warn" style={{ marginBottom: 'var(--gap)' }}>
+          The code changed while the sweep ran: {codes.length} codes ran its runs. Differences between the values may come
+          from the code.
+        </div>
+      )}
+      <div className="grid">
+        <ChartCard title={`Worst margin and P(violation) over ${sweep.path}`} note={sweep.title} className="c12" run={sweep.id} data={data}>
+          <OutcomesChart points={points} axis={axis} sync={sweep.id} name={({ x }) => axis.xText(x)} />
+        </ChartCard>
+        <Card title="Runs" note={`Submitted by ${sweep.owner}, ${moment(sweep.created)}`} className="c12" flush>
+          <Table sweep={sweep} />
+        </Card>
+      </div>
+    </>
+  )
+}
+
+function Table({ sweep }: { sweep: SweepDetail }) {
+  return (
+    <table>
+      <thead>
+        <tr>
+          <NumHead unit={unitText(sweep.unit)}>{sweep.path}</NumHead>
+          <th>Verdict</th>
+          <th>Run</th>
+          <th className="num">Worst margin</th>
+          <NumHead unit="upper bound">P(violation)</NumHead>
+          <NumHead unit="of the sample">Violations</NumHead>
+          <th>Code</th>
+          <th>Finished</th>
+          <th>Reason</th>
+        </tr>
+      </thead>
+      <tbody>
+        {sweep.points.map(({ value, run, outcome }) => (
+          <tr key={run}>
+            <td className="num b">
+              {valueText(value)}
+              {value === sweep.nominal && <span className="mut small"> in the campaign</span>}
+            </td>
+            <td>
+              <OutcomeBadge outcome={outcome} />
+            </td>
+            <td>
+              <RunCell run={run} />
+            </td>
+            <td className="num">{marginOf(outcome)}</td>
+            <td className="num sec">{boundOf(outcome)}</td>
+            <td className="num sec">{sampleOf(outcome)}</td>
+            <td>{outcome && <CodeCell code={outcome.code} />}</td>
+            <td>{outcome && <DateCell outcome={outcome} />}</td>
+            <td className="sec">{[outcome?.error, outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' ')}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}
+
+/** Asks once; completed evaluations are kept. */
+function Cancel({ sweep }: { sweep: SweepDetail }) {
+  const [sure, setSure] = useState(false)
+  const cache = useQueryClient()
+  const cancel = useMutation({
+    mutationFn: () => cancelSweep(sweep.id),
+    onSuccess: (after) => {
+      cache.setQueryData(sweepQuery(sweep.id).queryKey, after)
+      void cache.invalidateQueries({ queryKey: ['runs'] })
+      setSure(false)
+    },
+  })
+  const active = activeOf(sweep.states)
+  if (!sure)
+    return (
+      <button type="button" className="btn" onClick={() => setSure(true)}>
+        <IconBan className="i s" aria-hidden /> Cancel
+      </button>
+    )
+  return (
+    <span className="row">
+      <span className="sec">{cancel.error ? cancel.error.message : `Cancel ${active === 1 ? 'the run' : `the ${active} runs`} that have not ended?`}</span>
+      <button type="button" className="btn p" disabled={cancel.isPending} onClick={() => cancel.mutate()}>
+        Cancel {active === 1 ? 'it' : 'them'}
+      </button>
+      <button type="button" className="btn" onClick={() => setSure(false)}>
+        Keep running
+      </button>
+    </span>
+  )
+}

@@ -1,0 +1,78 @@
+// The list of sweeps.
+import { IconPlus } from '@tabler/icons-react'
+import { queryOptions, useQuery } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
+import { listSweeps } from '../api/calls'
+import { count } from '../format/numbers'
+import { moment, when } from '../format/time'
+import { Loading, Trouble } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
+import { Card } from '../ui/Card'
+import { saidOf } from './states'
+
+const sweepsQuery = queryOptions({ queryKey: ['sweeps'], queryFn: () => listSweeps() })
+
+export function SweepsPage() {
+  useTitle('Sweeps')
+  const { data, error, isError, refetch } = useQuery(sweepsQuery)
+  if (isError && !data) return <Trouble error={error} retry={() => void refetch()} />
+  if (!data) return <Loading what="sweeps" />
+  return (
+    <>
+      <div className="ph">
+        <div className="t">
+          <h1>Sweeps</h1>
+        </div>
+        <div className="acts">
+          <Link to="/launch" className="btn p">
+            <IconPlus className="i s" aria-hidden />
+            New run or sweep
+          </Link>
+        </div>
+      </div>
+      <Card title="Sweeps" note="One campaign with several values of a fixed parameter" flush={data.length > 0}>
+        {data.length === 0 && (
+          <p className="sec">There are no sweeps yet. Launch one below the start button of a new run, or with `clearance submit FILE --sweep`.</p>
+        )}
+        {data.length > 0 && (
+          <table>
+            <thead>
+              <tr>
+                <th>Sweep</th>
+                <th>Parameter</th>
+                <th className="num">Runs</th>
+                <th>State</th>
+                <th>User</th>
+                <th>Submitted</th>
+              </tr>
+            </thead>
+            <tbody>
+              {data.map((sweep) => (
+                <tr key={sweep.id}>
+                  <td>
+                    <span className="rn">
+                      <Link to="/sweeps/$id" params={{ id: sweep.id }}>
+                        {sweep.name}
+                      </Link>
+                      <small>
+                        {sweep.id}
+                        {sweep.campaign_name !== sweep.name && ` · ${sweep.campaign_name}`}
+                      </small>
+                    </span>
+                  </td>
+                  <td className="sec">{sweep.path}</td>
+                  <td className="num">{count(sweep.runs)}</td>
+                  <td className="sec">{saidOf(sweep.states)}</td>
+                  <td className="sec">{sweep.owner}</td>
+                  <td className="sec nw" title={moment(sweep.created)}>
+                    {when(sweep.created)}
+                  </td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        )}
+      </Card>
+    </>
+  )
+}

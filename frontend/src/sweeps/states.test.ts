@@ -1,0 +1,17 @@
+// The states of a sweep's runs in words.
+import { expect, it } from 'vitest'
+import { activeOf, saidOf, valueText } from './states'
+
+it('counts what has not ended', () => {
+  expect(activeOf({ queued: 2, running: 1, cancelling: 1, done: 3, cleared: 3 })).toBe(4)
+  expect(activeOf({})).toBe(0)
+})
+
+it('names verdicts instead of done', () => {
+  expect(saidOf({ done: 3, cleared: 2, violated: 1, queued: 2, failed: 1 })).toBe('2 queued, 2 cleared, 1 violated, 1 failed')
+  expect(saidOf({})).toBe('Every run was purged')
+})
+
+it('shows values at full precision', () => {
+  expect([valueText(0.1 + 0.2), valueText(-1)]).toEqual(['0.30000000000000004', '−1'])
+})

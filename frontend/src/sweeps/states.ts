@@ -1,0 +1,16 @@
+// The states of a sweep's runs in words.
+import { count, field } from '../format/numbers'
+
+const ACTIVE = ['queued', 'running', 'cancelling'] as const
+
+/** How many runs have not ended. */
+export const activeOf = (states: Record<string, number>): number => ACTIVE.reduce((sum, state) => sum + (states[state] ?? 0), 0)
+
+/** "2 queued, 1 running, 3 cleared": verdicts in place of "done". */
+export function saidOf(states: Record<string, number>): string {
+  const order = ['queued', 'running', 'cancelling', 'cleared', 'violated', 'inconclusive', 'cancelled', 'failed']
+  return order.flatMap((word) => (states[word] ? [`${count(states[word])} ${word}`] : [])).join(', ') || 'Every run was purged'
+}
+
+/** A value at full precision. */
+export const valueText = (value: number): string => field(value)

@@ -1,0 +1,85 @@
+// Other runs with the same input as a run, and those that differ in one thing, with links to compare.
+import { IconArrowsDiff, IconChartDots } from '@tabler/icons-react'
+import { queryOptions, useQuery } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
+import { getRelated } from '../api/calls'
+import type { RelatedRun, RunDetail } from '../client'
+import { count } from '../format/numbers'
+import { Card } from '../ui/Card'
+import { boundOf, CodeCell, DateCell, marginOf, RunCell } from './cells'
+import { OutcomeBadge } from './OutcomesChart'
+import { differenceOf } from './difference'
+
+const relatedQuery = (run: string, state: string) =>
+  queryOptions({ queryKey: ['related', run, state], queryFn: () => getRelated(run) })
+
+export function RelatedCard({ run }: { run: RunDetail }) {
+  const { data, error } = useQuery(relatedQuery(run.id, run.state))
+  const rows = data?.runs ?? []
+  return (
+    <Card
+      title="Same input in other runs"
+      note="The same campaign, or one that differs only in the seed or the code"
+      className="c12"
+      id="related"
+      flush={rows.length > 0}
+      right={
+        <Link to="/trends" search={{ campaign: run.campaign_digest }} className="btn s">
+          <IconChartDots className="i s" aria-hidden /> Trend
+        </Link>
+      }
+      footer={data && data.total > rows.length && `The newest ${rows.length} of ${count(data.total)} runs.`}
+    >
+      {error && <p className="ferr">{error.message}</p>}
+      {data && rows.length === 0 && <p className="sec">No other run has this campaign, with this seed or another.</p>}
+      {rows.length > 0 && <Table own={run.id} rows={rows} />}
+    </Card>
+  )
+}
+
+function Table({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th>Verdict</th>
+          <th>Run</th>
+          <th>Differs in</th>
+          <th className="num">Worst margin</th>
+          <th className="num">P(violation)</th>
+          <th>Code</th>
+          <th>Finished</th>
+          <th>
+            <span className="sr">Compare</span>
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {rows.map((other) => (
+          <tr key={other.id}>
+            <td>
+              <OutcomeBadge outcome={other} />
+            </td>
+            <td>
+              <RunCell run={other.id} name={other.name} />
+            </td>
+            <td className="sec">{differenceOf(other)}</td>
+            <td className="num">{marginOf(other)}</td>
+            <td className="num sec">{boundOf(other)}</td>
+            <td>
+              <CodeCell code={other.code} />
+            </td>
+            <td>
+              <DateCell outcome={other} />
+            </td>
+            <td>
+              <Link to="/compare" search={{ runs: `${own},${other.id}` }} className="btn s" aria-label={`Compare ${own} with ${other.id}`}>
+                <IconArrowsDiff className="i s" aria-hidden /> Compare
+              </Link>
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}

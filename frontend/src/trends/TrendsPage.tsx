@@ -1,0 +1,200 @@
+// The runs of a campaign in time: verdicts, worst margins, bounds, and where the code changed.
+import { queryOptions, useQuery } from '@tanstack/react-query'
+import { Link, useSearch } from '@tanstack/react-router'
+import { clsx } from 'clsx'
+import { getTrend } from '../api/calls'
+import { facetsQuery } from '../api/queries'
+import { ChartCard } from '../charts/ChartCard'
+import type { Trend, TrendRun } from '../client'
+import { count } from '../format/numbers'
+import { moment } from '../format/time'
+import { Loading, Trouble } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
+import { Card } from '../ui/Card'
+import { usePolling } from '../ui/usePolling'
+import { boundOf, CodeCell, DateCell, marginOf, RunCell } from './cells'
+import type { At } from './outcomes'
+import { OutcomeBadge, OutcomesChart } from './OutcomesChart'
+import type { TrendSearch } from './search'
+import { changesOf } from './changes'
+import styles from './trends.module.css'
+
+const trendQuery = (search: TrendSearch) =>
+  queryOptions({ queryKey: ['trend', search], queryFn: () => getTrend(search), enabled: Boolean(search.campaign ?? search.name) })
+
+export function TrendsPage() {
+  const search = useSearch({ from: '/trends' })
+  const query = useQuery(trendQuery(search))
+  useTitle(query.data ? `Trend of ${query.data.name}` : 'Trends')
+  usePolling(() => void query.refetch(), 5000, query.data?.runs.some((run) => ['queued', 'running', 'cancelling'].includes(run.state)) ?? false)
+  if (!search.campaign && !search.name) return <Campaigns />
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what="the trend" />
+  return <Shown trend={query.data} />
+}
+
+/** Without a campaign in the address: a choice of those that have runs. */
+function Campaigns() {
+  const { data, error } = useQuery(facetsQuery)
+  return (
+    <>
+      <div className="ph">
+        <div className="t">
+          <h1>Trends</h1>
+        </div>
+      </div>
+      <Card title="Campaigns" note="By name, those with the most runs first" flush={Boolean(data?.campaigns.length)}>
+        {error && <p className="ferr">{error.message}</p>}
+        {data?.campaigns.length === 0 && <p className="sec">There are no runs yet.</p>}
+        {data && data.campaigns.length > 0 && (
+          <table>
+            <thead>
+              <tr>
+                <th>Campaign</th>
+                <th className="num">Runs</th>
+              </tr>
+            </thead>
+            <tbody>
+              {data.campaigns.map(({ value, runs }) => (
+                <tr key={value}>
+                  <td>
+                    <Link to="/trends" search={{ name: value }}>
+                      {value}
+                    </Link>
+                  </td>
+                  <td className="num">{count(runs)}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        )}
+      </Card>
+    </>
+  )
+}
+
+function Shown({ trend }: { trend: Trend }) {
+  const { runs, total } = trend
+  const points = runs.map((outcome, i): At => ({ x: i + 1, run: outcome.id, outcome }))
+  const at = (x: number) => runs[Math.round(x) - 1]
+  const axis = {
+    xTitle: 'Runs in the order of submission, the oldest first',
+    xTicks: ticksOf(runs.length),
+    rules: runs.flatMap((run, i) => (run.code_changed ? [{ x: i + 0.5, colour: '--link' }] : [])),
+    xText: (x: number) => {
+      const run = at(x)
+      return run ? `${run.id}, ${moment(run.finished ?? run.created)}` : ''
+    },
+  }
+  const data = () => ({
+    name: 'trend',
+    columns: ['run', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'confidence', 'campaign', 'code'],
+    rows: runs.map((run) => [
+      run.id, run.finished === null ? null : new Date(run.finished * 1000).toISOString(), run.state, run.verdict, run.seed,
+      run.margin, run.unit, run.upper_bound, run.confidence, run.campaign_digest, run.code,
+    ]),
+  })
+  return (
+    <>
+      <div className="ph">
+        <div className="t">
+          <h1>{trend.name}</h1>
+          <p className="sec">
+            {trend.digest ? (
+              <>
+                Runs of one campaign, sha256{' '}
+                <span className="mono" title={trend.digest}>
+                  {trend.digest.slice(0, 16)}
+                </span>
+              </>
+            ) : (
+              `Runs of ${count(trend.campaigns)} ${trend.campaigns === 1 ? 'campaign' : 'campaigns'} of this name`
+            )}
+          </p>
+        </div>
+        <div className="acts">
+          {trend.digest && (
+            <Link to="/trends" search={{ name: trend.name }} className="btn">
+              All campaigns of this name
+            </Link>
+          )}
+        </div>
+      </div>
+      {runs.length === 0 ? (
+        <p className="sec">No run has this campaign.</p>
+      ) : (
+        <div className="grid">
+          <ChartCard title="Worst margin and P(violation) in time" note={changesOf(runs)} className="c12" run="trend" data={data}>
+            <OutcomesChart points={points} axis={axis} sync="trend" name={({ run }) => run} />
+          </ChartCard>
+          <Card
+            title="Runs"
+            note="The newest first"
+            className="c12"
+            flush
+            footer={total > runs.length && `The newest ${runs.length} of ${count(total)} runs.`}
+          >
+            <Table runs={runs} named={!trend.digest} />
+          </Card>
+        </div>
+      )}
+    </>
+  )
+}
+
+/** Whole numbers, at most twelve. */
+function ticksOf(runs: number): number[] {
+  const step = Math.max(1, Math.ceil(runs / 12))
+  return Array.from({ length: Math.ceil(runs / step) }, (_, i) => 1 + i * step)
+}
+
+function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th className="num">No.</th>
+          <th>Verdict</th>
+          <th>Run</th>
+          <th className="num">Worst margin</th>
+          <th className="num">P(violation)</th>
+          {named && <th>Campaign</th>}
+          <th className="num">Seed</th>
+          <th>Code</th>
+          <th>Finished</th>
+        </tr>
+      </thead>
+      <tbody>
+        {runs.map((run, i) => (
+          <tr key={run.id} className={clsx(runs[i + 1]?.code_changed && styles.changed)}>
+            <td className="num sec">{i + 1}</td>
+            <td>
+              <OutcomeBadge outcome={run} />
+            </td>
+            <td>
+              <RunCell run={run.id} name={run.name} />
+            </td>
+            <td className="num">{marginOf(run)}</td>
+            <td className="num sec">{boundOf(run)}</td>
+            {named && (
+              <td className="sec">
+                <Link to="/trends" search={{ campaign: run.campaign_digest }} className="mono" title={run.campaign_digest}>
+                  {run.campaign_digest.slice(0, 8)}
+                </Link>
+                {run.campaign_changed && ' changed'}
+              </td>
+            )}
+            <td className="num sec">{run.seed}</td>
+            <td className="nw">
+              <CodeCell code={run.code} />
+              {run.code_changed && <span className="b"> changed</span>}
+            </td>
+            <td>
+              <DateCell outcome={run} />
+            </td>
+          </tr>
+        )).reverse()}
+      </tbody>
+    </table>
+  )
+}

@@ -1,0 +1,45 @@
+// Cells that the tables of outcomes share.
+import { Link } from '@tanstack/react-router'
+import type { Outcome } from '../client'
+import { decimalsFor, NONE, percent, signed } from '../format/numbers'
+import { moment, when } from '../format/time'
+
+export const marginOf = (outcome: Outcome | null): string => {
+  if (outcome?.margin === null || outcome?.margin === undefined) return NONE
+  return `${signed(outcome.margin, decimalsFor([outcome.worst_cost, outcome.threshold]))} ${outcome.unit}`.trim()
+}
+
+export const boundOf = (outcome: Outcome | null): string =>
+  outcome?.upper_bound === null || outcome?.upper_bound === undefined ? NONE : `≤ ${percent(outcome.upper_bound)}`
+
+export function RunCell({ run, name }: { run: string; name?: string }) {
+  return (
+    <span className="rn">
+      <Link to="/runs/$id" params={{ id: run }}>
+        {name ?? run}
+      </Link>
+      {name && <small>{run}</small>}
+    </span>
+  )
+}
+
+export function CodeCell({ code }: { code: string | null | undefined }) {
+  return code ? (
+    <span className="mono" title={code}>
+      {code.slice(0, 12)}
+    </span>
+  ) : (
+    <span className="mut">not stored</span>
+  )
+}
+
+/** When it ended, or was submitted if it has not ended. */
+export function DateCell({ outcome }: { outcome: Outcome }) {
+  const at = outcome.finished ?? outcome.created
+  return (
+    <time className="sec nw" dateTime={new Date(at * 1000).toISOString()} title={moment(at)}>
+      {outcome.finished === null && 'submitted '}
+      {when(at)}
+    </time>
+  )
+}

@@ -1,0 +1,13 @@
+// Where the code changed within a trend, in words.
+import type { TrendRun } from '../client'
+
+const MOST = 3
+
+export function changesOf(runs: readonly Pick<TrendRun, 'id' | 'code_changed' | 'code'>[]): string {
+  const changed = runs.filter((run) => run.code_changed).map(({ id }) => id)
+  if (changed.length > 0) {
+    const named = changed.length > MOST ? `${changed.slice(-MOST).join(', ')} and ${changed.length - MOST} earlier` : changed.join(', ')
+    return `The code changed before ${named}`
+  }
+  return runs.every(({ code }) => code) ? 'One code ran all of them' : 'No change of the code is known'
+}

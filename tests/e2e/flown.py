@@ -100,10 +100,15 @@ def fly(folder: Path) -> Flown:
         opened(found.data) as service,
         service.signed_in() as client,
     ):
-        until(lambda: len(simulators(service)) == known or worker.process.poll() is not None, "a worker", 120)
+
+        def ended() -> bool:
+            return worker.process.poll() is not None
+
+        until(lambda: len(simulators(service)) == known or ended(), "a worker", 120)
+        assert not ended(), worker.text()
         runs = [submit(client, body) for body in asked()]
         assert client.post(f"/api/v1/runs/{CANCELLED}/cancel").is_success
-        until(lambda: OPEN.isdisjoint(states(service).values()), "all over", 280)
+        until(lambda: OPEN.isdisjoint(states(service).values()) or ended(), "all over", 280)
         assert states(service) == dict.fromkeys(runs, "done") | {CANCELLED: "cancelled"}, worker.text()
     return found
 

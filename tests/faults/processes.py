@@ -67,9 +67,9 @@ def started(command: list[str], folder: Path, name: str = "output", **environmen
 
 @contextmanager
 def worker(url: str, folder: Path, name: str, *options: str) -> Iterator[Started]:
-    """A worker on the database."""
+    """A worker on the database; on one core, so that its speed does not depend on their number."""
     command = [*CLEARANCE, "worker", "--name", name, *options]
-    with started(command, folder, name, CLEARANCE_DATABASE=url) as running:
+    with started(command, folder, name, CLEARANCE_DATABASE=url, CLEARANCE_THREADS="1") as running:
         yield running
 
 

@@ -10,34 +10,32 @@ from xdist.scheduler import LoadFileScheduling
 
 LONG = (
     "contract/test_compiled.py",
-    "e2e/test_whole_way.py",
+    "/e2e/",
     "contract/test_methods.py",
-    "e2e/test_browse.py",
     "faults/test_kill.py",
     "physics/test_uav_cases.py",
-    "e2e/test_accessibility.py",
     "physics/test_criteria.py",
-    "e2e/test_evidence.py",
     "physics/test_step_adequacy.py",
-    "e2e/test_recording.py",
     "physics/test_faults.py",
-    "e2e/test_new_user.py",
     "physics/test_realisations.py",
-    "e2e/test_parameter_space.py",
     "faults/test_serve.py",
 )
-"""Browsers between compilations, which they disturb less than each other."""
+"""The browser beside compilations, which it disturbs less than another browser."""
 
+TOGETHER = "tests/e2e/"
+"""Its files share a browser and evaluated runs, and stay on one worker."""
 
 SPREAD = ("contract/test_compiled.py",)
 """Files whose tests share only a closed loop: tests whose ids start with the same number stay together."""
 
 
 class ByFile(LoadFileScheduling):
-    """Tests of a file share services and browsers and stay on one worker, in order, except those that are spread."""
+    """Tests of a file share services and stay on one worker, in order, as those of `TOGETHER` do; some are spread."""
 
     def _split_scope(self, nodeid: str) -> str:
         file, _, rest = nodeid.partition("::")
+        if file.startswith(TOGETHER):
+            return TOGETHER
         number = re.search(r"\[(\d+)-", rest)
         return f"{file}[{number[1]}]" if number and file.endswith(SPREAD) else file
 
@@ -53,6 +51,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
     def turn(item: pytest.Item) -> int:
         path = item.path.as_posix()
-        return next((i for i, name in enumerate(LONG) if path.endswith(name)), len(LONG))
+        return next((i for i, name in enumerate(LONG) if name in path), len(LONG))
 
     items.sort(key=turn)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from functools import cache
 from typing import Any
 
 from campaigns import Catalogue
@@ -93,9 +94,13 @@ CATALOGUE = Catalogue.model_validate(
 
 def published_by_workers() -> dict[str, Any]:
     """The catalogue of the installed components, from a separate process as in a worker."""
+    return dict(json.loads(_printed()))
+
+
+@cache
+def _printed() -> str:
     program = "from worker.catalogue.installed import catalogue; print(catalogue().model_dump_json())"
-    printed = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
-    return dict(json.loads(printed))
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
 
 
 def campaign(**changes: Any) -> dict[str, Any]:

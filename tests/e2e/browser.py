@@ -10,15 +10,18 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import numpy as np
 from PIL import Image
 from playwright.sync_api import (
     Browser,
+    BrowserContext,
     BrowserType,
     ConsoleMessage,
     Error,
+    FrameLocator,
     Locator,
     Page,
     Request,
@@ -42,6 +45,9 @@ ARGUMENTS = (
 
 DRAWN_IN_SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 WITHOUT_3D = ("--disable-3d-apis",)
+
+BLANK = Path(__file__).with_name("blank_webgl.js")
+"""3D graphics that accept every call and draw nothing."""
 
 PATIENCE = 60_000
 """[ms]"""
@@ -130,11 +136,30 @@ def undrawn(page: Page) -> Iterator[None]:
     page.unroute("**/view/**")
 
 
+def blank(context: BrowserContext) -> None:
+    """3D views that are opened from now on behave as ever, but have no picture, unless pictures are stored.
+
+    Opening a view in software takes some 15 s of processor time, most of it for compiling shaders.
+    """
+    if not pictured():
+        context.add_init_script(path=BLANK)
+
+
+def draws(view: FrameLocator | Page) -> bool:
+    """Whether a view that has no picture was asked to draw something."""
+    return bool(view.locator("body").evaluate("() => window.blankDraws !== 0"))
+
+
 @contextmanager
-def visiting(browser: Browser, address: str) -> Iterator[Visit]:
-    """A new browser profile at 1440 x 900; fails at the end if the browser reported errors."""
+def visiting(browser: Browser, address: str, *, views: bool = True) -> Iterator[Visit]:
+    """A new browser profile at 1440 x 900; fails at the end if the browser reported errors.
+
+    views: whether 3D views are drawn, as far as the browser draws; otherwise see `blank`.
+    """
     context = browser.new_context(viewport={"width": 1440, "height": 900}, color_scheme="light")
     context.set_default_timeout(PATIENCE)
+    if not views:
+        blank(context)
     visit = Visit(context.new_page(), address)
     yield visit
     context.close()
@@ -142,10 +167,7 @@ def visiting(browser: Browser, address: str) -> Iterator[Visit]:
 
 
 def launch(chromium: BrowserType, draws: bool = True) -> Browser:
-    """The system's chromium, which draws WebGL in software, or not at all.
-
-    Opening one 3D view in software costs some 15 s of processor time, most of it for compiling shaders.
-    """
+    """The system's chromium, which draws WebGL in software, or not at all."""
     graphics = DRAWN_IN_SOFTWARE if draws else WITHOUT_3D
     return chromium.launch(executable_path=executable(), args=[*ARGUMENTS, *graphics])
 

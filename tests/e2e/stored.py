@@ -1,4 +1,4 @@
-"""A service on an empty folder, with the built pages and no worker, for tests of stored runs. Read `served`."""
+"""A service with the built pages and no worker, for tests of stored runs. Start reading at `served`."""
 
 from __future__ import annotations
 
@@ -45,13 +45,22 @@ VIEW = ViewState(
 
 @contextmanager
 def served(data: Path, catalogue: dict[str, Any] | None = None) -> Iterator[Service]:
-    """A running service with a catalogue, by default that of the API's tests."""
+    """A running service on an empty folder, with a catalogue, by default that of the API's tests."""
+    migrate(default_url(data))
+    with opened(data) as service:
+        service.publish(catalogue)
+        yield service
+
+
+@contextmanager
+def opened(data: Path) -> Iterator[Service]:
+    """A running service on a folder with a database."""
     settings = Settings(data=data, pages=Settings.load().pages)
     assert (settings.pages / "index.html").is_file(), "the pages are not built: make install"
-    migrate(default_url(settings.data))
     service = Service(settings)
     service.start()
-    service.publish(catalogue)
-    yield service
-    if service.running:
-        service.stop()
+    try:
+        yield service
+    finally:
+        if service.running:
+            service.stop()

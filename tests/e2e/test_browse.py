@@ -1,6 +1,6 @@
 """Browsing, annotating, selecting and explaining runs.
 
-The tests of this file are one story, in order, over runs that a worker really flew.
+The tests of this file are one story, in order, over runs that a worker evaluated.
 """
 
 from __future__ import annotations
@@ -13,26 +13,20 @@ import pytest
 import sqlalchemy as sa
 from playwright.sync_api import Browser, Page, expect
 
-from backend.db.engine import connect, default_url
 from backend.db.tables import Run
-from tests.e2e.browser import PATIENCE, Visit, launch, visiting
+from campaigns import library, load_file
+from tests.api.reported import finish_fully
+from tests.api.server import Service
+from tests.e2e.browser import PATIENCE, Visit, pictured, visiting
+from tests.e2e.conftest import Browsers
+from tests.e2e.flown import AGAIN, BOX, INTRUDER, asked
 from tests.e2e.looking import api, looks
 from tests.faults.processes import until
-from tests.faults.serving import Service
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(600)]
 DRAWS = False
-"""Opening the 3D view in software is most of the time of a page; one test has a browser that draws it."""
+"""One test opens 3D views, which are not drawn."""
 
-QUICK = {
-    "sensitivity": {"points": 3},
-    "search": [
-        {"method": "direct", "evaluations": 300},
-        {"method": "sqp", "evaluations": 300},
-        {"method": "monte_carlo", "evaluations": 300},
-    ],
-    "validate": {"neighbours": 20},
-}
 NOTES = "# Why\n\nThe *planning radius* is <b>75 m</b>.\n\n- [x] flown"
 WATCH = """
     window.told = [];
@@ -50,46 +44,36 @@ def post(visit: Visit, path: str, data: Any) -> Any:
     return answer.json()
 
 
-def fly(visit: Visit, case: str, **given: Any) -> str:
-    """Submit a quick run of a shipped case."""
-    document = api(visit, f"/campaigns/{case}")["document"] | {"stages": QUICK | given.pop("stages", {})}
-    return str(post(visit, "/runs", {"campaign": document, **given})["id"])
-
-
-def over(visit: Visit, run: str) -> bool:
-    return api(visit, f"/runs/{run}")["state"] == "done"
+def waiting(visit: Visit, name: str) -> str:
+    """Submit a run, which no worker begins."""
+    document = load_file(library()["unicycle_static"]).document()
+    return str(post(visit, "/runs", {"campaign": document, "name": name})["id"])
 
 
 @pytest.fixture(scope="module")
-def runs(signed_in: Visit) -> list[str]:
-    """Three runs that are over: two of case 1, one of case 2."""
-    found = [
-        fly(signed_in, "unicycle_static", name="Full box", tags=["release-2.4", "baseline"]),
-        fly(signed_in, "unicycle_static", name="Once more", tags=["baseline"]),
-        fly(signed_in, "pioneer_moving", name="Intruder", tags=["moving"]),
-    ]
-    until(lambda: all(over(signed_in, run) for run in found), "all three over", 240)
-    return found
+def signed_in(stored: Service, browser: Browser) -> Iterator[Visit]:
+    """A page of a browser that signed in with the login link."""
+    with visiting(browser, stored.url) as visit:
+        visit.go(f"/login?code={stored.login_code()}")
+        yield visit
 
 
 @pytest.fixture
-def drawing(signed_in: Visit, browser: Browser) -> Iterator[Visit]:
-    """The same session in a browser with 3D graphics."""
-    other = launch(browser.browser_type)
-    with visiting(other, signed_in.address) as visit:
-        visit.page.context.add_cookies(signed_in.page.context.cookies())  # type: ignore[arg-type]
+def drawing(stored: Service, browsers: Browsers) -> Iterator[Visit]:
+    """Another session, with 3D views."""
+    with visiting(browsers(pictured()), stored.url, views=False) as visit:
+        visit.go(f"/login?code={stored.login_code()}")
         yield visit
-    other.close()
 
 
 def named(page: Page) -> list[str]:
     return [row.get_attribute("data-run") or "" for row in page.locator("tr[data-run]").all()]
 
 
-def test_the_list_is_narrowed_and_ordered_by_the_address(signed_in: Visit, runs: list[str]) -> None:
+def test_the_list_is_narrowed_and_ordered_by_the_address(signed_in: Visit) -> None:
     page = signed_in.page
     signed_in.go("/runs")
-    expect(page.locator("tr[data-run]")).to_have_count(3)
+    expect(page.locator("tr[data-run]")).to_have_count(len(asked()))
     page.get_by_role("button", name="Tag: any").click()
     page.get_by_role("dialog").get_by_role("checkbox", name="baseline").check()
     expect(page.locator("tr[data-run]")).to_have_count(2)
@@ -101,7 +85,7 @@ def test_the_list_is_narrowed_and_ordered_by_the_address(signed_in: Visit, runs:
     expect(page.locator("tr[data-run]")).to_have_count(2)
     expect(page.get_by_role("columnheader", name="Margin")).to_have_attribute("aria-sort", "ascending")
     page.get_by_role("button", name="Clear all").click()
-    expect(page.locator("tr[data-run]")).to_have_count(3)
+    expect(page.locator("tr[data-run]")).to_have_count(len(asked()))
     page.get_by_role("button", name="Columns").click()
     page.get_by_role("dialog").get_by_role("checkbox", name="Failed evaluations").check()
     page.keyboard.press("Escape")
@@ -112,9 +96,9 @@ def test_the_list_is_narrowed_and_ordered_by_the_address(signed_in: Visit, runs:
     expect(page.locator("tr[data-run]")).to_contain_text("Intruder")
 
 
-def test_name_tags_pin_and_notes_are_stored(signed_in: Visit, runs: list[str]) -> None:
+def test_name_tags_pin_and_notes_are_stored(signed_in: Visit) -> None:
     page = signed_in.page
-    signed_in.go(f"/runs/{runs[0]}")
+    signed_in.go(f"/runs/{BOX}")
     page.get_by_role("button", name="Change name and tags").click()
     dialog = page.get_by_role("dialog")
     dialog.get_by_label("Name").fill("Release 2.4, full box")
@@ -132,8 +116,8 @@ def test_name_tags_pin_and_notes_are_stored(signed_in: Visit, runs: list[str]) -
     expect(notes.locator("b")).to_have_count(0)
     expect(notes).to_contain_text("<b>75 m</b>")
     # The page shows what was written at once, before the service has it.
-    until(lambda: api(signed_in, f"/runs/{runs[0]}")["notes"] == NOTES, "the notes are kept", 20)
-    kept = api(signed_in, f"/runs/{runs[0]}")
+    until(lambda: api(signed_in, f"/runs/{BOX}")["notes"] == NOTES, "the notes are kept", 20)
+    kept = api(signed_in, f"/runs/{BOX}")
     assert kept["pinned"] is True
     assert kept["tags"] == ["release-2.4", "baseline", "assessed"]
     history = page.locator("#history")
@@ -144,40 +128,40 @@ def test_name_tags_pin_and_notes_are_stored(signed_in: Visit, runs: list[str]) -
     signed_in.shot("notes-1440-light", full=False)
 
 
-def test_notes_written_meanwhile_by_another_user_are_not_lost(signed_in: Visit, runs: list[str]) -> None:
-    page = signed_in.stay(f"/runs/{runs[0]}")
+def test_notes_written_meanwhile_by_another_user_are_not_lost(signed_in: Visit) -> None:
+    page = signed_in.stay(f"/runs/{BOX}")
     notes = page.locator("#notes")
     notes.get_by_role("button", name=re.compile("Edit|Write")).click()
     notes.get_by_label("Notes in Markdown").fill("Mine.")
-    other = f"{signed_in.address}/api/v1/runs/{runs[0]}"
+    other = f"{signed_in.address}/api/v1/runs/{BOX}"
     page.request.patch(other, data={"notes": "Theirs."}, headers={"Origin": signed_in.address})
     notes.get_by_role("button", name="Save notes").click()
     expect(notes).to_contain_text("another user has changed these notes")
     expect(notes.get_by_role("status")).to_contain_text("Theirs.")
-    assert api(signed_in, f"/runs/{runs[0]}")["notes"] == "Theirs."
+    assert api(signed_in, f"/runs/{BOX}")["notes"] == "Theirs."
     notes.get_by_label("Notes in Markdown").fill("Theirs and mine.")
     notes.get_by_role("button", name="I have read it").click()
     notes.get_by_role("button", name="Save notes").click()
     expect(notes.locator("textarea")).to_have_count(0)
-    assert api(signed_in, f"/runs/{runs[0]}")["notes"] == "Theirs and mine."
+    assert api(signed_in, f"/runs/{BOX}")["notes"] == "Theirs and mine."
     signed_in.wrong = [
         wrong for wrong in signed_in.wrong if "409" not in wrong
     ]  # the browser's own note of the refusal
 
 
-def test_a_pinned_run_is_the_first(signed_in: Visit, runs: list[str]) -> None:
+def test_a_pinned_run_is_the_first(signed_in: Visit) -> None:
     page = signed_in.page
-    pinned = f"{signed_in.address}/api/v1/runs/{runs[0]}"
+    pinned = f"{signed_in.address}/api/v1/runs/{BOX}"
     assert page.request.patch(pinned, data={"pinned": True}, headers={"Origin": signed_in.address}).ok
     signed_in.go("/runs?sort=created")
-    expect(page.locator("tr[data-run]")).to_have_count(3)
-    assert named(page)[0] == runs[0]
+    expect(page.locator("tr[data-run]")).to_have_count(len(asked()))
+    assert named(page)[0] == BOX
 
 
-def test_every_finding_and_the_nominal_flight_can_be_chosen(drawing: Visit, runs: list[str]) -> None:
+def test_every_finding_and_the_nominal_flight_can_be_chosen(drawing: Visit) -> None:
     page = drawing.page
-    found = api(drawing, f"/runs/{runs[2]}/findings")
-    drawing.go(f"/runs/{runs[2]}?t=12.5&cam=top")
+    found = api(drawing, f"/runs/{INTRUDER}/findings")
+    drawing.go(f"/runs/{INTRUDER}?t=12.5&cam=top")
     rows = page.locator("#findings tr[data-finding]")
     expect(rows).to_have_count(len(found) + 1)
     for finding in found:
@@ -190,7 +174,7 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(drawing: Visit, runs
     expect(page.locator("tr[data-finding=F1]").get_by_role("button")).to_have_attribute("aria-pressed", "true")
     view = page.locator("#flight iframe")
     view.scroll_into_view_if_needed()
-    expect(view).to_have_attribute("src", re.compile(f"/view/{runs[2]}/"))
+    expect(view).to_have_attribute("src", re.compile(f"/view/{INTRUDER}/"))
     opened = view.element_handle()
     page.get_by_role("button", name="Open the panel").click()
     panel = page.frame_locator("#flight iframe").locator("body")
@@ -198,7 +182,7 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(drawing: Visit, runs
     page.locator("tr[data-finding=nominal]").click()
     expect(page).to_have_url(re.compile("finding=nominal"))
     expect(panel).not_to_contain_text("Worst")
-    shared(drawing, f"/runs/{runs[2]}?finding=nominal&t=12.50&cam=top")
+    shared(drawing, f"/runs/{INTRUDER}?finding=nominal&t=12.50&cam=top")
     expect(page.get_by_role("heading", name="Nominal case")).to_be_visible()
     expect(page.get_by_role("img", name="Separation over time, nominal flight, with the criterion")).to_be_visible()
     page.keyboard.press("k")
@@ -259,25 +243,24 @@ def filled(page: Page) -> None:
     until(lambda: page.evaluate("document.fullscreenElement === null"), "back from the full screen", 10)
 
 
-def test_selected_runs_are_cancelled_together(signed_in: Visit, runs: list[str]) -> None:
+def test_selected_runs_are_cancelled_together(signed_in: Visit) -> None:
     page = signed_in.page
-    search = [{"method": "direct", "evaluations": 9_000_000, "options": {"iterations": 1_000_000}}]
-    long = [fly(signed_in, "unicycle_static", name=f"Long {i}", stages={"search": search}) for i in range(2)]
+    queued = [waiting(signed_in, f"Waiting {i}") for i in range(2)]
     signed_in.go("/runs?show=running")
     signed_in.go("/runs")
-    for run in long:
+    for run in queued:
         page.get_by_role("checkbox", name=f"Select {run}").check()
     expect(page.get_by_text("2 selected")).to_be_visible()
     page.get_by_role("button", name="Cancel 2 runs").click()
     page.get_by_role("dialog").get_by_role("button", name="Cancel 2 runs").click()
-    for run in long:
+    for run in queued:
         expect(page.locator(f"tr[data-run={run}]")).to_contain_text("Cancelled", timeout=PATIENCE)
         assert api(signed_in, f"/runs/{run}")["state"] == "cancelled"
 
 
-def test_the_keys_are_listed_and_work(signed_in: Visit, runs: list[str]) -> None:
+def test_the_keys_are_listed_and_work(signed_in: Visit) -> None:
     page = signed_in.page
-    signed_in.go(f"/runs/{runs[0]}")
+    signed_in.go(f"/runs/{BOX}")
     expect(page.get_by_role("heading", name="Findings")).to_be_visible()
     page.keyboard.press("?")
     dialog = page.get_by_role("dialog", name="Keys")
@@ -294,24 +277,24 @@ def test_the_keys_are_listed_and_work(signed_in: Visit, runs: list[str]) -> None
     page.keyboard.press("x")
     expect(page.get_by_text("1 selected")).to_be_visible()
     page.keyboard.press("Enter")
-    expect(page).to_have_url(re.compile(f"/runs/{runs[1]}$"))
+    expect(page).to_have_url(re.compile(f"/runs/{AGAIN}$"))
     page.keyboard.press("n")
     expect(page).to_have_url(re.compile("/launch"))
 
 
-def test_anything_is_found_and_gone_to(signed_in: Visit, runs: list[str]) -> None:
+def test_anything_is_found_and_gone_to(signed_in: Visit) -> None:
     page = signed_in.page
     signed_in.go("/help")
     expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
     page.keyboard.press("Control+k")
     dialog = page.get_by_role("dialog", name="Search or jump to")
     found = dialog.get_by_role("option")
-    expect(found.filter(has_text=runs[0])).to_be_visible()
+    expect(found.filter(has_text=BOX)).to_be_visible()
     page.keyboard.type("once more")
     expect(found).to_have_count(1)
     signed_in.shot("jump-1440-light", full=False)
     page.keyboard.press("Enter")
-    expect(page).to_have_url(re.compile(f"/runs/{runs[1]}$"))
+    expect(page).to_have_url(re.compile(f"/runs/{AGAIN}$"))
     expect(dialog).to_be_hidden()
     page.get_by_role("button", name="Search or jump to").click()
     page.keyboard.type("potential field")
@@ -320,25 +303,25 @@ def test_anything_is_found_and_gone_to(signed_in: Visit, runs: list[str]) -> Non
     expect(dialog).to_be_hidden()
 
 
-def test_a_notification_is_shown_when_a_run_ends(signed_in: Visit) -> None:
+def test_a_notification_is_shown_when_a_run_ends(signed_in: Visit, stored: Service) -> None:
     page = signed_in.page
     page.context.grant_permissions(["notifications"], origin=signed_in.address)
     page.add_init_script(WATCH)
-    search = [{"method": "direct", "evaluations": 15_000, "options": {"iterations": 100_000}}]
-    run = fly(signed_in, "unicycle_static", name="Awaited", stages={"search": search})
+    run = waiting(signed_in, "Awaited")
     signed_in.go(f"/runs/{run}")
     page.get_by_role("button", name="Notify me").click()
     expect(page.get_by_role("button", name="Will notify")).to_be_visible()
     signed_in.go("/help")
-    until(lambda: page.evaluate("told.length > 0"), "a notification", 120)
+    finish_fully(stored)
+    until(lambda: page.evaluate("told.length > 0"), "a notification", 60)
     title, body = page.evaluate("told[0]")
-    assert re.fullmatch(rf"{run} (cleared|inconclusive)", title)
+    assert title == f"{run} cleared"
     assert body.startswith("Awaited: margin +0.")
 
 
-def test_help_explains_methods_verdicts_and_components(signed_in: Visit, runs: list[str]) -> None:
+def test_help_explains_methods_verdicts_and_components(signed_in: Visit) -> None:
     page = signed_in.page
-    signed_in.go(f"/runs/{runs[0]}")
+    signed_in.go(f"/runs/{BOX}")
     page.get_by_role("link", name="What this means").click()
     expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
     looks(signed_in, "help-verdicts")
@@ -361,31 +344,29 @@ def test_help_explains_methods_verdicts_and_components(signed_in: Visit, runs: l
     expect(page.locator("#vehicle-unicycle")).to_be_in_viewport()
 
 
-def test_the_api_page_describes_and_tries_the_api(signed_in: Visit, runs: list[str]) -> None:
+def test_the_api_page_describes_and_tries_the_api(signed_in: Visit) -> None:
     page = signed_in.page
     signed_in.go("/docs")
     expect(page.get_by_role("heading", name="API", exact=True)).to_be_visible()
     operation = page.locator("#get_run")
-    operation.get_by_label("run of get_run").fill(runs[0])
-    expect(operation).to_contain_text(f"/api/v1/runs/{runs[0]}")
+    operation.get_by_label("run of get_run").fill(BOX)
+    expect(operation).to_contain_text(f"/api/v1/runs/{BOX}")
     operation.get_by_role("button", name="Send").click()
     expect(operation.get_by_label("Answer")).to_contain_text('"campaign_digest"')
     operation.get_by_text(re.compile("^Answer 200")).click()
     expect(operation).to_contain_text("campaign_digest")
     page.locator("#list_runs").get_by_role("button", name="Send").click()
-    expect(page.locator("#list_runs").get_by_label("Answer")).to_contain_text('"next_cursor"')
+    expect(page.locator("#list_runs").get_by_label("Answer")).to_contain_text('"items"')
     looks(signed_in, "api")
 
 
-def test_ten_thousand_runs_scroll(signed_in: Visit, service: Service, runs: list[str]) -> None:
+def test_ten_thousand_runs_scroll(signed_in: Visit, stored: Service) -> None:
     page = signed_in.page
-    engine = connect(default_url(service.data))
-    with engine.begin() as writer:
+    with stored.engine.begin() as writer:
         names = [column.name for column in Run.__table__.columns if column.name not in ("id", "name")]
         kept = writer.execute(sa.select(*(Run.__table__.c[name] for name in names)).where(Run.id == 1)).one()
         row = dict(zip(names, kept, strict=True)) | {"pinned": False}
         writer.execute(sa.insert(Run), [row | {"name": f"copy {i}"} for i in range(10_000)])
-    engine.dispose()
     signed_in.go("/runs?sort=name")
     expect(page.locator("tr[data-run]").first).to_be_visible()
     expect(page.get_by_role("button", name=re.compile("^All"))).to_contain_text("10")

@@ -1,54 +1,41 @@
 """Every page in the window of a telephone: nothing is wider than the window, and the 3D view is not covered.
 
-The runs are evaluated by a worker, so that every section of their pages has content. Start reading at `beyond`.
+The runs were evaluated by a worker, so that every section of their pages has content. Start reading at `beyond`.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, ViewportSize, expect
 
-from tests.e2e.browser import PATIENCE, Visit, visiting
-from tests.e2e.looking import api
+from tests.api.server import Service
+from tests.e2e.browser import PATIENCE, Visit, draws, visiting
+from tests.e2e.flown import BASINS, CANCELLED, CLEARED, CRITERIA, INTRUDER
 from tests.e2e.stored import VIEW
 from tests.faults.processes import until
-from tests.faults.serving import Service, serving
-from tests.simulators import package
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
 WINDOW: ViewportSize = {"width": 390, "height": 844}
 """[px]"""
-QUICK = {
-    "sensitivity": {"points": 3, "sobol": {"samples": 8}},
-    "search": [
-        {"method": "direct", "evaluations": 200},
-        {"method": "sqp", "evaluations": 100},
-        {"method": "nsga2", "evaluations": 200},
-        {"method": "monte_carlo", "evaluations": 100},
-    ],
-    "certify": {"samples": 200},
-    "validate": {"neighbours": 5},
-}
 RUN = ["#methods", "#space canvas", "#validation", "#provenance", "#notes"]
 FLOWN = ["#separation canvas", "#motion canvas", *RUN]
 PAGES: dict[str, tuple[str, list[str]]] = {
-    "runs": ("/runs", ["tr[data-run=R-0003]"]),
-    "run": ("/runs/R-0001", FLOWN),
-    "run-several-criteria": ("/runs/R-0002", [*FLOWN, "#front table"]),
-    "run-simulator": ("/runs/R-0003", RUN),
-    "run-cancelled": ("/runs/R-0004", ["#provenance"]),
-    "flight": ("/runs/R-0001/flight?whatif=nominal", ["#what-if input[type=range]"]),
-    "no-flight": ("/runs/R-0003/flight", ["text=There is no 3D view"]),
+    "runs": ("/runs", [f"tr[data-run={BASINS}]"]),
+    "run": (f"/runs/{INTRUDER}", FLOWN),
+    "run-several-criteria": (f"/runs/{CRITERIA}", [*FLOWN, "#front table"]),
+    "run-simulator": (f"/runs/{BASINS}", RUN),
+    "run-cancelled": (f"/runs/{CANCELLED}", ["#provenance"]),
+    "flight": (f"/runs/{INTRUDER}/flight?whatif=nominal", ["#what-if input[type=range]"]),
+    "no-flight": (f"/runs/{BASINS}/flight", ["text=There is no 3D view"]),
     "launch": ("/launch", ["role=radio[name=/Unicycle, static/]", "role=region[name=Scenario]"]),
     "launch-text": ("/launch?tab=yaml", ["role=textbox[name='Campaign as YAML']"]),
-    "launch-simulator": ("/launch?from=R-0003", ["role=combobox[name='Simulator']"]),
-    "compare": ("/compare?runs=R-0001,R-0002", ["#separation canvas", "#convergence canvas", "#code"]),
-    "compare-simulator": ("/compare?runs=R-0003,R-0005", ["#convergence canvas", "#ranges", "#code"]),
+    "launch-simulator": (f"/launch?from={BASINS}", ["role=combobox[name='Simulator']"]),
+    "compare": (f"/compare?runs={INTRUDER},{CRITERIA}", ["#separation canvas", "#convergence canvas", "#code"]),
+    "compare-simulator": (f"/compare?runs={BASINS},{CLEARED}", ["#convergence canvas", "#ranges", "#code"]),
     "compare-nothing": ("/compare", ["text=Choose two to 4 runs here"]),
     "help": ("/help", ["role=heading[name=Verdicts]"]),
     "help-methods": ("/help/methods", ["#direct"]),
@@ -95,46 +82,16 @@ def beyond(visit: Visit) -> list[str]:
     return ([f"the page is {wide} px wider than the window"] if wide > 0 else []) + found
 
 
-def submit(visit: Visit, body: dict[str, Any]) -> str:
-    given = visit.page.request.post(f"{visit.address}/api/v1/runs", data=body, headers={"Origin": visit.address})
-    assert given.status == 201, given.text()
-    return str(given.json()["id"])
-
-
-def over(visit: Visit, run: str) -> bool:
-    return api(visit, f"/runs/{run}")["state"] in ("done", "cancelled")
-
-
 @pytest.fixture(scope="module")
-def own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """A service with a worker and a simulator of its own."""
-    folder = tmp_path_factory.mktemp("narrow")
-    with serving(folder, PYTHONPATH=package.path(package.install(folder / "package"))) as service:
-        yield service
-
-
-@pytest.fixture(scope="module")
-def visit(own: Service, browser: Browser) -> Iterator[Visit]:
-    """A telephone that is signed in, with runs: many parameters, several criteria, a simulator's, a cancelled one."""
-    link = own.link()
-    with visiting(browser, link.partition("/login")[0]) as visit:
+def visit(stored: Service, browser: Browser) -> Iterator[Visit]:
+    """A telephone that is signed in."""
+    with visiting(browser, stored.url, views=False) as visit:
         visit.page.emulate_media(reduced_motion="reduce")
-        # The 3D view takes seconds to draw without a graphics card; it has a test of its own.
+        # The 3D view is another project's page, which takes seconds to start; it has a test of its own.
         visit.page.route("**/view/**", lambda route: route.fulfill(body="", content_type="text/html"))
         visit.page.route("**/views/**", lambda route: route.fulfill(json=VIEW))
         visit.page.set_viewport_size(WINDOW)
-        visit.page.goto(link)
-        for case in ("pioneer_moving", "uav_moving_criteria"):
-            asked = api(visit, f"/campaigns/{case}")["document"] | {"stages": QUICK}
-            submit(
-                visit, {"campaign": asked, "name": "With a long name that does not fit", "tags": ["a-long-tag", "b"]}
-            )
-        submit(visit, {"campaign": package.campaign(), "name": "Basins"})
-        cancelled = submit(visit, {"campaign": asked, "name": "Cancelled"})
-        visit.page.request.post(f"{visit.address}/api/v1/runs/{cancelled}/cancel", headers={"Origin": visit.address})
-        runs = ["R-0001", "R-0002", "R-0003", cancelled]
-        runs.append(submit(visit, {"campaign": package.campaign(2.0), "name": "Basins, another threshold"}))
-        until(lambda: all(over(visit, run) for run in runs), "all over", 200)
+        visit.go(f"/login?code={stored.login_code()}")
         yield visit
 
 
@@ -175,8 +132,8 @@ def test_the_guide_fits(visit: Visit, name: str) -> None:
 
 
 @pytest.mark.parametrize("path", ["/runs", "/login?code=wrong"])
-def test_the_sign_in_pages_fit(own: Service, browser: Browser, path: str) -> None:
-    with visiting(browser, own.link().partition("/login")[0]) as stranger:
+def test_the_sign_in_pages_fit(stored: Service, browser: Browser, path: str) -> None:
+    with visiting(browser, stored.url) as stranger:
         stranger.page.set_viewport_size(WINDOW)
         stranger.go(path)
         expect(stranger.page.get_by_role("heading", level=1)).to_be_visible()
@@ -190,7 +147,7 @@ def test_the_panel_of_the_view_opens_on_request(visit: Visit) -> None:
     page = visit.page
     page.unroute("**/view/**")
     page.unroute("**/views/**")
-    visit.go("/runs/R-0001/flight")
+    visit.go(f"/runs/{INTRUDER}/flight")
     opened = page.get_by_role("button", name="Open the panel")
     expect(opened).to_be_enabled(timeout=PATIENCE)
     frame = page.frame_locator("#flight iframe")
@@ -199,3 +156,4 @@ def test_the_panel_of_the_view_opens_on_request(visit: Visit) -> None:
     expect(tab).to_be_hidden()
     opened.click()
     expect(tab).to_be_visible()
+    until(lambda: draws(frame), "something drawn")

@@ -16,7 +16,7 @@ from backend.scenes.base.palette import LIGHT, rgb
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
-from tests.e2e.browser import near, pixels, visiting
+from tests.e2e.browser import draws, near, pixels, visiting
 from tests.e2e.stored import served
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
@@ -60,7 +60,7 @@ def test_the_file_opens_from_disk_without_requests(recorded: Service, browser: B
 
 
 def test_a_link_from_the_run_page_plays_without_a_viewer(recorded: Service, browser: Browser) -> None:
-    with visiting(browser, recorded.url) as visit:
+    with visiting(browser, recorded.url, views=False) as visit:
         visit.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
         visit.go(f"/login?code={recorded.login_code()}")
         visit.go("/runs/R-0001")
@@ -78,6 +78,7 @@ def test_a_link_from_the_run_page_plays_without_a_viewer(recorded: Service, brow
         expect(visit.page.get_by_role("button", name="Recording")).to_be_visible()
         visit.page.goto(f"{link}dark/")
         playing(visit.page)
+        assert draws(visit.page)
         visit.shot("recording-page-dark", full=False)
         until(lambda: recorded.app.state.viewers.open == 0)
 
@@ -101,9 +102,9 @@ REFUSED = re.compile(r"ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_
 
 
 def test_page_and_view_agree_and_a_lost_view_is_restored(recorded: Service, browser: Browser) -> None:
-    with visiting(browser, recorded.url) as visit:
+    with visiting(browser, recorded.url, views=False) as visit:
         page = visit.page
-        page.set_viewport_size({"width": 1280, "height": 700})  # software draws every pixel
+        page.set_viewport_size({"width": 1280, "height": 700})
         visit.go(f"/login?code={recorded.login_code()}")
         asked: list[str] = []
         page.on("request", lambda request: asked.append(request.url))

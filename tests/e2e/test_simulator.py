@@ -3,65 +3,34 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
+from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.e2e.browser import Visit, visiting
+from tests.api.server import Service
+from tests.e2e.browser import Visit, draws, visiting
+from tests.e2e.flown import BASINS, CLEARED, DRAWN, Flown, asked
+from tests.e2e.looking import api
 from tests.faults.processes import until
-from tests.faults.serving import serving
-from tests.simulators import dropped, package
+from tests.simulators import dropped
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
 
-def test_launched_again_from_the_form_and_compared(tmp_path: Path, browser: Browser) -> None:
-    folder = package.install(tmp_path / "package")
-    with (
-        serving(tmp_path, PYTHONPATH=package.path(folder)) as service,
-        visiting(browser, service.link().partition("/login")[0]) as visit,
-    ):
-        page = visit.page
-        page.goto(service.link())
-        body = {"campaign": package.campaign(), "name": "Basins"}
-        given = page.request.post(f"{visit.address}/api/v1/runs", data=body, headers={"Origin": visit.address})
-        assert given.status == 201, given.text()
-        visit.go("/launch?from=R-0001")
-        expect(page.get_by_role("combobox", name="Simulator", exact=True)).to_have_value("Two basins")
-        expect(page.get_by_role("combobox", name="Criterion, result")).to_have_value("Separation")
-        page.get_by_label("Criterion, threshold").fill("2")
-        page.get_by_label("Two basins, Offset along the track", exact=True).fill("0.4")
-        page.get_by_role("button", name="Start run").click()
-        expect(page).to_have_url(re.compile("R-0002"))
-        expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Cleared"), timeout=40_000)
-        asked = page.request.get(f"{visit.address}/api/v1/runs/R-0002").json()["campaign"]
-        assert asked["simulator"] == {"name": "two_basins", "parameters": {"x": 0.4}}
-        assert asked["criterion"]["threshold"] == 2.0
-        visit.go("/compare?runs=R-0001,R-0002")
-        expect(page.get_by_text("From violated to cleared")).to_be_visible()
-        expect(page.get_by_text("Simulator digest")).to_be_visible()
-        expect(page.locator("#convergence canvas").first).to_be_visible()
-        empty = "cards => cards.filter((card) => !card.querySelector('table, canvas, svg.ch')).map((card) => card.id)"
-        assert page.locator("main .grid .card").evaluate_all(empty) == []
-        visit.shot("simulator-compared")
-        visit.go("/help/components")
-        listed = page.locator("#simulator-two_basins")
-        expect(listed).to_contain_text("Results: 2")
-        expect(page.get_by_role("link", name="Two basins")).to_have_attribute(
-            "href", re.compile("#simulator-two_basins$")
-        )
-        visit.go("/runs/R-0002/flight")
-        expect(page.get_by_role("heading", name="There is no 3D view")).to_be_visible()
-        proposal_is_used(visit)
+@pytest.fixture(scope="module")
+def visit(stored: Service, browser: Browser) -> Iterator[Visit]:
+    with visiting(browser, stored.url, views=False) as visit:
+        visit.go(f"/login?code={stored.login_code()}")
+        yield visit
 
 
-def proposal_is_used(visit: Visit) -> None:
-    """The launch page proposes searches from what the newest run measured, and the form takes them."""
+def test_the_launch_page_proposes_searches(visit: Visit) -> None:
+    """From what the newest run measured; and the form takes them."""
     page = visit.page
-    visit.go("/launch?from=R-0001")
+    visit.go(f"/launch?from={BASINS}")
     card = page.locator("#section-proposal")
-    expect(card).to_contain_text(re.compile(r"One evaluation took .* \(R-0002, 15 evaluations\)\."))
+    expect(card).to_contain_text(re.compile(rf"One evaluation took .* \({CLEARED}, 15 evaluations\)\."))
     expect(card).to_contain_text("In 60 min on 1 slot: about")
     time, use = card.get_by_label("Time for all searches"), card.get_by_role("button", name="Use the proposal")
     time.fill("soon")
@@ -77,66 +46,88 @@ def proposal_is_used(visit: Visit) -> None:
     visit.shot("simulator-proposal")
 
 
-def test_a_run_without_a_trace(tmp_path: Path, browser: Browser) -> None:
-    folder = package.install(tmp_path / "package")
-    with (
-        serving(tmp_path, PYTHONPATH=package.path(folder)) as service,
-        visiting(browser, service.link().partition("/login")[0]) as visit,
-    ):
-        page = visit.page
-        page.goto(service.link())
-        body = {"campaign": package.campaign(), "name": "Basins"}
-        given = page.request.post(f"{visit.address}/api/v1/runs", data=body, headers={"Origin": visit.address})
-        assert given.status == 201, given.text()
-        visit.go("/runs/R-0001")
-        expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Violated"), timeout=40_000)
-        page.reload()
-        expect(page.get_by_text("This system provides no trace")).to_be_visible()
-        expect(page.get_by_text("two_basins").first).to_be_visible()
-        expect(page.get_by_role("columnheader", name="Integration")).to_have_count(0)
-        expect(page.locator("iframe")).to_have_count(0)
-        visit.shot("simulator")
+def test_it_is_launched_again_from_the_form(visit: Visit) -> None:
+    page = visit.page
+    visit.go(f"/launch?from={BASINS}")
+    expect(page.get_by_role("combobox", name="Simulator", exact=True)).to_have_value("Two basins")
+    expect(page.get_by_role("combobox", name="Criterion, result")).to_have_value("Separation")
+    page.get_by_label("Criterion, threshold").fill("2")
+    page.get_by_label("Two basins, Offset along the track", exact=True).fill("0.4")
+    page.get_by_role("button", name="Start run").click()
+    launched = f"R-{len(asked()) + 1:04}"
+    expect(page).to_have_url(re.compile(launched))
+    given = api(visit, f"/runs/{launched}")["campaign"]
+    assert given["simulator"] == {"name": "two_basins", "parameters": {"x": 0.4}}
+    assert given["criterion"]["threshold"] == 2.0
 
 
-def test_a_declared_scene_is_drawn_and_another_case_evaluated(tmp_path: Path, browser: Browser) -> None:
-    folder = dropped.install(tmp_path / "simulators", scene=True)
-    with (
-        serving(tmp_path, CLEARANCE_SIMULATORS=str(folder)) as service,
-        visiting(browser, service.link().partition("/login")[0]) as visit,
-    ):
-        page = visit.page
-        page.goto(service.link())
-        body = {"campaign": dropped.campaign(), "name": "Drop"}
-        given = page.request.post(f"{visit.address}/api/v1/runs", data=body, headers={"Origin": visit.address})
-        assert given.status == 201, given.text()
-        run = f"{visit.address}/api/v1/runs/R-0001"
-        until(lambda: page.request.get(run).json()["state"] == "done", "R-0001 is over", 90)
-        evaluations = page.request.get(run).json()["evaluations"]
-        visit.go("/runs/R-0001")
-        view = page.locator("#flight iframe")
-        view.scroll_into_view_if_needed()
-        expect(view).to_have_attribute("src", re.compile("/view/R-0001/"))
-        page.get_by_role("button", name="Open the panel").click()
-        panel = page.frame_locator("#flight iframe").locator("body")
-        for word in ("Nominal", "Worst", "margin", "over ground"):
-            expect(panel).to_contain_text(word)
-        expect(panel).to_contain_text("Space")
-        expect(panel).not_to_contain_text("Field")
-        expect(page.get_by_role("button", name="Recording")).to_be_visible()
-        expect(page.get_by_text("The 3D view shows what its trace declares, z up")).to_be_visible()
-        expect(page.get_by_role("button", name="Closest approach")).to_have_count(0)
-        assert not re.search(r"\bflights?\b", page.locator("main").inner_text(), re.IGNORECASE)
-        page.get_by_role("button", name="What-if").click()
-        card = page.locator("#what-if")
-        expect(card.get_by_text("Not evaluated yet.")).to_be_visible()
-        card.get_by_role("button", name="Evaluate").click()
-        expect(card.get_by_text("Evaluated as the values change: an evaluation takes")).to_be_visible()
-        worst = page.request.get(f"{run}/findings").json()[0]["cost"]
-        expect(page.get_by_test_id("what-if-cost")).to_have_text(re.compile(rf"^{worst:.1f}".replace(".", r"\.")))
-        card.get_by_label("Steady wind towards the mast, m/s, value").fill("0")
-        expect(page.get_by_test_id("what-if-cost")).to_have_text(re.compile(r"^12\.0"))
-        expect(page.locator("#motion").get_by_text("What-if")).to_be_visible()
-        visit.shot("simulator-3d")
-        assert page.request.get(run).json()["evaluations"] == evaluations, "a what-if is not stored"
-        visit.go("/runs/R-0001/flight")
-        expect(page.locator("#flight iframe")).to_have_attribute("src", re.compile("/view/R-0001/"))
+def test_two_thresholds_are_compared(visit: Visit) -> None:
+    page = visit.page
+    visit.go(f"/compare?runs={BASINS},{CLEARED}")
+    expect(page.get_by_text("From violated to cleared")).to_be_visible()
+    expect(page.get_by_text("Simulator digest")).to_be_visible()
+    expect(page.locator("#convergence canvas").first).to_be_visible()
+    empty = "cards => cards.filter((card) => !card.querySelector('table, canvas, svg.ch')).map((card) => card.id)"
+    assert page.locator("main .grid .card").evaluate_all(empty) == []
+    visit.shot("simulator-compared")
+
+
+def test_the_help_lists_it(visit: Visit) -> None:
+    page = visit.page
+    visit.go("/help/components")
+    expect(page.locator("#simulator-two_basins")).to_contain_text("Results: 2")
+    expect(page.get_by_role("link", name="Two basins")).to_have_attribute("href", re.compile("#simulator-two_basins$"))
+
+
+def test_a_run_without_a_trace(visit: Visit) -> None:
+    page = visit.page
+    visit.go(f"/runs/{CLEARED}")
+    expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Cleared"))
+    visit.go(f"/runs/{BASINS}")
+    expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Violated"))
+    expect(page.get_by_text("This system provides no trace")).to_be_visible()
+    expect(page.get_by_text("two_basins").first).to_be_visible()
+    expect(page.get_by_role("columnheader", name="Integration")).to_have_count(0)
+    expect(page.locator("iframe")).to_have_count(0)
+    visit.shot("simulator")
+    visit.go(f"/runs/{BASINS}/flight")
+    expect(page.get_by_role("heading", name="There is no 3D view")).to_be_visible()
+
+
+@pytest.mark.skipif(dropped.compiler() is None, reason="no C compiler")
+def test_a_declared_scene_is_drawn_and_another_case_evaluated(
+    visit: Visit, flown: Flown, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(flown.simulators))  # for the process that evaluates the case
+    page, run = visit.page, f"{visit.address}/api/v1/runs/{DRAWN}"
+    evaluations = page.request.get(run).json()["evaluations"]
+    visit.go(f"/runs/{DRAWN}")
+    view = page.locator("#flight iframe")
+    view.scroll_into_view_if_needed()
+    expect(view).to_have_attribute("src", re.compile(f"/view/{DRAWN}/"))
+    page.get_by_role("button", name="Open the panel").click()
+    frame = page.frame_locator("#flight iframe")
+    panel = frame.locator("body")
+    for word in ("Nominal", "Worst", "margin", "over ground"):
+        expect(panel).to_contain_text(word)
+    expect(panel).to_contain_text("Space")
+    expect(panel).not_to_contain_text("Field")
+    expect(page.get_by_role("button", name="Recording")).to_be_visible()
+    until(lambda: draws(frame), "something drawn")
+    expect(page.get_by_text("The 3D view shows what its trace declares, z up")).to_be_visible()
+    expect(page.get_by_role("button", name="Closest approach")).to_have_count(0)
+    assert not re.search(r"\bflights?\b", page.locator("main").inner_text(), re.IGNORECASE)
+    page.get_by_role("button", name="What-if").click()
+    card = page.locator("#what-if")
+    expect(card.get_by_text("Not evaluated yet.")).to_be_visible()
+    card.get_by_role("button", name="Evaluate").click()
+    expect(card.get_by_text("Evaluated as the values change: an evaluation takes")).to_be_visible()
+    worst = page.request.get(f"{run}/findings").json()[0]["cost"]
+    expect(page.get_by_test_id("what-if-cost")).to_have_text(re.compile(rf"^{worst:.1f}".replace(".", r"\.")))
+    card.get_by_label("Steady wind towards the mast, m/s, value").fill("0")
+    expect(page.get_by_test_id("what-if-cost")).to_have_text(re.compile(r"^12\.0"))
+    expect(page.locator("#motion").get_by_text("What-if")).to_be_visible()
+    visit.shot("simulator-3d")
+    assert page.request.get(run).json()["evaluations"] == evaluations, "a what-if is not stored"
+    visit.go(f"/runs/{DRAWN}/flight")
+    expect(page.locator("#flight iframe")).to_have_attribute("src", re.compile(f"/view/{DRAWN}/"))

@@ -1,4 +1,4 @@
-"""From the login link to a verdict and its flight.
+"""From the start of the service to an exported report, and from an edited campaign to a verdict and its flight.
 
 The tests of this file are one story, in order: each begins where the one before it ended.
 """
@@ -6,15 +6,18 @@ The tests of this file are one story, in order: each begins where the one before
 from __future__ import annotations
 
 import re
+import time
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import Browser, FrameLocator, expect
+from playwright.sync_api import Browser, FrameLocator, Page, expect
 
 from backend.db.engine import connect, default_url
 from tests.audited import audited
-from tests.e2e.browser import PATIENCE, Visit, near, pixels, undrawn, visiting
+from tests.e2e.browser import PATIENCE, Visit, draws, near, pixels, visiting
 from tests.e2e.looking import api, looks
 from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import until
@@ -22,9 +25,30 @@ from tests.faults.serving import Service
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(600)]
 
+FIRST, WHOLE, LONG = (f"R-{i:04}" for i in (1, 2, 3))
+"""The runs: of a new user, of the campaign that is edited here, and the one that is cancelled."""
+LONGEST = 180.0
+"""For a new user [s]."""
 VERDICTS = "Cleared|Violated|Inconclusive"
 VERMILLION = (222, 103, 20)
 THIN = "\u202f"
+
+
+@pytest.fixture(scope="module")
+def signed_in(service: Service, browser: Browser) -> Iterator[Visit]:
+    """A page of a browser that signed in with the login link; its 3D views are not drawn."""
+    link = service.link()
+    with visiting(browser, link.partition("/login")[0], views=False) as visit:
+        visit.page.goto(link)
+        yield visit
+
+
+@pytest.fixture
+def drawing(signed_in: Visit, browser: Browser) -> Iterator[Visit]:
+    """The same session, where 3D views are drawn."""
+    with visiting(browser, signed_in.address) as visit:
+        visit.page.context.add_cookies(signed_in.page.context.cookies())  # type: ignore[arg-type]
+        yield visit
 
 
 def test_an_unauthenticated_client_sees_how_to_sign_in(service: Service, browser: Browser) -> None:
@@ -44,6 +68,38 @@ def test_the_empty_list_explains_what_to_do_first(signed_in: Visit) -> None:
     looks(signed_in, "runs-empty")
     page.get_by_role("link", name="Choose a case study").click()
     expect(page.get_by_role("radio", name="Unicycle, static obstacle")).to_be_checked()
+
+
+def test_a_new_user_has_a_report_within_three_minutes(service: Service, signed_in: Visit) -> None:
+    """From the start of the service to the exported report by clicks alone; only the budgets are typed."""
+    page = signed_in.page
+    fields = page.get_by_label(re.compile("evaluations at most$"))
+    expect(fields.first).to_be_visible()
+    for field in fields.all():
+        if field.is_enabled():
+            field.fill("500")
+    page.get_by_role("button", name="Start run").click()
+    page.wait_for_url(f"**/runs/{FIRST}")
+    # So small a run may be over before its page is open.
+    expect(page.get_by_role("list", name="Stages").or_(page.get_by_test_id("verdict")).first).to_be_visible()
+    expect(page.get_by_test_id("verdict")).to_have_text(re.compile(VERDICTS), timeout=1e3 * LONGEST)
+    assert exported(page).startswith(b"%PDF-")
+    assert time.monotonic() - service.began < LONGEST
+    audited(connect(default_url(service.data)), run_id=1)
+
+
+def exported(page: Page) -> bytes:
+    """The report: opened from the run's page and read, then saved as PDF."""
+    with page.context.expect_page() as opened:
+        page.get_by_role("link", name="Safety-case report").click()
+    report = opened.value
+    expect(report.get_by_role("heading", name="Unicycle, static obstacle", exact=True)).to_be_visible()
+    expect(report.get_by_text("No sign-off is recorded")).to_be_visible()
+    report.close()
+    page.get_by_role("button", name="Export").click()
+    with page.expect_download() as download:
+        page.get_by_role("menuitem", name=re.compile("^Safety-case report, PDF")).click()
+    return Path(download.value.path()).read_bytes()
 
 
 def test_a_wrong_bound_is_refused_next_to_its_field(signed_in: Visit) -> None:
@@ -184,8 +240,8 @@ def test_a_run_is_watched_to_its_verdict(service: Service, signed_in: Visit) -> 
     page = signed_in.page
     page.get_by_label("Name", exact=True).fill("The whole way")
     page.keyboard.press("Control+Enter")
-    page.wait_for_url("**/runs/R-0001")
-    assert api(signed_in, "/drafts/D-0001")["run"] == "R-0001"
+    page.wait_for_url(f"**/runs/{WHOLE}")
+    assert api(signed_in, "/drafts/D-0001")["run"] == WHOLE
     outcome = page.get_by_test_id("outcome")
     expect(outcome).to_have_text(re.compile("Queued|Running"))
     # As many before a worker has planned the run as after it.
@@ -194,7 +250,7 @@ def test_a_run_is_watched_to_its_verdict(service: Service, signed_in: Visit) -> 
     signed_in.shot("run-live-1440-light")
     # The page is not reloaded: the event stream delivers the verdict.
     expect(outcome).to_have_text(re.compile(VERDICTS), timeout=2 * PATIENCE)
-    run = api(signed_in, "/runs/R-0001")
+    run = api(signed_in, f"/runs/{WHOLE}")
     assert run["campaign"]["uncertain"]["vehicle.m"]["low"] == 4.3
     assert run["state"] == "done"
     expect(page.get_by_test_id("verdict")).to_have_text(run["verdict"].capitalize())
@@ -202,16 +258,16 @@ def test_a_run_is_watched_to_its_verdict(service: Service, signed_in: Visit) -> 
     expect(page.get_by_test_id("margin")).to_have_text(f"+{run['margin']:.4f}")
     expect(page.get_by_test_id("worst-cost")).to_have_text(f"{run['worst_cost']:.4f}")
     assert run["verdict"] == "cleared"
-    audited(connect(default_url(service.data)))
+    audited(connect(default_url(service.data)), run_id=2)
     assert abs(run["worst_cost"] - 0.9417402) < 2e-6
-    finding = api(signed_in, "/runs/R-0001/findings")[0]
+    finding = api(signed_in, f"/runs/{WHOLE}/findings")[0]
     assert set(finding["at_bounds"].values()) == {"high"}
     expect(page.get_by_text("at high bound")).to_have_count(2)
 
 
 def test_every_method_is_listed_and_drawn(signed_in: Visit) -> None:
     page = signed_in.page
-    for stage in api(signed_in, "/runs/R-0001/stages"):
+    for stage in api(signed_in, f"/runs/{WHOLE}/stages"):
         if stage["kind"] == "search":
             row = page.locator(f"tr[data-method={stage['method']}]")
             expect(row).to_contain_text(f"{stage['evaluations']:,}".replace(",", THIN))
@@ -252,16 +308,18 @@ def colours(picture: Any) -> set[tuple[int, ...]]:
     return set(map(tuple, picture.reshape(-1, 3)[::7].tolist()))
 
 
-def test_the_flight_is_seen_in_3d(signed_in: Visit) -> None:
-    frame = flown(signed_in)
+def test_the_flight_is_seen_in_3d(drawing: Visit) -> None:
+    drawing.go(f"/runs/{WHOLE}")
+    frame = flown(drawing)
     expect(frame.locator("body")).to_contain_text("Values")
-    looks(signed_in, "run", flown)
+    looks(drawing, "run", flown)
 
 
 def test_a_slider_simulates_the_case_again(signed_in: Visit) -> None:
     """Its numbers are on the page, the view draws the flight, and the address has it."""
-    flown(signed_in)
     page = signed_in.page
+    page.locator("#flight").scroll_into_view_if_needed()
+    until(lambda: draws(page.frame_locator("#flight iframe")), "something drawn")
     page.get_by_role("button", name="What-if", exact=True).click()
     card = page.locator("#what-if")
     expect(page).to_have_url(re.compile("whatif=F1"))
@@ -301,9 +359,8 @@ def test_a_slider_simulates_the_case_again(signed_in: Visit) -> None:
     card.get_by_role("button", name="Back to nominal").click()
     expect(cost).to_have_text("0.9436")
     expect(page).not_to_have_url(re.compile("set="))
-    with undrawn(page):
-        page.goto(shared)
-        expect(page.locator("#what-if").get_by_test_id("what-if-cost")).to_have_text(worst)
+    page.goto(shared)
+    expect(page.locator("#what-if").get_by_test_id("what-if-cost")).to_have_text(worst)
     looks(signed_in, "what-if", flown)
     page.get_by_role("button", name="Close the what-if").click()
     expect(page.locator("#what-if")).to_have_count(0)
@@ -316,7 +373,7 @@ def test_the_view_in_a_window_of_its_own_has_the_same_controls(signed_in: Visit)
     window = Visit(opened.value, signed_in.address)
     page = window.page
     expect(page).to_have_url(re.compile(r"/runs/R-\d+/flight\?.*finding=F1"))
-    flown(window)
+    until(lambda: draws(page.frame_locator("#flight iframe")), "something drawn")
     bar = page.get_by_role("group", name="Time of the flight")
     bar.get_by_role("button", name="Closest approach").click()
     page.get_by_role("combobox", name="Flight shown").select_option("nominal")
@@ -339,7 +396,7 @@ def test_the_view_in_a_window_of_its_own_has_the_same_controls(signed_in: Visit)
 def test_the_list_shows_it_and_finds_it(signed_in: Visit) -> None:
     page = signed_in.page
     page.get_by_role("navigation", name="Main").get_by_role("link", name="Runs").click()
-    row = page.locator("tr[data-run=R-0001]")
+    row = page.locator(f"tr[data-run={WHOLE}]")
     expect(row).to_contain_text("Cleared")
     page.keyboard.press("/")
     page.keyboard.type("nothing of this name")
@@ -351,7 +408,7 @@ def test_the_list_shows_it_and_finds_it(signed_in: Visit) -> None:
     page.keyboard.press("j")
     expect(row).to_have_attribute("aria-selected", "true")
     page.keyboard.press("Enter")
-    expect(page).to_have_url(re.compile("/runs/R-0001$"))
+    expect(page).to_have_url(re.compile(f"/runs/{WHOLE}$"))
 
 
 def test_a_long_run_is_cancelled(signed_in: Visit) -> None:
@@ -367,18 +424,18 @@ def test_a_long_run_is_cancelled(signed_in: Visit) -> None:
     page.get_by_label("Iterations").first.fill("1000000")
     page.get_by_label("Name", exact=True).fill("Too long")
     page.get_by_role("button", name="Start run").click()
-    page.wait_for_url("**/runs/R-0002")
+    page.wait_for_url(f"**/runs/{LONG}")
     expect(page.get_by_test_id("outcome")).to_have_text("Running")
     expect(page.get_by_test_id("best")).to_have_text(re.compile(r"0\.94\d\d"))
     page.get_by_role("button", name="Cancel run").click()
     page.get_by_role("dialog").get_by_role("button", name="Cancel run").click()
     expect(page.get_by_test_id("outcome")).to_have_text("Cancelled")
     expect(page.get_by_test_id("verdict")).to_have_text("Cancelled: no verdict")
-    assert api(signed_in, "/runs/R-0002")["verdict"] is None
+    assert api(signed_in, f"/runs/{LONG}")["verdict"] is None
     expect(page.get_by_role("heading", name="Methods")).to_be_visible()
     signed_in.shot("run-cancelled-1440-light")
     page.get_by_role("navigation", name="Main").get_by_role("link", name="Runs").click()
-    expect(page.locator("tr[data-run=R-0002]")).to_contain_text("Cancelled")
+    expect(page.locator(f"tr[data-run={LONG}]")).to_contain_text("Cancelled")
     looks(signed_in, "runs")
 
 

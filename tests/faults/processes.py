@@ -67,18 +67,23 @@ def started(command: list[str], folder: Path, name: str = "output", **environmen
 
 @contextmanager
 def worker(url: str, folder: Path, name: str, *options: str) -> Iterator[Started]:
-    """A worker on the database."""
+    """A worker on the database; on one core, so that its speed does not depend on their number."""
     command = [*CLEARANCE, "worker", "--name", name, *options]
-    with started(command, folder, name, CLEARANCE_DATABASE=url) as running:
+    with started(command, folder, name, CLEARANCE_DATABASE=url, CLEARANCE_THREADS="1") as running:
         yield running
 
 
 def until(condition: Callable[[], object], what: str, seconds: float = 60.0) -> float:
-    """Wait for the condition; returns how long it took [s], fails after `seconds`."""
+    """Wait for the condition; returns how long it took [s], fails after `seconds`.
+
+    It is asked again after 10 ms at first, and at last every 50 ms: asking takes processor time from what is awaited.
+    """
     begun = time.monotonic()
+    pause = 0.01
     while not condition():
         assert time.monotonic() - begun < seconds, f"{what}: not within {seconds:g} s"
-        time.sleep(0.01)
+        time.sleep(pause)
+        pause = min(1.1 * pause, 0.05)
     return time.monotonic() - begun
 
 

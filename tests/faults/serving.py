@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,8 @@ class Service(Started):
     """A running `clearance serve`."""
 
     data: Path
+    began: float
+    """When it was started, by the monotonic clock."""
 
     def link(self) -> str:
         found = re.search(r"http://\S+/login\?code=\S+", self.text())
@@ -32,11 +35,11 @@ class Service(Started):
 
 @contextmanager
 def serving(folder: Path, **environment: str) -> Iterator[Service]:
-    data = folder / "data"
+    data, began = folder / "data", time.monotonic()
     with started([*CLEARANCE, "serve", "--data", str(data), "--port", "0"], folder, "serve", **environment) as running:
         running.__class__ = Service
         assert isinstance(running, Service)
-        running.data = data
+        running.data, running.began = data, began
         until(lambda: "Clearance is ready" in running.text() or running.process.poll() is not None, "ready", 120)
         assert running.process.poll() is None, running.text()
         yield running

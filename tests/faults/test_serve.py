@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import socket
 import subprocess
 from pathlib import Path
 from typing import Any
 
+import pytest
 import sqlalchemy as sa
 
 from backend.db.engine import connect, default_url, read
@@ -16,10 +18,21 @@ from backend.db.tables import Run
 from tests.faults.long import case
 from tests.faults.processes import CLEARANCE, REPOSITORY, alive, kill, until
 from tests.faults.serving import get, serving
+from worker.cli import WRONG_INPUT, invoke
 
 
 def clearance(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([*CLEARANCE, *arguments], cwd=REPOSITORY, capture_output=True, text=True, check=False)
+
+
+def here(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    """Exit code and output of a command that ends at once, run in this process."""
+    capsys.readouterr()
+    umask = os.umask(0o077)
+    try:
+        return invoke(arguments), *capsys.readouterr()
+    finally:
+        os.umask(umask)
 
 
 def long_run(data: Path) -> tuple[sa.Engine, int]:
@@ -35,8 +48,8 @@ def state(engine: sa.Engine, run_id: int) -> Any:
         return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
 
 
-def test_serve_from_its_start_to_ctrl_c(tmp_path: Path) -> None:
-    with serving(tmp_path) as service:
+def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with serving(tmp_path, CLEARANCE_THREADS="1") as service:
         assert service.healthy()
         assert [get(service.link()) for _ in range(2)] == [303, 403], "the link is single-use"
         stored = [path for path in service.data.rglob("*") if path.is_file()]
@@ -44,10 +57,10 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path) -> None:
         assert not any(b"code=" in path.read_bytes() for path in stored), "the link is on the terminal only"
         assert not any(path.stat().st_mode & 0o077 for path in [service.data, *service.data.rglob("*")])
 
-        fresh = clearance("login-link", "--data", str(service.data))
-        assert fresh.stdout.startswith(service.link().partition("=")[0])
-        again = clearance("serve", "--data", str(service.data))
-        assert (again.returncode, f"(process {service.pid})" in again.stderr) == (3, True)
+        _, fresh, _ = here(capsys, "login-link", "--data", str(service.data))
+        assert fresh.startswith(service.link().partition("=")[0])
+        code, _, said = here(capsys, "serve", "--data", str(service.data))
+        assert (code, f"(process {service.pid})" in said) == (WRONG_INPUT, True)
 
         for words, name in (("-m backend", "backend"), ("worker.cli worker", "worker 1")):
             old = service.part(words)
@@ -68,7 +81,7 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path) -> None:
 
 
 def test_serve_killed_leaves_nothing_behind_and_gives_its_run_back(tmp_path: Path) -> None:
-    with serving(tmp_path) as service:
+    with serving(tmp_path, CLEARANCE_THREADS="1") as service:
         engine, run_id = long_run(service.data)
         family = service.family()
         kill(service.pid)
@@ -77,12 +90,14 @@ def test_serve_killed_leaves_nothing_behind_and_gives_its_run_back(tmp_path: Pat
         engine.dispose()
 
 
-def test_a_taken_port_is_reported(tmp_path: Path) -> None:
+def test_a_taken_port_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
-        refused = clearance("serve", "--data", str(tmp_path), "--port", port)
-    assert refused.returncode == 3
-    assert f"port {port} of 127.0.0.1 is in use by another program; choose another with --port" in refused.stderr
+        code, _, said = here(capsys, "serve", "--data", str(tmp_path), "--port", port)
+    assert code == WRONG_INPUT
+    assert f"port {port} of 127.0.0.1 is in use by another program; choose another with --port" in " ".join(
+        said.split()
+    )
 
 
 def test_an_address_open_to_other_machines_is_refused(tmp_path: Path) -> None:

@@ -7,27 +7,33 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-import pytest
 import yaml
 
 from tests.faults.processes import REPOSITORY
 
 EXAMPLES = REPOSITORY / "docs" / "examples"
+DRAWN = "drop_drawn"
+
+
+def compiler() -> str | None:
+    """The system's C compiler, if there is one."""
+    return shutil.which("cc") or shutil.which("gcc")
 
 
 def install(folder: Path, scene: bool = False) -> Path:
-    """The folder that CLEARANCE_SIMULATORS names; skips without a C compiler. scene: with what the example declares for
-    a 3D view."""
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    if compiler is None:
-        pytest.skip("no C compiler")
-    shutil.copytree(EXAMPLES / "drop", folder / "drop")
-    if not scene:
-        descriptor = folder / "drop" / "simulator.yaml"
-        document = yaml.safe_load(descriptor.read_text(encoding="utf-8"))
+    """The folder that CLEARANCE_SIMULATORS names; needs a C compiler.
+
+    scene: with what the example declares for a 3D view, under the name `DRAWN`, so that one folder may have both.
+    """
+    own = shutil.copytree(EXAMPLES / "drop", folder / (DRAWN if scene else "drop"))
+    descriptor = own / "simulator.yaml"
+    document = yaml.safe_load(descriptor.read_text(encoding="utf-8"))
+    if scene:
+        document |= {"name": DRAWN, "title": "Parachute drop in 3D"}
+    else:
         del document["scene"]
-        descriptor.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
-    subprocess.run([compiler, "-O2", "-o", folder / "drop/drop", folder / "drop/drop.c", "-lm"], check=True)
+    descriptor.write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+    subprocess.run([str(compiler()), "-O2", "-o", own / "drop", own / "drop.c", "-lm"], check=True)
     return folder
 
 

@@ -1,0 +1,146 @@
+"""Runs of every kind that a worker evaluated, made once and copied for each file of tests. Start reading at `fly`."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx
+import sqlalchemy as sa
+
+from backend.db import workers
+from backend.db.engine import default_url, migrate, read
+from backend.db.tables import Run, Worker
+from campaigns import library, load_file
+from tests.api.server import Service
+from tests.e2e.stored import opened
+from tests.faults.processes import CLEARANCE, started, until
+from tests.simulators import dropped, package
+
+FEW = {"at_most": 3, "evaluations": 200}
+"""Findings: to distinguish all minima of case 2 takes 11,000 evaluations."""
+QUICK = {
+    "sensitivity": {"points": 3},
+    "search": [{"method": name, "evaluations": 300} for name in ("direct", "sqp", "monte_carlo")],
+    "findings": FEW,
+    "validate": {"neighbours": 20},
+}
+FULL = {
+    "sensitivity": {"points": 3, "sobol": {"samples": 8}},
+    "search": [
+        {"method": "direct", "evaluations": 200},
+        {"method": "sqp", "evaluations": 100},
+        {"method": "nsga2", "evaluations": 200},
+        {"method": "monte_carlo", "evaluations": 100},
+    ],
+    "certify": {"samples": 200},
+    "findings": FEW,
+    "validate": {"neighbours": 5},
+}
+BOX, AGAIN, INTRUDER, CRITERIA, BASINS, CANCELLED, CLEARED, DROP, DRAWN = (f"R-{i:04}" for i in range(1, 10))
+"""Case 1 twice, case 2, a case with several criteria; the simulator without a trace, violated; a cancelled run; the
+same simulator, cleared; the simulator with a trace; and the one with a 3D view, too."""
+OPEN = {"queued", "running", "cancelling"}
+
+
+@dataclass(frozen=True)
+class Flown:
+    """The folder of the data, and that of the simulators with a trace, which is empty without a C compiler."""
+
+    data: Path
+    simulators: Path
+
+
+def asked() -> list[dict[str, Any]]:
+    """The runs in their order, as they are submitted."""
+    long = "with a name that is too long for its place"
+    return [
+        {"campaign": case("unicycle_static", QUICK), "name": "Full box", "tags": ["release-2.4", "baseline"]},
+        {"campaign": case("unicycle_static", QUICK), "name": "Once more", "tags": ["baseline"]},
+        {"campaign": case("pioneer_moving", FULL), "name": f"Intruder, {long}", "tags": ["a-long-tag", "b"]},
+        {"campaign": case("uav_moving_criteria", FULL), "name": f"Criteria, {long}", "tags": ["a-long-tag", "b"]},
+        {"campaign": package.campaign(), "name": "Basins"},
+        {"campaign": case("uav_moving_criteria", FULL), "name": "Cancelled"},
+        {"campaign": package.campaign(2.0), "name": "Basins, another threshold"},
+        *(dropping() if dropped.compiler() else []),
+    ]
+
+
+def dropping() -> list[dict[str, Any]]:
+    """Runs of the simulators with a trace."""
+    return [
+        {"campaign": dropped.campaign(), "name": "Drop"},
+        {"campaign": dropped.campaign(simulator={"name": dropped.DRAWN}), "name": "Drop in 3D"},
+    ]
+
+
+def case(name: str, stages: dict[str, Any]) -> dict[str, Any]:
+    """A shipped case with other stages."""
+    return load_file(library()[name]).document() | {"stages": stages}
+
+
+def fly(folder: Path) -> Flown:
+    """Have a worker evaluate the runs, submitted to a service."""
+    found = Flown(folder / "data", folder / "simulators")
+    found.simulators.mkdir()
+    if dropped.compiler():
+        dropped.install(found.simulators)
+        dropped.install(found.simulators, scene=True)
+    environment = {
+        "CLEARANCE_DATABASE": default_url(found.data),
+        "CLEARANCE_SIMULATORS": str(found.simulators),
+        "PYTHONPATH": package.path(package.install(folder / "package")),
+    }
+    migrate(environment["CLEARANCE_DATABASE"])
+    command = [*CLEARANCE, "worker", "--name", "w1"]
+    known = 1 + len(list(found.simulators.iterdir()))
+    with (
+        started(command, folder, "worker", **environment) as worker,
+        opened(found.data) as service,
+        service.signed_in() as client,
+    ):
+
+        def ended() -> bool:
+            return worker.process.poll() is not None
+
+        until(lambda: len(simulators(service)) == known or ended(), "a worker", 120)
+        assert not ended(), worker.text()
+        runs = [submit(client, body) for body in asked()]
+        assert client.post(f"/api/v1/runs/{CANCELLED}/cancel").is_success
+        until(lambda: OPEN.isdisjoint(states(service).values()) or ended(), "all over", 280)
+        assert states(service) == dict.fromkeys(runs, "done") | {CANCELLED: "cancelled"}, worker.text()
+    return found
+
+
+def submit(client: httpx.Client, body: dict[str, Any]) -> str:
+    """Submit a run; returns its name."""
+    answer = client.post("/api/v1/runs", json=body)
+    assert answer.status_code == 201, answer.text
+    return str(answer.json()["id"])
+
+
+def states(service: Service) -> dict[str, str]:
+    """The state of every run."""
+    with read(service.engine) as connection:
+        return {f"R-{number:04}": state for number, state in connection.execute(sa.select(Run.id, Run.state))}
+
+
+def simulators(service: Service) -> list[Any]:
+    """Those of live workers."""
+    with read(service.engine) as connection:
+        return list(workers.simulators(connection))
+
+
+@contextmanager
+def copied(flown: Flown, folder: Path) -> Iterator[Service]:
+    """A running service on a copy of the runs; the worker that is stored in it counts as live for an hour."""
+    data = shutil.copytree(flown.data, folder / "data")
+    with opened(data) as service:
+        with service.engine.begin() as connection:
+            connection.execute(sa.update(Worker).values(beat=time.time() + 3600.0, run_id=None))
+        yield service

@@ -99,9 +99,7 @@ def create(settings: Settings) -> FastAPI:
     features = (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
     for feature in (*features, flights, cases, proposals, views):
         api.include_router(feature.router)
-    app.include_router(
-        api, prefix=API
-    )  # without one FastAPI builds all routes now, and again later
+    app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
     app.include_router(sessions.login)
     app.include_router(recordings.router)  # before the viewer, whose routes match any suffix
     app.include_router(scenes.router)

@@ -63,20 +63,6 @@ def circle(x: float, y: float, radius: float = 0.1) -> dict[str, Any]:
     return {"component": "circle", "parameters": {"position": {"x": x, "y": y}, "radius": radius}}
 
 
-def wall(x: float, y: float, length: float) -> dict[str, Any]:
-    given = {"position": {"x": x, "y": y}, "length": length, "width": 0.2, "angle": 0.0}
-    return {"component": "box", "parameters": given}
-
-
-def orbiting(x: float, y: float, way: float, speed: float) -> dict[str, Any]:
-    given = {"centre": {"x": x, "y": y}, "way": way, "phase": 0.0, "speed": speed, "radius": 0.1}
-    return {"component": "orbiting_circle", "parameters": given}
-
-
-AWAY = 1e4
-"""[m]; at this place an obstacle does nothing: two classes share a closed loop, which is compiled once."""
-
-
 def avoider(k_rep: float) -> dict[str, Any]:
     return {"component": "potential_field", "parameters": {"k_att": 5.0, "k_rep": k_rep, "d_0": 2.0}}
 
@@ -223,9 +209,14 @@ def tails(random: np.random.Generator) -> Attack:
 def through_a_wall(random: np.random.Generator) -> Attack:
     """Through a wall far from its centre, at a threshold within the wall's reach."""
     length, k_rep = float(random.uniform(10.0, 20.0)), float(random.choice([0.0, 4.0]))
-    obstacles = [wall(1.0 + length / 2, 3.5, length), orbiting(AWAY, AWAY, 1.0, 0.0)]
+    wall = {
+        "component": "box",
+        "parameters": {
+            "position": {"x": 1.0 + length / 2, "y": 3.5}, "length": length, "width": 0.2, "angle": 0.0,
+        },
+    }  # fmt: skip
     return campaign(
-        "through a wall", random, NOT_CLEARED, scenario__obstacles=obstacles, scenario__avoider=avoider(k_rep),
+        "through a wall", random, NOT_CLEARED, scenario__obstacles=[wall], scenario__avoider=avoider(k_rep),
         criterion__threshold=float(random.uniform(0.1, 2.0)), criterion__from_centre=False,
     )  # fmt: skip
 
@@ -234,9 +225,15 @@ def aliased(random: np.random.Generator) -> Attack:
     """An obstacle that orbits once per step: at every step and half step it is at the same position."""
     speed = 1000.0
     way = speed * 0.0025 / (2 * math.pi)
-    obstacles = [wall(AWAY, AWAY, 10.0), orbiting(float(random.uniform(3.85, 3.95)), 4.0, way, speed)]
+    orbiting = {
+        "component": "orbiting_circle",
+        "parameters": {
+            "centre": {"x": float(random.uniform(3.85, 3.95)), "y": 4.0}, "way": way, "phase": 0.0, "speed": speed,
+            "radius": 0.1,
+        },
+    }  # fmt: skip
     return campaign(
-        "aliased orbit", random, NOT_CLEARED, scenario__obstacles=obstacles, scenario__avoider=avoider(0.0),
+        "aliased orbit", random, NOT_CLEARED, scenario__obstacles=[orbiting], scenario__avoider=avoider(0.0),
         criterion__threshold=0.4, scenario__horizon=6.0,
     )  # fmt: skip
 

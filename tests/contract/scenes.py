@@ -90,7 +90,8 @@ def around(component: Component) -> dict[str, Any]:
 
 @cache
 def published() -> frozenset[str]:
-    """The avoiders of the library's campaigns, which other tests compile and compare with published values."""
+    """The avoiders of the library's campaigns: tests of the cases compile them and compare published values; of those
+    that avoid nothing, tests/physics/test_avoiders.py compiles the kernel alone."""
     return frozenset(load_file(path).given_scenario.avoider.component for path in library().values())
 
 

@@ -107,7 +107,7 @@ def test_after_one_crash_the_run_resumes_where_it_was(bench: Bench, tmp_path: Pa
     ("accident", "how"),
     [
         at_night("segfault", "the worker process ended with signal 11 (SIGSEGV)"),
-        ("exit", "the worker process ended with exit code 7"),
+        at_night("exit", "the worker process ended with exit code 7"),
         ("fail", "the runner raised BrokenPipeError: [Errno 32] no pipe"),
     ],
 )

@@ -230,13 +230,26 @@ def encounter(vehicle: Vehicle, avoider: Avoider, horizon: float = 20.0) -> Any:
     )
 
 
+@pytest.mark.parametrize("name", ["none", "none_3d", "cruise_3d"])
+def test_those_that_avoid_nothing_compile(name: str) -> None:
+    """The loops with them are compiled at night only: by day their simulations are in plain Python."""
+    avoider: Any = components()["avoider", name]
+    at, moving = ((1.0, 2.0, 3.0)[: avoider.dimension], (0.5, -0.5, 0.2)[: avoider.dimension])
+    goal = avoider.goal(*(4.0 + k for k in range(len(avoider.goal._fields))))
+    p = avoider.parameters()
+    compiled, plainly = (form(avoider.steer)(0.0, at, moving, goal, (), (), p) for form in (lambda f: f, plain))
+    assert compiled[0] == pytest.approx(plainly[0], rel=1e-12)
+    assert compiled[1] == plainly[1] == avoider.remember(p) == ()
+
+
 class TestFlown:
     @pytest.mark.parametrize(("vehicle", "avoider"), PAIRS, ids=lambda c: c.name)
     def test_each_avoider_with_each_vehicle(self, vehicle: Vehicle, avoider: Avoider) -> None:
-        problem = uncompiled(encounter(vehicle, avoider, horizon=5.0))
-        batch, reasons = problem.system.simulate_vectors(problem.system.nominal[None])
-        assert batch.status[0] == 0, reasons
-        assert np.isfinite(flight(problem)).all()
+        system = uncompiled(encounter(vehicle, avoider, horizon=5.0 if vehicle.dimension == 3 else 2.5)).system
+        made = system.loop.simulate(system.nominal[None], system.step, *system.counts(system.step), traced=1)
+        status, reasons = system.judge(made.status, made.when)
+        assert status[0] == 0, reasons
+        assert np.isfinite(made.trace).all()
 
     @pytest.mark.nightly
     @pytest.mark.parametrize("name", ["orca", "closest_approach", "gnron"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -180,7 +181,9 @@ INTRUDER = {"position": {"x": 8.0, "y": 0.3}, "goal": {"x": -8.0, "y": 0.3}, "ra
 
 
 class TestGivesWay:
-    def distance(self, **given: float) -> tuple[float, Any]:
+    @staticmethod
+    @cache
+    def distance(**given: float) -> tuple[float, Any]:
         """The closest approach [m] to a vehicle that heeds nothing, and the intruder's states."""
         problem = uncompiled(
             changed(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -19,11 +20,12 @@ from tests.faults.cases import campaign
 from worker.cli import WRONG_INPUT, invoke
 
 
-@pytest.fixture
-def data(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with three runs of 100,000 evaluations (4 MB each), two of them removed 100 and 10 days ago."""
-    migrate(default_url(tmp_path))
-    engine = connect(default_url(tmp_path))
+    folder = tmp_path_factory.mktemp("stored")
+    migrate(default_url(folder))
+    engine = connect(default_url(folder))
     with engine.begin() as writer:
         for name in ("long ago", "lately", "kept"):
             submit(writer, campaign(), name=name, tags=[], owner="", planned=1)
@@ -42,7 +44,13 @@ def data(tmp_path: Path) -> Path:
             values = {"removed": Run.created - days * 86400, "removed_by": "ada", "removed_reason": "a trial"}
             writer.execute(sa.update(Run).where(Run.id == run_id).values(**values))
     engine.dispose()
-    return tmp_path
+    return folder
+
+
+@pytest.fixture
+def data(stored: Path, tmp_path: Path) -> Path:
+    """A copy of it."""
+    return shutil.copytree(stored, tmp_path / "data")
 
 
 def left(data: Path) -> list[int]:

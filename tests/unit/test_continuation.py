@@ -161,10 +161,11 @@ def test_another_plan_is_refused() -> None:
         carried(asked(), continued(asked(), Budget(10, more=True)), store)
 
 
-@pytest.fixture
-def data(tmp_path: Path) -> Path:
-    """A database with one finished run."""
-    url = default_url(tmp_path)
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a database of one finished run."""
+    folder = tmp_path_factory.mktemp("finished")
+    url = default_url(folder)
     migrate(url)
     engine = connect(url)
     with engine.begin() as connection:
@@ -176,7 +177,13 @@ def data(tmp_path: Path) -> Path:
     execute(asked(), store)
     audited(engine)
     engine.dispose()
-    return tmp_path
+    return folder
+
+
+@pytest.fixture
+def data(finished: Path, tmp_path: Path) -> Path:
+    """A copy of it."""
+    return shutil.copytree(finished, tmp_path / "data")
 
 
 def test_a_stored_run_is_extended_as_a_new_stored_run(

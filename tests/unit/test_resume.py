@@ -47,7 +47,10 @@ def test_the_result_does_not_depend_on_the_threads(whole: Any) -> None:
         assert run(QUICK, threads) == whole
 
 
-@pytest.mark.parametrize("k", [1, 2, 11, 100, 161, 180, 225, 340, 342])
+AT_NIGHT = (2, 100, 180, 340)
+
+
+@pytest.mark.parametrize("k", [1, 11, 161, 225, 342, *(pytest.param(k, marks=pytest.mark.nightly) for k in AT_NIGHT)])
 def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
     k: int, whole: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,5 +1,7 @@
 """`make search-bench`: every method on every test function; prints tables, writes build/search.json and search.md.
 
+`python -m tests.bench.search_bench [METHOD ...]` takes only these, `--seeds N` other than 30 seeds, `--small-seeds N`
+other than 3 for the table of small budgets, `--processes N` as many processes; tables and files state what was asked.
 Costly methods, which take milliseconds of their own per evaluation, are only in the table of small budgets.
 Success: a value within 1 % of the minimum, within 0.01 where that is 0, in 5,000 evaluations. Expected running time
 (Auger and Hansen, CEC 2005): all evaluations of all seeds, each counted to its success or end, over the successes.
@@ -8,6 +10,7 @@ Points that a method may ask for twice count once, as in a run. Start reading at
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import time
@@ -39,22 +42,28 @@ class Task(NamedTuple):
 
 def main() -> None:
     """Run, print, write."""
+    given = argparse.ArgumentParser(description="Search methods on test functions")
+    small_budgets.add_arguments(given, SEEDS)
+    given.add_argument("--small-seeds", type=int, default=small_budgets.SEEDS)
+    asked = small_budgets.checked(given)
+    if asked.small_seeds < 1:
+        given.error(f"{asked.small_seeds} seeds for small budgets: give at least 1")
     BUILD.mkdir(exist_ok=True)
     began = time.perf_counter()
-    names = [m.name for m in methods().values() if m.kind != "multi" and not m.costly]
-    tasks = [Task(m, f, s) for m in names for f in FUNCTIONS for s in range(SEEDS)]
+    taking = [m for m in methods().values() if m.kind != "multi" and (not asked.method or m.name in asked.method)]
+    tasks = [Task(m.name, f, s) for m in taking if not m.costly for f in FUNCTIONS for s in range(asked.seeds)]
     os.environ["OMP_NUM_THREADS"] = "1"
-    with get_context("spawn").Pool(os.cpu_count()) as pool:
+    with get_context("spawn").Pool(asked.processes) as pool:
         spent = pool.map(evaluations, tasks, chunksize=10)
-        small = small_budgets.measured(pool)
+        small = small_budgets.measured(pool, [m.name for m in taking], asked.small_seeds)
     found: dict[str, Any] = {
         "budget": BUDGET,
-        "seeds": SEEDS,
+        "seeds": asked.seeds,
         "within": WITHIN,
         "functions": {f.name: {"dimension": f.dimension, "minimum": f.minimum} for f in FUNCTIONS.values()},
         "methods": summary(tasks, spent),
     }
-    found["portfolio"] = compared(found["methods"])
+    found["portfolio"] = compared(found["methods"]) if PORTFOLIO in found["methods"] else {}
     found["small_budgets"] = small
     found["seconds"] = time.perf_counter() - began
     (BUILD / "search.json").write_text(json.dumps(found, indent=2) + "\n")
@@ -130,12 +139,22 @@ def compared(found: dict[str, dict[str, dict[str, Any]]]) -> dict[str, dict[str,
 
 def markdown(found: dict[str, Any]) -> str:
     """The tables in words: a row per function."""
+    lines = ["# Search methods on test functions"]
+    if found["methods"]:  # otherwise all that were asked for are costly
+        lines += solved_lines(found)
+    if found["portfolio"]:
+        lines += compared_lines(found["portfolio"])
+    lines += ["", *small_budgets.markdown(found["small_budgets"])]
+    return "\n".join([*lines, "", f"Took {found['seconds']:.0f} s.", ""])
+
+
+def solved_lines(found: dict[str, Any]) -> list[str]:
+    """The table of successes and expected evaluations."""
     names = list(found["methods"])
     titles = [methods()[name].title for name in names]
     lines = [
-        "# Search methods on test functions",
         "",
-        f"Seeds of {SEEDS} that came within {100 * WITHIN:g} % of the minimum ({WITHIN:g} where it is 0) in "
+        f"Seeds of {found['seeds']} that came within {100 * WITHIN:g} % of the minimum ({WITHIN:g} where it is 0) in "
         f"{BUDGET:,} evaluations, and the expected evaluations to get there (all evaluations over successes). Minima "
         "shifted by the seed. Methods of several criteria and costly ones take no part.",
         "",
@@ -146,16 +165,20 @@ def markdown(found: dict[str, Any]) -> str:
         best = min((found["methods"][m][function]["expected"] or np.inf) for m in names)
         cells = [_cell(found["methods"][m][function], best) for m in names]
         lines.append(f"| {function} | {about['dimension']} | {' | '.join(cells)} |")
-    lines += ["", f"## Portfolio: within {TIMES} times the best other method's and {MORE} more?", ""]
+    return lines
+
+
+def compared_lines(portfolio: dict[str, dict[str, Any]]) -> list[str]:
+    """The table of the portfolio."""
+    lines = ["", f"## Portfolio: within {TIMES} times the best other method's and {MORE} more?", ""]
     lines += ["| function | best other | portfolio | allowed | within |", "|---|---|---|---|---|"]
-    for function, row in found["portfolio"].items():
+    for function, row in portfolio.items():
         best_title = methods()[row["best"]].title if row["best"] else "none"
         lines.append(
             f"| {function} | {best_title} | {_number(row['expected'])} | {_number(row['allowed'])} | "
             f"{'yes' if row['within'] else 'no'} |"
         )
-    lines += ["", *small_budgets.markdown(found["small_budgets"])]
-    return "\n".join([*lines, "", f"Took {found['seconds']:.0f} s.", ""])
+    return lines
 
 
 def _cell(row: dict[str, Any], best: float) -> str:

@@ -1,12 +1,13 @@
 """Every search method at small budgets: part of `make search-bench`.
 
 `python -m tests.bench.small_budgets [METHOD ...]` prints this table alone, of all or of the given methods; `--seeds N`
-takes N seeds, `--processes N` as many processes, and `--tuning` the functions on which constants are set.
+takes N seeds from `--first-seed` on, `--processes N` as many processes, and `--functions` names another set: those on
+which constants are set (`tuning`, `valleys`), and those on which a choice is checked before it is judged (`check`).
 
 A score of 1 means that the minimum was found, 0 that the result is the median of as many random points as the smallest
 budget: score = 1 - log(1 + gap / tolerance) / log(1 + gap of random points / tolerance), clipped at 0, with the
-tolerance 1e-3 of the gap of the random points. It is averaged over problems and seeds. The problems are those of
-`tests.unit.small_budgets`, on which nothing was tuned. Start reading at `measured`.
+tolerance 1e-3 of the gap of the random points. It is averaged over problems and seeds. The problems that judge are
+those of `tests.unit.small_budgets`, on which nothing was tuned. Start reading at `measured`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 import argparse
 import os
 import time
+from collections.abc import Mapping
 from multiprocessing import get_context
 from multiprocessing.pool import Pool
 from typing import Any, NamedTuple
@@ -22,20 +24,34 @@ import numpy as np
 
 from campaigns.results.base import FAILED
 from tests.unit.searching import batch, space
-from tests.unit.small_budgets import JUDGED
+from tests.unit.small_budgets import JUDGED, Judged
 from tests.unit.small_budgets_tuning import TUNING
+from tests.unit.small_budgets_valleys import VALLEYS, Landscape
 from worker.catalogue.installed import methods
 from worker.search.base import Floats
 
-BUDGETS, SEEDS, FIRST_SEED = (20, 50, 100), 3, 1000
-"""Evaluations per parameter; seeds from 1000 on, which nothing else uses."""
+BUDGETS, SEEDS = (20, 50, 100), 3
+"""Evaluations per parameter."""
 TOLERANCE = 1e-3
-TUNING_SEED = 1
-"""Constants are set with seeds from here on."""
-PROBLEMS = {**JUDGED, **TUNING}
-FAILING = {False: "half fails 4", True: "hole 4"}
-"""Where evaluations fail: among the problems that judge and among those of tuning."""
-SET = {False: "nothing was tuned", True: "constants are set"}
+
+
+class Functions(NamedTuple):
+    """A set of problems, its first seed, what they are for, and the problem of which 40 % of the box fails."""
+
+    problems: Mapping[str, Judged | Landscape]
+    first_seed: int
+    use: str
+    failing: str = ""
+
+
+SETS = {
+    "judged": Functions(JUDGED, 1000, "nothing was tuned", "half fails 4"),
+    "tuning": Functions(TUNING, 1, "constants are set", "hole 4"),
+    "valleys": Functions(VALLEYS[0], 1, "constants are set"),
+    "check": Functions(VALLEYS[1], 1, "choices are checked"),
+}
+PROBLEMS = {name: problem for given in SETS.values() for name, problem in given.problems.items()}
+GROUPS = {"many valleys": True, "few valleys": False}
 
 
 class Task(NamedTuple):
@@ -54,29 +70,39 @@ class Outcome(NamedTuple):
     own: float
 
 
-def measured(pool: Pool, only: list[str] | None = None, seeds: int = SEEDS, tuning: bool = False) -> dict[str, Any]:
+def measured(
+    pool: Pool, only: list[str] | None = None, seeds: int = SEEDS, functions: str = "judged", first: int | None = None
+) -> dict[str, Any]:
     """Scores of every method, or only of these, by group and budget."""
     names = only or [m.name for m in methods().values() if m.kind != "multi"]
-    problems, first = (TUNING, TUNING_SEED) if tuning else (JUDGED, FIRST_SEED)
-    tasks = [Task(m, p, first + s) for m in names for p in problems for s in range(seeds)]
+    given = SETS[functions]
+    first = given.first_seed if first is None else first
+    tasks = [Task(m, p, first + s) for m in names for p in given.problems for s in range(seeds)]
     tasks.sort(key=lambda t: not methods()[t.method].costly)
     outcomes = dict(zip(tasks, pool.map(outcome, tasks, chunksize=1), strict=True))
-    found: dict[str, Any] = {"budgets_per_parameter": BUDGETS, "seeds": seeds, "problems": len(problems)}
-    found |= {"tuning": tuning, "methods": {}}
-    for name in names:
-        own = {t: o for t, o in outcomes.items() if t.method == name}
-        groups = {
-            "many valleys": [o for t, o in own.items() if problems[t.problem].valleys],
-            "few valleys": [o for t, o in own.items() if not problems[t.problem].valleys],
-        }
-        found["methods"][name] = {g: list(np.mean([o.scores for o in rows], axis=0)) for g, rows in groups.items()} | {
-            "problems": {
-                p: list(np.mean([o.scores for t, o in own.items() if t.problem == p], axis=0)) for p in problems
-            },
-            "failed of half fails": float(np.mean([o.failed for t, o in own.items() if t.problem == FAILING[tuning]])),
-            "own_ms": 1e3 * float(np.mean([o.own for o in own.values()])),
-        }
-    return found
+    return {
+        "budgets_per_parameter": BUDGETS,
+        "seeds": seeds,
+        "first_seed": first,
+        "problems": len(given.problems),
+        "functions": functions,
+        "methods": {n: _row({t: o for t, o in outcomes.items() if t.method == n}, given) for n in names},
+    }
+
+
+def _row(own: dict[Task, Outcome], given: Functions) -> dict[str, Any]:
+    """The means of one method; a group without problems is left out."""
+    row: dict[str, Any] = {}
+    for group, valleys in GROUPS.items():
+        scores = [o.scores for t, o in own.items() if given.problems[t.problem].valleys == valleys]
+        if scores:
+            row[group] = list(np.mean(scores, axis=0))
+    row["problems"] = {
+        p: list(np.mean([o.scores for t, o in own.items() if t.problem == p], axis=0)) for p in given.problems
+    }
+    if given.failing:
+        row["failed of half fails"] = float(np.mean([o.failed for t, o in own.items() if t.problem == given.failing]))
+    return row | {"own_ms": 1e3 * float(np.mean([o.own for o in own.values()]))}
 
 
 def outcome(task: Task) -> Outcome:
@@ -130,45 +156,59 @@ def _values(task: Task, budget: int) -> tuple[Floats, float]:
 
 def markdown(found: dict[str, Any]) -> list[str]:
     """The table: a row per method, the best of each column in bold."""
-    groups = ("many valleys", "few valleys")
-    columns = [(g, k) for g in groups for k in range(len(BUDGETS))]
-    heads = [f"{g}, {BUDGETS[k]} n" for g, k in columns]
+    given, rows = SETS[found["functions"]], found["methods"]
+    columns = [(g, k) for g in GROUPS if all(g in row for row in rows.values()) for k in range(len(BUDGETS))]
+    heads = [f"{g}, {BUDGETS[k]} n" for g, k in columns] + ["failed"] * bool(given.failing) + ["own [ms]"]
+    failed = f"Failed: fraction of evaluations that fail on {given.failing!r}. " if given.failing else ""
     lines = [
         "## Small budgets",
         "",
         f"Mean score at {', '.join(f'{b} n' for b in BUDGETS)} evaluations over {found['problems']} problems and "
-        f"{found['seeds']} seeds on which {SET[found['tuning']]}: 1 is the minimum, 0 the median of 20 n random "
-        f"points, on a logarithmic scale. Failed: fraction of evaluations that fail on {FAILING[found['tuning']]!r}. "
-        "Own time per evaluation.",
+        f"{found['seeds']} seeds from {found['first_seed']} on; on these functions {given.use}. 1 is the minimum, 0 "
+        f"the median of 20 n random points, on a logarithmic scale. {failed}Own time per evaluation.",
         "",
-        f"| method | {' | '.join(heads)} | failed | own [ms] |",
-        f"|---|{'---|' * (len(heads) + 2)}",
+        f"| method | {' | '.join(heads)} |",
+        f"|---|{'---|' * len(heads)}",
     ]
-    best = {c: max(row[c[0]][c[1]] for row in found["methods"].values()) for c in columns}
-    for name, row in found["methods"].items():
+    best = {c: max(row[c[0]][c[1]] for row in rows.values()) for c in columns}
+    for name, row in rows.items():
         cells = [f"{row[g][k]:.2f}" for g, k in columns]
         cells = [f"**{t}**" if row[g][k] == best[g, k] else t for t, (g, k) in zip(cells, columns, strict=True)]
-        more = f"{100 * row['failed of half fails']:.0f} % | {row['own_ms']:.2g}"
-        lines.append(f"| {methods()[name].title} | {' | '.join(cells)} | {more} |")
+        cells += [f"{100 * row['failed of half fails']:.0f} %"] * bool(given.failing) + [f"{row['own_ms']:.2g}"]
+        lines.append(f"| {methods()[name].title} | {' | '.join(cells)} |")
     return lines
 
 
-def main() -> None:
-    """Measure and print the table of small budgets alone, of all methods or of those named."""
-    given = argparse.ArgumentParser(description="Scores of search methods at small budgets")
+def add_arguments(given: argparse.ArgumentParser, seeds: int) -> None:
+    """The arguments of every bench of search methods."""
     given.add_argument("method", nargs="*", metavar="METHOD", help="all by default")
-    given.add_argument("--seeds", type=int, default=SEEDS)
+    given.add_argument("--seeds", type=int, default=seeds)
     given.add_argument("--processes", type=int, default=os.cpu_count())
-    given.add_argument("--tuning", action="store_true")
+
+
+def checked(given: argparse.ArgumentParser) -> argparse.Namespace:
+    """The arguments as given; ends with a sentence where one is not possible."""
     asked = given.parse_args()
     known = [m.name for m in methods().values() if m.kind != "multi"]
     if wrong := [name for name in asked.method if name not in known]:
         given.error(f"no such method: {', '.join(wrong)}; give some of {', '.join(known)}")
     if min(asked.seeds, asked.processes) < 1:
         given.error(f"{asked.seeds} seeds, {asked.processes} processes: give at least 1 of each")
+    return asked
+
+
+def main() -> None:
+    """Measure and print the table of small budgets alone, of all methods or of those named."""
+    given = argparse.ArgumentParser(description="Scores of search methods at small budgets")
+    add_arguments(given, SEEDS)
+    given.add_argument("--first-seed", type=int, help="by default that of the set")
+    given.add_argument("--functions", choices=SETS, default="judged", help="which set")
+    asked = checked(given)
+    if asked.first_seed is not None and asked.first_seed < 0:
+        given.error(f"first seed {asked.first_seed}: give 0 or more")
     os.environ["OMP_NUM_THREADS"] = "1"
     with get_context("spawn").Pool(asked.processes) as pool:
-        print("\n".join(markdown(measured(pool, asked.method, asked.seeds, asked.tuning))))
+        print("\n".join(markdown(measured(pool, asked.method, asked.seeds, asked.functions, asked.first_seed))))
 
 
 if __name__ == "__main__":

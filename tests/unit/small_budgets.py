@@ -58,7 +58,12 @@ def styblinski(x: Floats) -> Floats:
 def rotated(f: Function, dimension: int) -> Function:
     """The function of rotated coordinates: one fixed orthogonal matrix for each dimension."""
     q, _ = np.linalg.qr(np.random.default_rng(dimension).standard_normal((dimension, dimension)))
-    return lambda x: f((x[:, None, :] * q[None]).sum(axis=2))
+    return lambda x: f(turned(x, q))
+
+
+def turned(x: Floats, axes: Floats) -> Floats:
+    """Coordinates of points (..., n) along axes (..., k, n); unlike with `@`, no point's bits depend on others."""
+    return np.asarray((x[..., None, :] * axes).sum(axis=-1))
 
 
 def waves(x: Floats) -> Floats:

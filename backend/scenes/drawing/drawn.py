@@ -202,9 +202,9 @@ class Drawn:
 
 def dots_of(flight: Flight, horizon: float) -> Floats:
     """The times of the dots on a path: multiples of a round step within the flight; if there is none, its start."""
-    start, end = float(flight.time[0]), float(flight.time[-1]) + 1e-9
+    start, end = float(flight.time[0]), float(flight.time[-1])
     step = shapes.even_step(max(horizon, end - start), DOTS)
-    times: Floats = step * np.arange(np.ceil(start / step), np.floor(end / step) + 1)
+    times: Floats = step * np.arange(np.ceil(start / step), np.floor((end + 1e-9) / step) + 1)
     return times if len(times) else flight.time[:1]
 
 

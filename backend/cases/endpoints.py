@@ -29,7 +29,8 @@ async def case_installed(run: RunName, request: Request, engine: Engine) -> Case
 
     def looked() -> CaseInstalled:
         with read(engine) as reader:
-            return service.installed(reader, request.app.state.cases, run)
+            wanted = service.simulator(reader, run)
+        return service.installed(request.app.state.cases, *wanted)
 
     return await capacities(request).cases.run(looked, request.is_disconnected)
 

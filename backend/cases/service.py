@@ -72,12 +72,16 @@ def _needs(reader: sa.Connection, run_id: int) -> str:
     return reader.scalar(sa.select(Run.needs).where(Run.id == run_id)) or ""
 
 
-def installed(reader: sa.Connection, live: Live, run: str) -> CaseInstalled:
-    """Whether the machine of the service has the simulator of a run; evaluates nothing. Raises `RefusedError`."""
-    found = _simulated(reader, number(run))
-    request = {"kind": "installed", "campaign": found.document(), "simulator": _needs(reader, number(run))}
+def simulator(reader: sa.Connection, run: str) -> tuple[Campaign, str]:
+    """The campaign of a run that evaluates a simulator, and the version that it needs. Raises `RefusedError`."""
+    return _simulated(reader, number(run)), _needs(reader, number(run))
+
+
+def installed(live: Live, campaign: Campaign, version: str) -> CaseInstalled:
+    """Whether the machine of the service has this simulator; evaluates nothing. Raises `RefusedError`."""
+    request = {"kind": "installed", "campaign": campaign.document(), "simulator": version}
     try:
-        reason = live.ask(f"installed {found.digest}", request)["missing"]
+        reason = live.ask(f"installed {campaign.digest}", request)["missing"]
     except LiveError as error:
         text = f"whether the simulator is installed could not be found out: {error}"
         raise RefusedError(503, "case-failed", text) from None

@@ -144,11 +144,12 @@ def test_the_real_process_evaluates_the_operators_code(
     with bare.signed_in() as client:
         run = declared(bare, client)
         missing = program.rename(tmp_path / "drop.py")
-        there = client.get(f"/api/v1/runs/{run}/cases").json()
+        there = client.get(f"/api/v1/runs/{run}/cases", timeout=60).json()
         assert there["installed"] is False
         assert "start the service with the same CLEARANCE_SIMULATORS" in there["reason"]
         missing.rename(program)
-        assert client.get(f"/api/v1/runs/{run}/cases").json() == {"installed": True, "reason": ""}
+        again = client.get(f"/api/v1/runs/{run}/cases", timeout=60)
+        assert again.json() == {"installed": True, "reason": ""}
         answer = asked(client, run, parameters={"simulator.wind": 2.5}, rows=10)
         assert answer.status_code == 200, answer.text
         found = answer.json()

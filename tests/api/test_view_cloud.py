@@ -104,7 +104,7 @@ def test_of_a_simulator_a_click_shows_what_is_stored_and_evaluates_nothing(bare:
             assert b"2 of 2 evaluations." in received
             (viewer,) = bare.app.state.viewers.steered.values()
             drawn = viewer._panel._cloud._drawn
-            for row, words in ((0, b"Stored: d_min = 0.3 m, margin \xe2\x88\x920.7000 m."), (1, b"Failed. it hung")):
+            for row, words in ((0, b"Stored: d_min = 0.3 m, margin \xe2\x88\x920.700 m."), (1, b"Failed. it hung")):
                 click(panel, drawn.points[row] - np.array([0.0, 0.01, 0.0]) * drawn.side, (0.0, 1.0, 0.0))
                 said = frames_until(connection, words)
                 assert f"evaluation {row} (from 0)".encode() in said

@@ -65,7 +65,7 @@ class Drawn:
 
     def draw(self, flight: Flight, time: float) -> None:
         """Replace the flight, with the vehicle at its position at that time."""
-        dots = np.arange(0.0, flight.time[-1] + 1e-9, shapes.even_step(self._setting.horizon, DOTS))
+        dots = dots_of(flight, self._setting.horizon)
         self.trail.draw(flight.time, flight.position + self._lift, dots, self.style.colour, self._world.frame.unit)
         if not self._setting.planar:
             self._stand(flight, dots)
@@ -198,6 +198,14 @@ class Drawn:
             "top-right": "top-right",
         }
         return place, sides[f"{self.style.label}-{away}"]
+
+
+def dots_of(flight: Flight, horizon: float) -> Floats:
+    """The times of the dots on a path: multiples of a round step within the flight; if there is none, its start."""
+    start, end = float(flight.time[0]), float(flight.time[-1])
+    step = shapes.even_step(max(horizon, end - start), DOTS)
+    times: Floats = step * np.arange(np.ceil(start / step), np.floor((end + 1e-9) / step) + 1)
+    return times if len(times) else flight.time[:1]
 
 
 def beyond(closest: Closest, threshold: float, planar: bool) -> tuple[Floats, Anchor]:

@@ -112,7 +112,7 @@ def in_the_browser(visit: Visit, folder: Path) -> None:
     visit.go("/launch?from=R-0002")
     skipped = page.get_by_test_id("skipped")
     expect(skipped).to_contain_text("components/broken.py, line 1: there is no `component = ...` in the file")
-    expect(page.get_by_role("combobox", name="Vehicle", exact=True)).to_have_value("My robot")
+    expect(page.get_by_role("combobox", name="Vehicle, component", exact=True)).to_have_value("My robot")
     visit.shot("first-hour-launch")
     visit.go("/help/components")
     expect(page.get_by_test_id("skipped")).to_contain_text("components/broken.py")

@@ -40,7 +40,7 @@ def read(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
 
     def examined(file: Path, vehicles: dict[str, str]) -> dict[str, Any]:
         asked.append(file)
-        kind, name = own._declared(file) or ("", "")
+        kind, name = own.declared_as(file) or ("", "")
         return {"role": kind.lower(), "name": name} if kind else {"text": "it is broken: mend it", "line": 3}
 
     monkeypatch.setattr(own, "_examined", examined)

@@ -20,7 +20,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from campaigns.catalogue import UnusableEntry
 from worker.components.own import FOLDERS, folders, listed
@@ -125,7 +125,7 @@ def beside_others(one: OwnFile) -> OwnFile:
 def declaring(role: str, name: str, folder: Path, but: Path | None = None) -> Path | None:
     """The file that declares a component of this role and name as written, without executing any; None if none does."""
     for file in dict.fromkeys([*sorted(folder.glob("*.py")), *files()]):
-        if file != but and _declared(file) == (role.capitalize(), name):
+        if file != but and declared_as(file) == (role.capitalize(), name):
             return file
     return None
 
@@ -230,7 +230,7 @@ def _vehicles(file: Path) -> dict[str, str]:
     found: dict[str, str] = {}
     mentioned = _texts(file)
     for other in [*file.parent.glob("*.py"), *files()]:
-        declared = _declared(other) if other != file else None
+        declared = declared_as(other) if other != file else None
         if declared is not None and declared[0] == "Vehicle" and declared[1] in mentioned:
             found.setdefault(declared[1], f"{PACKAGE}.{other.stem}")
     return found
@@ -274,12 +274,35 @@ def _name(file: Path) -> ast.Constant | None:
     return next((value for value in given if isinstance(value, ast.Constant)), None)
 
 
-def _declared(file: Path) -> tuple[str, str] | None:
+def declared_as(file: Path) -> tuple[str, str] | None:
     """Kind and name of a component as they are written, without executing the file."""
     call, name = _declaration(file), _name(file)
     if call is None or name is None or not isinstance(call.func, ast.Name):
         return None
     return call.func.id, str(name.value)
+
+
+class Signals(NamedTuple):
+    """The names of a vehicle's states and inputs."""
+
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+
+
+def signals(file: Path) -> Signals | None:
+    """The states and inputs of a vehicle as they are written; None if they are not written one by one."""
+    call = _declaration(file)
+    found = {k.arg: _first_texts(k.value) for k in call.keywords} if call is not None else {}
+    states, inputs = found.get("states", ()), found.get("inputs", ())
+    return Signals(states, inputs) if states and inputs else None
+
+
+def _first_texts(value: ast.expr) -> tuple[str, ...]:
+    """The first argument of every call in a tuple, if all are texts."""
+    calls = [e for e in value.elts if isinstance(e, ast.Call) and e.args] if isinstance(value, ast.Tuple) else []
+    texts = [e.args[0].value for e in calls if isinstance(e.args[0], ast.Constant)]
+    whole = isinstance(value, ast.Tuple) and len(texts) == len(value.elts)
+    return tuple(str(text) for text in texts) if whole else ()
 
 
 def _line_of_name(file: Path) -> int:

@@ -117,13 +117,22 @@ def _check_name(kind: Kind, name: str, file: Path) -> None:
 
 
 def _fitting(vehicle: str) -> tuple[str, ...]:
-    """The vehicles that the skeleton of a controller fits: the one asked for, or all whose states it assumes."""
-    from worker.catalogue.installed import components
-    from worker.kernels.component import Vehicle
+    """The vehicles that the skeleton of a controller fits: the one asked for, or all whose states it assumes.
 
-    known = {name: c for (role, name), c in components().items() if role == "vehicle" and isinstance(c, Vehicle)}
+    Read from the files as they are written: nothing is executed.
+    """
+    from worker.catalogue import own
+
+    shipped = Path(__file__).parents[1] / "components" / "vehicles"
+    files = [*sorted(shipped.glob("*.py")), *own.files(), *sorted(Path.cwd().glob("*.py"))]
+    known: dict[str, own.Signals | None] = {}
+    for file in files:
+        declared = own.declared_as(file)
+        if declared is not None and declared[0] == "Vehicle":
+            known.setdefault(declared[1], own.signals(file))
     pattern = known["unicycle"]
-    fits = [name for name, c in known.items() if (c.states, c.inputs) == (pattern.states, pattern.inputs)]
+    assert pattern is not None
+    fits = [name for name, signals in known.items() if signals == pattern]
     if not vehicle:
         return tuple(fits)
     if vehicle in fits:
@@ -132,11 +141,10 @@ def _fitting(vehicle: str) -> tuple[str, ...]:
         from campaigns.checked import said
 
         raise WrongInputError(f"--for {vehicle}: no such vehicle; {said.known(vehicle, known)}")
-    states = ", ".join(s.name for s in pattern.states)
-    inputs = " and ".join(s.name for s in pattern.inputs)
     raise WrongInputError(
-        f"--for {vehicle}: the controller that is written is for the states {states} and the inputs {inputs}; begin "
-        "with a copy of a controller for a vehicle like yours, from worker/components/controllers"
+        f"--for {vehicle}: the controller that is written is for the states {', '.join(pattern.states)} and the inputs "
+        f"{' and '.join(pattern.inputs)}; begin with a copy of a controller for a vehicle like yours, from "
+        "worker/components/controllers"
     )
 
 

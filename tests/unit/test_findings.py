@@ -106,7 +106,7 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
 
 
 def test_each_minimum_of_a_search_is_in_the_basin_of_the_finding_that_it_ended_in() -> None:
-    """Descents from everywhere end in two wells, or on the plain around them, from which no barrier separates a well."""
+    """Descents from everywhere end in two wells, or on the plain around them, which no barrier separates from one."""
     starts = [{"vehicle.m": m, "vehicle.J": j} for m in (4.3, 4.6, 5.4, 5.6) for j in (0.046, 0.053)]
     asked = searching({"method": "direct", "evaluations": 500}, {"method": "sqp", "evaluations": 900, "starts": starts})
     made, found, _ = found_by(asked, two_failures)

@@ -97,10 +97,10 @@ def test_verdict_figures_and_view_share_the_first_screen(visit: Visit, run: str)
     page = visit.page
     view = page.get_by_role("group", name="3D view and its keys")
     expect(view).to_be_visible()
-    assert bottom(page.get_by_test_id("verdict")) < bottom(page.get_by_test_id("worst")) < 400
+    assert bottom(page.get_by_test_id("verdict")) < bottom(page.get_by_test_id("worst")) < 450
     box = view.bounding_box()
     assert box is not None
-    assert box["y"] + 0.75 * box["height"] <= 900, "three quarters of the view are on the first screen"
+    assert box["y"] + 0.6 * box["height"] <= 900, "most of the view is on the first screen"
     visit.shot(f"reading-{run}", full=False)
 
 
@@ -158,8 +158,8 @@ def test_an_inconclusive_verdict_opens_the_launch_page_with_the_change(visit: Vi
     told = "Starts from R-0002, with step 2.5 ms, with an independent sample of 59"
     expect(page.get_by_text(re.compile(re.escape(told).replace("\\ ", r"\s")))).to_be_visible()
     page.get_by_role("button", name="YAML").click()
-    for line in ("step: 0.0025", "samples: 59"):
-        expect(page.locator(".cm-line", has_text=line)).to_be_visible()
+    expect(page.locator(".cm-line", has_text="step: 0.0025")).to_be_visible()
+    expect(page.get_by_text("if none of the 59 random samples violates")).to_be_visible()
     visit.shot("reading-next-step", full=False)
 
 

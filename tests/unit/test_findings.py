@@ -106,7 +106,7 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
 
 
 def test_each_minimum_of_a_search_is_in_the_basin_of_the_finding_that_it_ended_in() -> None:
-    """Descents from everywhere end in two wells, or on the plain around them, which is no worst case."""
+    """Descents from everywhere end in two wells, or on the plain around them, which no barrier separates from one."""
     starts = [{"vehicle.m": m, "vehicle.J": j} for m in (4.3, 4.6, 5.4, 5.6) for j in (0.046, 0.053)]
     asked = searching({"method": "direct", "evaluations": 500}, {"method": "sqp", "evaluations": 900, "starts": starts})
     made, found, _ = found_by(asked, two_failures)
@@ -121,11 +121,12 @@ def test_each_minimum_of_a_search_is_in_the_basin_of_the_finding_that_it_ended_i
     direct, sqp = compare(made, told, found, ["F1", "F2"])
     ends = made.searched[2].minima
     assert (direct.minima, len(sqp.minima)) == ([], len(ends))
-    by_label = {label: [end for end, of in zip(ends, sqp.minima, strict=True) if of == label] for label in ("F1", "F2")}
-    for finding in told:
-        assert by_label[finding.label], "at least one descent ended in each well"
-        for end in by_label[finding.label]:
-            assert np.abs(np.array(end.point) - finding.point).max() < 0.2
+    inside = [(end, of) for end, of in zip(ends, sqp.minima, strict=True) if end.cost < 0.5]
+    for end, of in inside:
+        nearest = min(told, key=lambda f: float(np.abs(np.array(end.point) - f.point).max()))
+        assert of == nearest.label
+    assert {of for _, of in inside} == {"F1", "F2"}, "at least one descent ended in each well"
+    assert set(sqp.minima) <= {"F1", "F2", None}
 
 
 def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:

@@ -19,15 +19,16 @@ const SCROLLS = ['wheel', 'touchmove', 'pointerdown', 'keydown'] as const
 
 export function SectionTabs({ sections }: { sections: Section[] }) {
   const [shown, setShown] = useState({ order: sections.map(({ id }) => id), current: sections[0]?.id })
+  const { order, current } = shown
   const bar = useRef<HTMLElement>(null)
   const asked = useRef<string | undefined>(undefined)
   const ids = sections.map(({ id }) => id).join()
   const read = useCallback(() => {
     const places = placesOf(ids.split(','))
-    const order = inPageOrder(places).map(({ id }) => id)
+    const found = inPageOrder(places).map(({ id }) => id)
     const [height, whole] = [innerHeight, document.documentElement.scrollHeight]
-    const current = currentOf(places, lineOf({ height, at: scrollY, most: whole - height }, LINE), asked.current)
-    setShown((before) => (before.current === current && before.order.join() === order.join() ? before : { order, current }))
+    const at = currentOf(places, lineOf({ height, at: scrollY, most: whole - height }, LINE), asked.current)
+    setShown((before) => (before.current === at && before.order.join() === found.join() ? before : { order: found, current: at }))
   }, [ids])
   useEffect(() => {
     const scrolled = () => {
@@ -47,12 +48,12 @@ export function SectionTabs({ sections }: { sections: Section[] }) {
   useEffect(() => {
     const tab = bar.current?.querySelector<HTMLElement>('[aria-current]')
     if (tab && bar.current) bar.current.scrollLeft = tab.offsetLeft - (bar.current.clientWidth - tab.clientWidth) / 2
-  }, [shown.current])
+  }, [current])
   const jumped = (id: string) => {
     asked.current = id
     setShown((before) => ({ ...before, current: id }))
   }
-  const ordered = inOrder(sections, shown.order)
+  const ordered = inOrder(sections, order)
   useHotkeys(
     Object.fromEntries(
       ordered.map(({ id }, i) => [
@@ -67,7 +68,7 @@ export function SectionTabs({ sections }: { sections: Section[] }) {
   return (
     <nav className={styles.subnav} aria-label="Sections" ref={bar}>
       {ordered.map(({ id, name, count: number }) => (
-        <a key={id} href={`#${id}`} aria-current={id === shown.current ? 'true' : undefined} onClick={() => jumped(id)}>
+        <a key={id} href={`#${id}`} aria-current={id === current ? 'true' : undefined} onClick={() => jumped(id)}>
           {name}
           {number !== undefined && <span className="n">{count(number)}</span>}
         </a>

@@ -7,7 +7,7 @@ import { amended } from '../text'
 import { keysOf, saidOf, stepsIn, stepsOf } from '../../api/steps'
 
 const remedy = (text: string, ...changes: [(string | number)[], unknown][]): Remedy => ({
-  kind: 'step', text, said: [{ kind: 'text', text }], changes: changes.map(([at, value]) => ({ at, value })) as Remedy['changes'],
+  kind: 'step', text, said: [{ kind: 'text', text }], changes: changes.map(([at, value]) => ({ at, value })),
 })
 const STEP = remedy('with step 10 ms', [['scenario', 'step'], 0.01])
 const METHOD = remedy('with CMA-ES as a further method', [['stages', 'search', 1], { method: 'cma_es', evaluations: 2000 }])
@@ -39,7 +39,7 @@ it('offers every remedy once, by the place of its check', () => {
 })
 
 it('makes the changes in the text of the campaign, with its comments, and in its document', () => {
-  const document = parse(TEXT)
+  const document: unknown = parse(TEXT)
   const steps = stepsIn('validation.0,agreement.0,noise.0', CHECKS)
   const text = amended(TEXT, changesFor(document, steps))
   const wanted = changed(document, steps)
@@ -59,5 +59,5 @@ it('makes the changes in the text of the campaign, with its comments, and in its
 it('sets what the text leaves to a default', () => {
   const more = [{ name: 'minimum', remedies: [remedy('', [['stages', 'findings', 'evaluations'], 80000])] }]
   const text = amended(TEXT, changesFor(parse(TEXT), stepsOf(more)))
-  expect(parse(text).stages.findings).toEqual({ evaluations: 80000 })
+  expect(parse(text)).toMatchObject({ stages: { findings: { evaluations: 80000 } } })
 })

@@ -20,7 +20,7 @@ export function StartBar({ checked, checking, disabled, busy, why, onStart }: St
   return (
     <div className={styles.bar} role="region" aria-label="Start">
       <div className={styles.effort}>
-        <p className="num" aria-busy={checking} data-testid="effort">
+        <p aria-busy={checking} data-testid="effort">
           {effortOf(checked)}
         </p>
         <p className="small mut" aria-live="polite">

@@ -33,7 +33,7 @@ export function Contact() {
       })
     before.current = well
   }, [cache, well])
-  const now = useNow(1000, !well)
+  const now = useNow(1000)
   // The region exists before its content, so that screen readers announce what appears in it.
   return (
     <div className={styles.contact} role="status" aria-label="Connection">

@@ -20,7 +20,7 @@ export function StartBar({ checked, checking, disabled, busy, why, onStart }: St
   return (
     <div className={styles.bar} role="region" aria-label="Start">
       <div className={styles.effort}>
-        <p className="num" aria-busy={checking} data-testid="effort">
+        <p aria-busy={checking} data-testid="effort">
           {effortOf(checked)}
         </p>
         <p className="small mut" aria-live="polite">
@@ -39,7 +39,7 @@ export function StartBar({ checked, checking, disabled, busy, why, onStart }: St
 /** About 21 600 evaluations, about 12 s. */
 export function effortOf(checked: Checked | undefined): string {
   const { estimate } = checked ?? {}
-  if (!estimate) return 'No estimate yet'
+  if (!estimate) return checked && !checked.ok ? 'No estimate while there are problems' : 'No estimate yet'
   const time = estimate.seconds === null ? 'time not known' : `about ${duration(estimate.seconds)}`
   return `About ${count(estimate.evaluations)} evaluations, ${time}`
 }

@@ -22,7 +22,7 @@ from tests.e2e.browser import Visit, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False
 
 

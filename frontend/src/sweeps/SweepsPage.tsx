@@ -32,7 +32,9 @@ export function SweepsPage() {
       </div>
       <Card title="Sweeps" note="One campaign with several values of a fixed parameter" flush={data.length > 0}>
         {data.length === 0 && (
-          <p className="sec">There are no sweeps yet. Launch one below the start button of a new run, or with `clearance submit FILE --sweep`.</p>
+          <p className="sec">
+            There are no sweeps yet. Launch one below the start button of a new run, or with <code>clearance submit FILE --sweep</code>.
+          </p>
         )}
         {data.length > 0 && (
           <table>

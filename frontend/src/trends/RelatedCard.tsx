@@ -6,8 +6,7 @@ import { getRelated } from '../api/calls'
 import type { RelatedRun, RunDetail } from '../client'
 import { count } from '../format/numbers'
 import { Card } from '../ui/Card'
-import { boundOf, CodeCell, DateCell, marginOf, RunCell } from './cells'
-import { OutcomeBadge } from './OutcomesChart'
+import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from './cells'
 import { differenceOf } from './difference'
 
 const relatedQuery = (run: string, state: string) =>

@@ -3,6 +3,12 @@ import { Link } from '@tanstack/react-router'
 import type { Outcome } from '../client'
 import { decimalsFor, NONE, percent, signed } from '../format/numbers'
 import { moment, when } from '../format/time'
+import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+
+/** The verdict or the state of a run, as icon and word. */
+export function OutcomeBadge({ outcome }: { outcome: Outcome | null }) {
+  return outcome ? <VerdictBadge outcome={outcomeOf(outcome)} /> : <span className="mut">Purged</span>
+}
 
 export const marginOf = (outcome: Outcome | null): string => {
   if (outcome?.margin === null || outcome?.margin === undefined) return NONE

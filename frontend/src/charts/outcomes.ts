@@ -1,8 +1,8 @@
 // Outcomes of runs over a value or over time, as charts and texts. A run that is not done has no numbers.
-import type { Line, PlotSpec, Point } from '../charts/spec'
 import type { Outcome } from '../client'
 import { decimalsFor, fixed, percent, plain, signed } from '../format/numbers'
 import { lookOf, outcomeOf, type Outcome as Word } from '../ui/VerdictBadge'
+import type { Line, PlotSpec, Point } from './spec'
 
 /** A position on the horizontal axis and the run there; null if its results were purged. */
 export interface At {

@@ -1,9 +1,9 @@
 // Worst margins and bounds on P(violation) of runs, one above the other, with a shared crosshair.
-import { Plot } from '../charts/Plot'
 import { Sign } from '../ui/Sign'
 import { VerdictBadge } from '../ui/VerdictBadge'
-import { type At, type Axis, boundName, boundsOf, commonOf, isBare, kindOf, kindsOf, marginsOf, spoken } from './outcomes'
-import styles from './trends.module.css'
+import { type At, type Axis, boundName, boundsOf, commonOf, isBare, kindsOf, marginsOf, spoken } from './outcomes'
+import styles from './outcomes.module.css'
+import { Plot } from './Plot'
 
 interface OutcomesChartProps {
   points: readonly At[]
@@ -63,10 +63,4 @@ export function OutcomesChart({ points, axis, sync, name }: OutcomesChartProps) 
       <p className="sr">{spoken(points, name)}</p>
     </>
   )
-}
-
-/** The verdict or the state of a run in a table, as icon and word. */
-export function OutcomeBadge({ outcome }: { outcome: At['outcome'] }) {
-  const kind = kindOf(outcome)
-  return kind === 'purged' ? <span className="mut">Purged</span> : <VerdictBadge outcome={kind} />
 }

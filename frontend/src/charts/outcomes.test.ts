@@ -1,10 +1,7 @@
 // Charts of outcomes: a run that is not done has no number and is marked at its position.
 import { expect, it } from 'vitest'
 import type { Outcome } from '../client'
-import { changesOf } from './changes'
-import { differenceOf } from './difference'
 import { type At, boundName, boundsOf, codesOf, commonOf, fractionOf, kindsOf, marginsOf, sampleOf, spoken } from './outcomes'
-import { readTrend } from './search'
 
 const outcome = (more: Partial<Outcome> = {}): Outcome => ({
   id: 'R-0001', name: '', state: 'done', verdict: 'cleared', error: null, campaign_name: '', campaign_digest: '', seed: 1,
@@ -73,27 +70,4 @@ it('says every run in words', () => {
   expect(sampleOf(outcome({ violations: 3 }))).toBe('3 of 3\u202f000')
   expect([sampleOf(null), sampleOf(outcome(bare)), fractionOf(outcome({ samples: 0 }))]).toEqual(['', '', null])
   expect(codesOf([...points, { x: 8, run: '', outcome: outcome({ code: 'b' }) }, { x: 9, run: '', outcome: outcome({ code: null }) }])).toEqual(['a', 'b'])
-})
-
-it('names what differs', () => {
-  const of = (differs: ('seed' | 'code')[], code_known: boolean) => differenceOf({ differs, code_known, seed: 7 })
-  expect([of([], true), of(['seed'], true), of(['code'], true), of([], false), of(['seed'], false)]).toEqual([
-    'nothing', 'seed 7', 'code', 'code not known', 'seed 7, code not known',
-  ])
-})
-
-it('names the runs before which the code changed', () => {
-  const runs = (changed: number[], code: string | null = 'a') =>
-    [0, 1, 2, 3, 4].map((i) => ({ id: `R-${i}`, code_changed: changed.includes(i), code }))
-  expect(changesOf(runs([1, 3]))).toBe('The code changed before R-1, R-3')
-  expect(changesOf(runs([1, 2, 3, 4]))).toBe('The code changed before R-2, R-3, R-4 and 1 earlier')
-  expect(changesOf(runs([]))).toBe('One code ran all of them')
-  expect(changesOf(runs([], null))).toBe('No change of the code is known')
-})
-
-it('reads the address', () => {
-  const digest = 'a'.repeat(64)
-  expect(readTrend({ campaign: digest, name: 'x' })).toEqual({ campaign: digest })
-  expect(readTrend({ campaign: 'x', name: 'y' })).toEqual({ name: 'y' })
-  expect(readTrend({ campaign: 3 })).toEqual({})
 })

@@ -14,7 +14,7 @@ from tests.api.document import conforms
 from tests.api.finished import finish
 from tests.api.server import Service
 from tests.api.submitting import submit
-from tests.api.test_proposals import measured, publish, run
+from tests.api.timed import measured, publish, run
 from tests.simulators import package
 
 

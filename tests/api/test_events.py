@@ -20,44 +20,13 @@ from tests.api.answers import problem
 from tests.api.filled import fill
 from tests.api.finished import Work, search
 from tests.api.server import Service, until
+from tests.api.streamed import Stream, streaming
 from tests.api.submitting import submit
-
-
-class Stream:
-    """The events of one connection, as they come."""
-
-    def __init__(self, response: httpx.Response) -> None:
-        self._lines = response.iter_lines()
-
-    def blocks(self) -> Iterator[list[str]]:
-        block: list[str] = []
-        for line in self._lines:
-            if line:
-                block.append(line)
-            else:
-                yield block
-                block = []
-
-    def next(self, name: str) -> Any:
-        """The data of the next event of that name."""
-        for block in self.blocks():
-            if f"event: {name}" in block:
-                return json.loads(block[1].removeprefix("data: "))
-        pytest.fail(f"the stream ended without an event {name!r}")
-
-
-@contextmanager
-def listening(client: httpx.Client, **query: str) -> Iterator[Stream]:
-    with client.stream("GET", "/api/v1/events", params=query) as response:
-        assert response.status_code == 200
-        assert response.headers["content-type"].startswith("text/event-stream")
-        assert response.headers["cache-control"] == "no-store"
-        yield Stream(response)
 
 
 def test_a_listener_to_all_runs_receives_active_runs_and_changes(service: Service, client: httpx.Client) -> None:
     first = submit(client)
-    with listening(client) as stream:
+    with streaming(client) as stream:
         assert (told := stream.next("run"))["id"] == first
         assert told == client.get(f"/api/v1/runs?q={first}").json()["items"][0]
         second = submit(client, seed=2)
@@ -70,7 +39,7 @@ def test_a_listener_to_all_runs_receives_active_runs_and_changes(service: Servic
 def test_a_listener_to_a_run_receives_its_stages_and_improvements(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     submit(client, seed=2)
-    with listening(client, run=run) as stream:
+    with streaming(client, run=run) as stream:
         assert stream.next("run")["state"] == "queued"
         assert stream.next("stages") == []
         work = Work(service)
@@ -97,11 +66,11 @@ def test_a_late_listener_receives_everything(service: Service, client: httpx.Cli
     run = submit(client)
     work = Work(service)
     work.search(0, 50)
-    with listening(client, run=run) as early:
+    with streaming(client, run=run) as early:
         assert early.next("evaluations")["2"]["evaluations"] == 50
         work.search(50, 100)
         assert early.next("evaluations")["2"]["evaluations"] == 150
-        with listening(client, run=run) as late:
+        with streaming(client, run=run) as late:
             told = late.next("evaluations")["2"]
     assert told["index"] == thin.improvements(search(0, 150).costs[:, 0]).tolist()
 
@@ -109,14 +78,14 @@ def test_a_late_listener_receives_everything(service: Service, client: httpx.Cli
 def test_a_finished_run_is_reported_once(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     client.post(f"/api/v1/runs/{run}/cancel")
-    with listening(client, run=run) as stream:
+    with streaming(client, run=run) as stream:
         assert stream.next("run")["state"] == "cancelled"
 
 
 def test_the_end_of_a_run_is_published(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     work = Work(service)
-    with listening(client, run=run) as stream:
+    with streaming(client, run=run) as stream:
         assert stream.next("run")["verdict"] is None
         work.conclude()
         assert (told := stream.next("run"))["verdict"] == "violated"
@@ -152,7 +121,7 @@ def test_a_reconnecting_client_receives_runs_that_ended(service: Service, client
     fill(service, 20, finished=1.0, started=0.5, created=0.1, state="done")  # ended long ago: not reported again
     run, other = submit(client), submit(client, seed=2)
     work = Work(service)
-    with listening(client) as stream:
+    with streaming(client) as stream:
         ((_, _), (summary, mark)) = told(stream, 2)
         assert summary["state"] in ("running", "queued")
     work.conclude()
@@ -170,7 +139,7 @@ def test_a_reconnecting_client_receives_runs_that_ended(service: Service, client
 
 
 def test_an_empty_stream_has_a_mark(service: Service, client: httpx.Client) -> None:
-    with listening(client) as stream:
+    with streaming(client) as stream:
         mark = next(found[0] for block in stream.blocks() if (found := marks(block)))
     run = submit(client)
     client.post(f"/api/v1/runs/{run}/cancel")
@@ -208,12 +177,12 @@ def test_an_unknown_run_is_refused(guest: httpx.Client) -> None:
 
 def test_a_listener_that_goes_is_forgotten_and_the_poller_rests(service: Service, client: httpx.Client) -> None:
     submit(client)
-    with listening(client) as stream:
+    with streaming(client) as stream:
         stream.next("run")
         assert service.app.state.hub.listeners == 1
     until(lambda: service.app.state.hub.listeners == 0)
     until(lambda: service.app.state.hub._poller.done())
-    with listening(client) as stream:
+    with streaming(client) as stream:
         stream.next("run")
 
 
@@ -221,7 +190,7 @@ def test_a_silent_stream_carries_comments(
     service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(hub, "HEARTBEAT", 0.05)
-    with listening(client) as stream:
+    with streaming(client) as stream:
         blocks = stream.blocks()
         assert next(blocks) == ["retry: 2000"]
         assert [": still here"] in [next(blocks), next(blocks)]  # one of them may be the mark to come back with
@@ -230,7 +199,7 @@ def test_a_silent_stream_carries_comments(
 def test_at_most_four_times_a_second(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     work = Work(service)
-    with listening(client, run=run) as stream:
+    with streaming(client, run=run) as stream:
         stream.next("stages")
         begun, events, heard = time.monotonic(), 0, 0
         for first in range(0, 600, 10):

@@ -18,8 +18,8 @@ from backend.events.watch import Watch
 from tests.api.document import conforms
 from tests.api.finished import Work
 from tests.api.server import Service
+from tests.api.streamed import streaming
 from tests.api.submitting import submit
-from tests.api.test_events import listening
 
 
 def asked(client: httpx.Client) -> dict[str, Any]:
@@ -142,7 +142,7 @@ def test_a_queued_run_says_why_it_waits(service: Service, client: httpx.Client) 
 def test_the_stream_reports_workers(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(roster, "PERIOD", 0.0)
     run = submit(client)
-    with listening(client) as stream, listening(client, run=run) as other:
+    with streaming(client) as stream, streaming(client, run=run) as other:
         assert stream.next("workers")["alive"] == 0
         assert other.next("run")["waits"].startswith("No worker is running")
         arrive(service, "w1")

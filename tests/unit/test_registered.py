@@ -10,8 +10,7 @@ import pytest
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.registered import Running, folder, registered, services
 from backend.db.tables import LoginLink
-from tests.unit.test_cli import invoke
-from worker.cli import WRONG_INPUT
+from worker.cli import WRONG_INPUT, invoke
 
 
 @pytest.fixture(autouse=True)

@@ -41,7 +41,7 @@ it('draws bounds and observed fractions in percent', () => {
     [0, 0.1, null, null, 0],
   ])
   expect(spec?.yRange?.[0]).toBe(0)
-  expect(boundName(points)).toBe('Upper bound, 95.00\u202f% confidence')
+  expect(boundName(points)).toBe('Upper bound, 95\u202f% confidence')
   expect(boundName([...points, { x: 7, run: '', outcome: outcome({ confidence: 0.99 }) }])).toBe('Upper bound')
 })
 

@@ -61,4 +61,10 @@ export function readDigits(quantities: readonly Pick<Quantity, 'value' | 'unit' 
 
 /** All digits of a quantity, as stored. */
 export const exactText = ({ value, unit, format }: Pick<Quantity, 'value' | 'unit' | 'format'>): string =>
-  `${String(format === 'percent' ? 100 * value : value).replace('-', MINUS)}${format === 'percent' ? `${NARROW}%` : unit && NARROW + unitText(unit)}`
+  `${String(format === 'percent' ? hundredfold(value) : value).replace('-', MINUS)}${format === 'percent' ? `${NARROW}%` : unit && NARROW + unitText(unit)}`
+
+/** 100 times a number by its decimal digits: the product of the binary numbers may end in another digit. */
+function hundredfold(value: number): number {
+  const [digits = '', exponent = '0'] = String(value).split('e')
+  return Number(`${digits}e${Number(exponent) + 2}`)
+}

@@ -80,9 +80,10 @@ def test_nothing_is_asked_for_twice(visit: Visit) -> None:
     visit.go("/runs/R-0001")
     for chart in ("^Separation", "^Convergence"):
         expect(visit.page.get_by_role("img", name=re.compile(chart)).locator("canvas")).to_be_visible()
-    answers = [url for url in asked if "/api/v1/" in url and "/views/" not in url]
+    # /health is asked again, on purpose, where another answer takes long.
+    answers = [url for url in asked if "/api/v1/" in url and "/views/" not in url and "/health" not in url]
     assert len(answers) > 8
-    assert sorted(set(answers)) == sorted(answers)
+    assert sorted(set(answers)) == sorted(answers), sorted(answers)
 
 
 def test_without_3d_graphics_the_page_states_it_and_has_everything_else(page: Page) -> None:
@@ -237,8 +238,8 @@ def test_runs_to_compare_are_chosen_on_the_page(visit: Visit) -> None:
     expect(page.get_by_text("Choose two to 4 runs here")).to_be_visible()
     page.get_by_role("combobox", name="Add a run to compare").fill("mass 5")
     page.get_by_role("option", name=re.compile("R-0001")).click()
-    expect(page).to_have_url(re.compile("runs=R-0002(,|%2C)R-0001"))
-    expect(page.get_by_test_id("change")).to_have_text("From inconclusive to cleared")
+    expect(page).to_have_url(re.compile("runs=R-0001(,|%2C)R-0002"))  # the older run first
+    expect(page.get_by_test_id("change")).to_have_text("From cleared to inconclusive")
 
 
 def test_a_run_is_removed_and_restored(visit: Visit) -> None:

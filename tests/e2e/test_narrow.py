@@ -104,13 +104,15 @@ def fits(visit: Visit, path: str, marks: list[str]) -> None:
         # In the page: a chart may be built again meanwhile.
         place.evaluate("element => element.scrollIntoView({behavior: 'instant', block: 'center'})")
         expect(place).to_be_visible()
-    assert beyond(visit) == []
+    found = beyond(visit)
+    assert not found, "; ".join(found)
 
 
 def test_it_sees_what_is_too_wide(visit: Visit) -> None:
     visit.go("/help")
     expect(visit.page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
-    assert beyond(visit) == []
+    found = beyond(visit)
+    assert not found, "; ".join(found)
     visit.page.locator("main").evaluate(
         "main => { main.innerHTML = '<p class=wide>x</p>'; main.firstChild.style.width = '500px' }"
     )

@@ -355,6 +355,7 @@ def test_a_slider_simulates_the_case_again(signed_in: Visit) -> None:
     other.fill("7")
     expect(other).to_have_attribute("aria-invalid", "true")
     other.press("Escape")
+    expect(page).to_have_url(re.compile(r"vehicle\.J:"))  # written when the values rest
     shared = page.url
     card.get_by_role("button", name="Back to nominal").click()
     expect(cost).to_have_text("0.9436")

@@ -55,7 +55,7 @@ def _worst(evidence: Evidence) -> Worst | None:
         cost=finding.cost,
         margin=finding.margin,
         parameters=finding.parameters,
-        method=method_of(evidence.searches, finding),
+        method=method_of(evidence.searches),
         finding=finding.label,
     )
 

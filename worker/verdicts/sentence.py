@@ -156,12 +156,7 @@ def _noise(seed: int | None) -> str:
     return "" if seed is None else f", with the noise realisation of seed {seed}"
 
 
-def method_of(searches: Sequence[SearchResult], found: Finding | None = None) -> str | None:
-    """The method with the lowest best; of a finding that others found by themselves, the one of those that was first.
-
-    With several calls for an evaluation, the lowest best may be a lucky one of another case.
-    """
-    bests = [(s.best.cost, i) for i, s in enumerate(searches) if s.best is not None]
-    lowest = searches[min(bests)[1]].method if bests else None
-    finders = [] if found is None else [by.method for by in sorted(found.found, key=lambda by: by.evaluations)]
-    return lowest if not finders or lowest in finders else finders[0]
+def method_of(searches: Sequence[SearchResult]) -> str | None:
+    """The method with the lowest best."""
+    found = [(s.best.cost, i) for i, s in enumerate(searches) if s.best is not None]
+    return searches[min(found)[1]].method if found else None

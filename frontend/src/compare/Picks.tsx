@@ -90,7 +90,7 @@ function Remove({ id, onRemove }: { id: string; onRemove: () => void }) {
 function Add({ ids, onAdd }: { ids: readonly string[]; onAdd: (id: string) => void }) {
   const [text, setText] = useState('')
   const found = useQuery({
-    queryKey: ['runs', 'to compare', text],
+    queryKey: ['runs to compare', text],
     queryFn: () => listRuns({ q: text.replace(/ · .*/, '') }, null, 20),
     placeholderData: (before) => before,
   }).data

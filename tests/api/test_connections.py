@@ -114,7 +114,7 @@ def test_a_stream_outlives_that_time(strict: Service) -> None:
         with opened(strict) as connection:
             rest(connection)
         submit(client)
-        assert next(line for line in lines if line.startswith("event")) == "event: run"
+        assert "event: run" in lines
 
 
 def test_a_client_that_does_not_read_is_not_waited_for(strict: Service) -> None:

@@ -170,7 +170,8 @@ def test_parameters_with_one_symbol_are_distinguished(client: httpx.Client) -> N
     document["uncertain"] |= {f"obstacles.{i}.radius": {"low": 0.4, "high": 0.6} for i in range(2)}
     text = report(client, submit(client, **document))
     for i in range(2):
-        assert f'<span class="path">obstacles.<wbr>{i}.<wbr>radius</span></td><td>Radius</td>' in text
+        named = f'<i class="v" title="obstacles.{i}.radius">radius</i> of obstacle {i + 1}</td>'
+        assert f'{named}<td>Radius <span class="m mono">obstacles.{i}.radius</span></td>' in text
     assert '<i class="v" title="vehicle.m">m</i></td><td>M <span class="m mono">vehicle.m</span></td>' in text
 
 

@@ -175,7 +175,8 @@ class TestEveryRoute:
         assert len(paths) > 15
         for path in {*paths, *WITHOUT_A_TRACE}:
             place = path.format(run=run, name="F1", flight="F1", key=KEY)
-            answer = client.get(place, params={"stage": 2} if path.endswith("/evaluations") else None)
+            asked = {"evaluations": {"stage": "2"}, "code": {"against": run}}.get(path.rpartition("/")[2])
+            answer = client.get(place, params=asked)
             if path in WITHOUT_A_TRACE:
                 assert answer.status_code == 404, path
                 assert WITHOUT_A_TRACE[path] in answer.json()["detail"], answer.text

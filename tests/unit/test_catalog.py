@@ -84,14 +84,18 @@ def test_a_method_of_another_package_is_found(tmp_path: Path) -> None:
     assert "guess" in json.loads(done.stdout)[1]
 
 
-def test_two_of_one_name_are_an_error(tmp_path: Path) -> None:
+def test_a_second_component_of_one_name_is_skipped_and_said_to_be(tmp_path: Path) -> None:
     package(tmp_path, "clearance.components", "some_car", CAR.format(name="unicycle"))
-    done = in_a_new_process(EVERY, tmp_path)
-    assert done.returncode == 1
-    assert (
-        "some_car declares ('vehicle', 'unicycle'), which worker.components.vehicles.unicycle already declares"
-        in done.stderr
-    )
+    told = "; from worker.catalogue.installed import catalogue; print(catalogue().model_dump_json())"
+    done = in_a_new_process(EVERY + told, tmp_path)
+    assert done.returncode == 0, done.stderr
+    every, known = map(json.loads, done.stdout.splitlines())
+    assert every == json.loads(in_a_new_process(EVERY, Path.cwd()).stdout)
+    (skipped,) = known["unusable"]
+    assert "some_car" in skipped["text"]
+    assert "unicycle" in skipped["text"]
+    mine = [c for c in known["components"] if (c["role"], c["name"]) == ("vehicle", "unicycle")]
+    assert len(mine) == 1
 
 
 def test_the_campaigns_do_not_import_the_physics() -> None:

@@ -22,6 +22,7 @@ class Limits:
     """As much of a setting as the words need."""
 
     quantity, unit, threshold, decimals = "d_min", "m", 1.0, 3
+    clears = True
 
 
 def test_positions_are_fractions_of_the_ranges() -> None:

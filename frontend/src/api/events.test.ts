@@ -1,7 +1,8 @@
 // Improvements from the event stream are appended to those already loaded.
+import { QueryClient } from '@tanstack/react-query'
 import { expect, it } from 'vitest'
-import type { EvaluationSeries } from '../client'
-import { extended } from './events'
+import type { EvaluationSeries, RunSummary } from '../client'
+import { extended, putRun } from './events'
 
 const SERIES = {
   total: 3,
@@ -36,4 +37,16 @@ it('takes nothing twice', () => {
 
 it('shows no flight whose parameters it does not know', () => {
   expect(extended(SERIES, fresh([5], [3])).index).toEqual([0, 2])
+})
+
+it('writes a run into the paged lists, and leaves queries of other shapes alone', () => {
+  const cache = new QueryClient()
+  const run = { id: 'R-0001', state: 'running', name: 'new' } as unknown as RunSummary
+  const old = { ...run, name: 'old' }
+  cache.setQueryData(['runs', { q: '' }], { pages: [{ items: [old] }], pageParams: [null] })
+  for (const [i, other] of [{ items: [old] }, [old], null, 3].entries()) cache.setQueryData(['runs', 'other', i], other)
+  putRun(cache, run)
+  expect(cache.getQueryData(['runs', { q: '' }])).toEqual({ pages: [{ items: [run] }], pageParams: [null] })
+  expect(cache.getQueryData(['runs', 'other', 0])).toEqual({ items: [old] })
+  expect(cache.getQueryData(['runs', 'other', 1])).toEqual([old])
 })

@@ -115,10 +115,13 @@ function useSource(run: string | null, on: boolean): void {
   }, [cache, run, on])
 }
 
+const isPaged = (data: unknown) => typeof data === 'object' && data !== null && 'pages' in data
+
 /** Writes a run's new summary into the list and its own page; invalidates what depends on its end. */
 export function putRun(cache: QueryClient, run: RunSummary): void {
   let listed = false
-  cache.setQueriesData<InfiniteData<RunPage>>({ queryKey: ['runs'] }, (data) => {
+  const lists = { queryKey: ['runs'], predicate: (query: { state: { data: unknown } }) => isPaged(query.state.data) }
+  cache.setQueriesData<InfiniteData<RunPage>>(lists, (data) => {
     if (!data?.pages.some((page) => page.items.some((item) => item.id === run.id))) return data
     listed = true
     const items = (page: RunPage) => page.items.map((item) => (item.id === run.id ? run : item))

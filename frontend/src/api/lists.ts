@@ -23,8 +23,8 @@ export function renewed(data: Pages, fresh: RunPage): Pages {
 export function refreshRuns(cache: QueryClient): void {
   for (const query of cache.getQueryCache().findAll({ queryKey: ['runs'], type: 'active' })) {
     const { queryKey } = query
-    const data = query.state.data as Pages | undefined
-    if (!data || data.pages.length <= FEW) {
+    const data = query.state.data as Partial<Pages> | undefined
+    if (!data?.pages || data.pages.length <= FEW) {
       void cache.invalidateQueries({ queryKey, exact: true })
       continue
     }

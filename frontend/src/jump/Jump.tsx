@@ -68,7 +68,8 @@ function Search({ onDone }: { onDone: () => void }) {
         </Combobox.EventsTarget>
         <kbd className="kbd">Esc</kbd>
       </label>
-      <Combobox.Options className={styles.jumplist} aria-label="Found">
+      {/* It scrolls, so the keyboard must reach it. */}
+      <Combobox.Options className={styles.jumplist} aria-label="Found" tabIndex={0}>
         <Group name={text.trim() ? 'Runs' : 'Latest runs'}>{runs.map((run) => runOption(run))}</Group>
         {(['Pages', 'Launch', 'Help'] as const).map((group) => (
           <Group key={group} name={group}>

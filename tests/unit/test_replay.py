@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from backend.db.engine import connect, default_url, migrate
+from backend.db.queue import submit
 from campaigns.results.base import EXCLUDED
 from campaigns.versions import Processor, Versions
 from tests.simulators.adversaries import adversary
-from tests.unit.records import CERTIFY, Folder, write_called, written
+from tests.unit.records import CERTIFY, RUNS, Folder, write_called, written
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
 from worker.runs.replay import other_machine
 from worker.stages.parts import offered
@@ -132,9 +134,23 @@ def test_what_is_not_a_run_is_a_sentence(tmp_path: Path, capsys: pytest.CaptureF
     assert invoke(["replay", str(tmp_path)]) == WRONG_INPUT
     assert "cannot be replayed: it contains no campaign.json" in capsys.readouterr().err
     folder = written(tmp_path / "out", "violated")
-    (folder / "result.json").write_text("[]")
-    assert invoke(["replay", str(folder)]) == WRONG_INPUT
-    assert "cannot be replayed" in capsys.readouterr().err
+    for name, text in (("evidence.json", '{"results": [3]}'), ("evidence.json", "[]"), ("result.json", "[]")):
+        (folder / name).write_text(text)
+        assert invoke(["replay", str(folder)]) == WRONG_INPUT
+        assert "cannot be replayed" in capsys.readouterr().err
+
+
+def test_a_run_that_has_not_begun_has_nothing_to_replay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    url = default_url(tmp_path)
+    migrate(url)
+    engine = connect(url)
+    with engine.begin() as connection:
+        submit(connection, RUNS["violated"](), name="a", tags=[], owner="ada", planned=1)
+    engine.dispose()
+    assert invoke(["replay", "R-0001", "--data", str(tmp_path)]) == WRONG_INPUT
+    assert "it has no finding; name an evaluation: it has no stored evaluations" in capsys.readouterr().err
+    assert invoke(["replay", "R-0002", "--data", str(tmp_path)]) == WRONG_INPUT
+    assert "there is no R-0002 in this database" in capsys.readouterr().err
 
 
 def test_a_machine_is_of_the_same_kind_only_where_that_is_known() -> None:

@@ -81,13 +81,13 @@ def of_folder(folder: Path) -> Recorded:
         kinds = [stage.plan.kind for stage in store.stages]
         results, findings = earlier.brought_up(kinds, results, stated["findings"])
         typed = [Finding.model_validate(found) for found in findings]
-    except (CannotContinue, OSError, ValueError, KeyError, TypeError) as error:
+        drawn = {at: int((result or {}).get("drawn_realisations") or 0) for at, result in enumerate(results)}
+        measured = (results[0] or {}).get("measured") if results else None
+        noise = None if measured is None else Measured.model_validate(measured)
+    except (CannotContinue, OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise WrongInputError(f"{folder} cannot be replayed: {error}") from None
     chunks = {at: columns for at in store.chunks if (columns := store.evaluations(at)) is not None}
-    drawn = {at: int((result or {}).get("drawn_realisations") or 0) for at, result in enumerate(results)}
     plans = [stage.plan for stage in store.stages]
-    measured = (results[0] or {}).get("measured") if results else None
-    noise = None if measured is None else Measured.model_validate(measured)
     return Recorded(campaign, plans, chunks, typed, versions_of(folder), drawn=drawn, measured=noise)
 
 
@@ -118,7 +118,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
         versions,
         codes.modules(connection, versions.code),
         drawn,
-        nominal.measured if isinstance(nominal := stages[0].result, NominalResult) else None,
+        next((s.result.measured for s in stages if isinstance(s.result, NominalResult)), None),
     )
 
 

@@ -47,7 +47,7 @@ inline double right_hand_side(const Parameters& p, const double* x, double* dx) 
     return square;
 }
 
-double fly(const Parameters& p, double dt, int steps) {
+double simulate(const Parameters& p, double dt, int steps) {
     double x[states] = {p.x, p.y, p.theta, p.v, p.omega, 0, 0, 0, 0};
     double a[states], b[states], c[states], d[states], mid_x[states];
     right_hand_side(p, x, a);
@@ -79,9 +79,9 @@ double fly(const Parameters& p, double dt, int steps) {
 
 }  // namespace
 
-extern "C" void fly_all(const double* parameters, int n, double dt, int steps, double* costs) {
+extern "C" void simulate_all(const double* parameters, int n, double dt, int steps, double* costs) {
     constexpr int size = sizeof(Parameters) / sizeof(double);
     for (int i = 0; i < n; ++i) {
-        costs[i] = fly(*reinterpret_cast<const Parameters*>(parameters + i * size), dt, steps);
+        costs[i] = simulate(*reinterpret_cast<const Parameters*>(parameters + i * size), dt, steps);
     }
 }

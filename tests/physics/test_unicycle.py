@@ -6,6 +6,9 @@ Values: Srikanthakumar (tables 4.1, 5.1 to 5.3) as reconstructed; DOP853 on the 
 from __future__ import annotations
 
 import math
+import os
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +16,7 @@ import pytest
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.base import EXCLUDED, FAILED, OK
+from tests.bench import bench
 from tests.problems import Problem
 from worker.components.avoiders import potential_field
 from worker.components.obstacles import circle
@@ -252,3 +256,14 @@ class TestFailures:
         assert batch.status[0] == EXCLUDED
         assert math.isnan(batch.costs[0, 0])
         assert "threshold of 0.5 m" in reasons[0]
+
+
+@pytest.mark.skipif(shutil.which(os.environ.get("CXX", "g++")) is None, reason="a C++ compiler is needed")
+def test_a_program_in_cpp_gives_the_same_costs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The yardstick of `make bench`: written by hand, nothing shared with the components."""
+    monkeypatch.setattr(bench, "BUILD", tmp_path)
+    cpp, _ = bench.build_cpp()
+    vectors = PROBLEM.vectors(np.random.default_rng(1).random((32, PROBLEM.dimension)))
+    costs = np.empty(32)
+    bench.fly_cpp(cpp, PROBLEM, vectors, PROBLEM.system.counts(PROBLEM.system.step)[0], costs)
+    assert costs == pytest.approx(PROBLEM.system.simulate_vectors(vectors)[0].costs[:, 0], abs=1e-11)

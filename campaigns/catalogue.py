@@ -14,6 +14,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from campaigns.documents import JsonObject
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 
+Kind = Literal["component", "method", "simulator"]
+"""What another package or the operator may add."""
+
 Role = Literal["vehicle", "controller", "avoider", "obstacle", "environment", "fault", "criterion"]
 
 
@@ -160,7 +163,7 @@ class SimulatorEntry(Entry):
 
 
 class UnusableEntry(Entry):
-    """A file that was skipped because no component can be made of it."""
+    """What was skipped because it cannot be used."""
 
     file: str
     """The file in its folder; empty for a package without one."""
@@ -170,6 +173,7 @@ class UnusableEntry(Entry):
     """The name that a campaign would use, as far as it is known."""
     text: str
     """What stands there, what was expected, and what to do: one sentence."""
+    kind: Kind = "component"
 
     def __str__(self) -> str:
         where = f"{self.file}, line {self.line}" if self.line else self.file
@@ -193,7 +197,19 @@ class Catalogue(Entry):
     unusable: Annotated[
         list[UnusableEntry], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)
     ] = []
-    """Components that were skipped, when this was published; not in snapshots, and omitted if there is none."""
+    """What was skipped, when this was published; not in snapshots, and omitted if there is none."""
+
+    def why_not(self, kind: Kind, name: str, text: str) -> str:
+        """Why nothing has that name: the sentence of what was skipped under it, else `text`.
+
+        A package that was skipped may have declared it under another name than that of its entry point.
+        """
+        skipped = [u for u in self.unusable if u.kind == kind]
+        named = next((u for u in skipped if u.name == name), None)
+        if named is not None:
+            return f"it cannot be used: {named}"
+        packages = [str(u) for u in skipped if not u.file]
+        return f"{text} (or it is in what was skipped: {packages[0]})" if packages else text
 
     def component(self, role: Role, name: str) -> ComponentEntry | None:
         """The component of that role and name, or None."""

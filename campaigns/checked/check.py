@@ -112,8 +112,8 @@ def _composed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         if entry is None:
             names = [c.name for c in catalogue.components if c.role == role]
             text = f"no such {role}; {said.known(part.component, names)}"
-            broken = next((u for u in catalogue.unusable if u.name == part.component), None)
-            yield Problem(f"{field}.component", part.component, f"it cannot be used: {broken}" if broken else text)
+            text = catalogue.why_not("component", part.component, text)
+            yield Problem(f"{field}.component", part.component, text)
             continue
         yield from limits.refused(f"{field}.parameters", entry.parameters, part.parameters)
         if role == "vehicle":
@@ -226,7 +226,8 @@ def _searches(
         entry = catalogue.method(search.method)
         if entry is None:
             names = [m.name for m in catalogue.methods]
-            yield Problem(f"{field}.method", search.method, f"no such method; {said.known(search.method, names)}")
+            text = f"no such method; {said.known(search.method, names)}"
+            yield Problem(f"{field}.method", search.method, catalogue.why_not("method", search.method, text))
             continue
         yield from _options(f"{field}.options", search.options, entry.options)
         if search.starts and not entry.starts:

@@ -19,7 +19,7 @@ def simulated(campaign: Campaign, asked: Simulator, catalogue: Catalogue) -> Ite
     if entry is None:
         names = [s.name for s in catalogue.simulators]
         text = f"no such simulator in this installation; {said.known(asked.name, names)}"
-        yield Problem("simulator.name", asked.name, text)
+        yield Problem("simulator.name", asked.name, catalogue.why_not("simulator", asked.name, text))
     else:
         yield from limits.refused("simulator.parameters", entry.parameters, asked.parameters)
         yield from _decides(campaign, entry)

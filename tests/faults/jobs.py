@@ -58,8 +58,14 @@ def execute(campaign: Campaign, store: Store) -> Verdict | None:
 
 
 def flying(campaign: Campaign, store: Store) -> Verdict:
-    """The nominal flight alone, in plain Python, of the code that this process loaded; then the accident, if any."""
-    problem = Problem(campaign, opened.closed_loop(campaign, compiled=False, lanes=1))
+    """The nominal flight alone of the code that this process loaded; then the accident, if any.
+
+    In plain Python, or compiled if the name of the campaign ends with that word.
+    """
+    compiled = campaign.name.endswith("compiled")
+    problem = Problem(campaign, opened.closed_loop(campaign, compiled=compiled, lanes=1))
+    if compiled:
+        problem.system.warm()
     records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
     provenance.begin(store, problem.system)
     if records[0].state != "done":

@@ -112,3 +112,26 @@ def test_an_edit_applies_to_the_next_run_and_to_no_run_already_started(home: Hom
     assert ended.error.startswith(f"R-{run_id:04d} was begun by other code: the code digest was {code}, here it is ")
     assert " (modules: post_here); the loop digest was " + loop in ended.error
     assert ended.error.endswith("start the campaign again as a new run")
+
+
+def test_what_the_compiler_refuses_fails_the_run_with_file_and_line_and_not_the_worker(home: Home) -> None:
+    wrong = POST.replace("d = norm2(dx, dy)", "d = norm2(dx, dy) if dx > 0.0 else (dx, dy)")
+    home.edit(wrong)
+    line = next(n for n, text in enumerate(wrong.splitlines(), 1) if "else (dx, dy)" in text)
+    ended = home.ended(home.submit("none compiled"))
+    assert (ended.state, ended.verdict, ended.attempts) == ("failed", None, 1)
+    assert f"{home.file}, line {line}: the branches have different types (number and tuple of 2)" in ended.error
+
+    ended = home.ended(home.submit())  # in plain Python, where the tuple is used
+    assert (ended.state, ended.verdict, ended.attempts) == ("failed", None, 1)
+    assert f"a component failed: {home.file}, line {line + 1}: TypeError: " in ended.error
+
+    home.edit("raise ValueError('not today')\n")
+    ended = home.ended(home.submit())
+    assert (ended.state, ended.verdict) == ("failed", None)
+    skipped = "skipped: the package post_here: it cannot be loaded (ValueError: not today)"
+    assert "no such obstacle" in ended.error
+    assert skipped in ended.error
+
+    home.edit(POST)
+    assert home.ended(home.submit()).state == "done"

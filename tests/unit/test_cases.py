@@ -56,8 +56,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     describe(tmp_path)
     monkeypatch.setenv("CLEARANCE_SIMULATORS", str(tmp_path))
     yield tmp_path
-    for known in (installed.simulators, installed.catalogue):
-        known.cache_clear()
+    installed.forget_simulators()
 
 
 def describe(folder: Path, **changes: Any) -> None:
@@ -73,8 +72,7 @@ def systems() -> Iterator[Systems]:
 
 
 def version() -> str:
-    for known in (installed.simulators, installed.catalogue):
-        known.cache_clear()
+    installed.forget_simulators()
     entry = installed.catalogue().simulator("asked")
     assert entry is not None
     return entry.version

@@ -11,9 +11,11 @@ from typing import Any
 
 import pytest
 
-from campaigns import Catalogue
+from campaigns import Catalogue, check
+from campaigns.asked.load import load_document
+from campaigns.catalogue import Kind, UnusableEntry
 from campaigns.version import VERSION
-from tests.unit.cases import campaign
+from tests.unit.cases import campaign, document
 from tests.unit.packages import package
 from worker.catalogue.installed import catalogue, components, methods, source_of
 from worker.systems.threads import usual_threads
@@ -96,6 +98,65 @@ def test_a_second_component_of_one_name_is_skipped_and_said_to_be(tmp_path: Path
     assert "unicycle" in skipped["text"]
     mine = [c for c in known["components"] if (c["role"], c["name"]) == ("vehicle", "unicycle")]
     assert len(mine) == 1
+
+
+@pytest.mark.parametrize("kind", ["component", "method", "simulator"])
+def test_what_a_package_breaks_is_skipped_with_its_sentence(kind: Kind, tmp_path: Path) -> None:
+    group = f"clearance.{kind}s"
+    package(tmp_path, group, "some_raising", "raise ValueError('not today')\n")
+    package(tmp_path, group, "some_leaving", "import sys\nsys.exit('bye')\n")
+    package(tmp_path, group, "some_empty", "X = 1.0\n")
+    package(tmp_path, group, "some_missing", "import nowhere_at_all\n")
+    done = in_a_new_process(f"{EVERY}; print(catalogue().model_dump_json())", tmp_path)
+    assert done.returncode == 0, done.stderr
+    every, known = map(json.loads, done.stdout.splitlines())
+    assert every == json.loads(in_a_new_process(EVERY, Path.cwd()).stdout)
+    assert {entry["kind"] for entry in known["unusable"]} == {kind}
+    texts = {entry["name"]: entry["text"] for entry in known["unusable"]}
+    assert texts["some_raising"] == "the package some_raising: it cannot be loaded (ValueError: not today)"
+    assert texts["some_leaving"] == "the package some_leaving: it cannot be loaded (SystemExit: bye)"
+    assert texts["some_missing"].startswith("the package some_missing: it cannot be loaded (ModuleNotFoundError: ")
+    assert texts["some_empty"].startswith("the package some_empty: it ")
+
+
+def test_a_method_with_the_name_of_a_shipped_one_is_skipped(tmp_path: Path) -> None:
+    package(tmp_path, "clearance.methods", "some_direct", "from worker.search.methods.direct import method\n")
+    done = in_a_new_process(f"{EVERY}; print(catalogue().model_dump_json())", tmp_path)
+    assert done.returncode == 0, done.stderr
+    (skipped,) = json.loads(done.stdout.splitlines()[1])["unusable"]
+    assert skipped["text"] == (
+        "the package some_direct: worker.search.methods.direct already declares the method 'direct': rename one of them"
+    )
+
+
+SIMULATED: dict[str, Any] = {
+    "name": "Asked",
+    "simulator": {"name": "broken"},
+    "uncertain": {"simulator.a": {"low": 0.0, "high": 1.0}},
+    "criterion": {"result": "d", "threshold": 0.5},
+    "stages": {"search": [{"method": "direct", "evaluations": 10}]},
+}
+
+
+@pytest.mark.parametrize(
+    ("kind", "given", "field"),
+    [
+        ("component", document(scenario__vehicle__component="broken"), "scenario.vehicle.component"),
+        ("method", document(stages__search__0__method="broken"), "stages.search.0.method"),
+        ("simulator", SIMULATED, "simulator.name"),
+    ],
+)
+def test_a_campaign_that_names_what_is_broken_is_told_its_sentence(
+    kind: Kind, given: dict[str, Any], field: str
+) -> None:
+    """And of what is broken under the same name, only the sentence of its kind."""
+    every: list[Kind] = ["component", "method", "simulator"]
+    broken = [
+        UnusableEntry(file="", line=None, name="broken", text=f"the {k} is broken: mend it", kind=k) for k in every
+    ]
+    known: Catalogue = catalogue().model_copy(update={"unusable": broken})
+    found = [p for p in check(load_document(given, "test"), known) if p.field == field]
+    assert [p.message for p in found] == [f"it cannot be used: the {kind} is broken: mend it"]
 
 
 def test_the_campaigns_do_not_import_the_physics() -> None:

@@ -13,29 +13,23 @@ import importlib
 import inspect
 import pkgutil
 import sys
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from importlib.metadata import entry_points, version
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Literal
-
-from pydantic import TypeAdapter
+from typing import Any
 
 from campaigns.catalogue import (
     Catalogue,
-    ComponentEntry,
-    MethodEntry,
-    ParameterEntry,
-    ReachEntry,
+    Kind,
     Role,
     UnusableEntry,
 )
-from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 from worker.catalogue import own
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import listed
+from worker.catalogue.entries import component_entry, method_entry
 from worker.catalogue.files import PythonFunction, listed_files
 from worker.catalogue.function import Function, declared_in
 from worker.catalogue.simulator import Program, Simulator
@@ -44,12 +38,10 @@ from worker.kernels.component import (
     Component,
     Controller,
     Criterion,
-    Declared,
     Environment,
     Fault,
     Obstacle,
     Vehicle,
-    declared,
 )
 from worker.search.base import Method
 
@@ -62,8 +54,8 @@ def components() -> dict[tuple[Role, str], Component]:
 
 
 def skipped() -> list[UnusableEntry]:
-    """The components of packages and of the operator's folders that cannot be used, each with the reason."""
-    return _found()[1]
+    """What packages and the operator's component folders declare and cannot be used, each with the reason."""
+    return [*_found()[1], *_methods()[1], *_simulators()[1]]
 
 
 def own_modules(used: Iterable[Component]) -> tuple[str, ...]:
@@ -106,20 +98,19 @@ def _found() -> tuple[dict[tuple[Role, str], Component], list[UnusableEntry]]:
 
 def _added(found: dict[tuple[Role, str], Component], name: str) -> str:
     """Add the component of another package or of the operator; the reason if that is not possible."""
-    try:
-        component = _component_of(importlib.import_module(name))
+
+    def add(module: ModuleType) -> str:
+        component = _component_of(module)
         if component is None:
             return "it has no `component`: declare one at the end of the module"
-        _HOMES[id(component)] = name
-        _component_entry(component)
-    except (Exception, SystemExit) as error:
-        return f"it cannot be loaded ({type(error).__name__}: {' '.join(str(error).split())[:300].rstrip('.')})"
-    key = component.role, component.name
-    if key in found:
-        home = source_of(found[key]).__name__
-        return f"{home} already declares the {component.role} {component.name!r}: rename one of them"
-    found[key] = component
-    return ""
+        component_entry(component, module)
+        key = component.role, component.name
+        reason = _kept(found, key, component, f"the {component.role} {component.name!r}")
+        if not reason:
+            _HOMES[id(component)] = name
+        return reason
+
+    return _loaded(name, add)
 
 
 def _component_of(module: ModuleType) -> Component | None:
@@ -128,36 +119,91 @@ def _component_of(module: ModuleType) -> Component | None:
     return component if isinstance(component, kinds) else None
 
 
-@cache
 def methods() -> dict[str, Method]:
-    """Every search method of this installation by name; a duplicate name is an error."""
+    """Every search method of this installation by name; what cannot be used is skipped, see `skipped`."""
+    return _methods()[0]
+
+
+@cache
+def _methods() -> tuple[dict[str, Method], list[UnusableEntry]]:
+    """Methods that are shipped, then those of packages; duplicate names are skipped."""
     found: dict[str, Method] = {}
-    for module in _modules("worker.search.methods", group="clearance.methods"):
+    for module in _in_folder("worker.search.methods"):
         method = getattr(module, "method", None)
         if isinstance(method, Method):
             _add(found, method.name, method, module)
-    return found
+
+    def add(module: ModuleType, attribute: str) -> str:
+        method = getattr(module, "method", None)
+        if not isinstance(method, Method):
+            return "it has no `method`: declare one at the end of the module"
+        method_entry(method, module)
+        return _kept(found, method.name, method, f"the method {method.name!r}")
+
+    return found, _of_packages("method", add)
 
 
-@cache
 def simulators() -> dict[str, Simulator | Program | PythonFunction]:
-    """Every simulator of this installation by name; a duplicate name is an error.
+    """Every simulator of this installation by name; a package's that cannot be used is skipped, see `skipped`.
 
     Packages come before the operator's folders, descriptors before Python files: another simulator of the same name is
     skipped.
     """
+    return _simulators()[0]
+
+
+def forget_simulators() -> None:
+    """Look for simulators again: the operator's folders may have changed."""
+    _simulators.cache_clear()
+    catalogue.cache_clear()
+
+
+@cache
+def _simulators() -> tuple[dict[str, Simulator | Program | PythonFunction], list[UnusableEntry]]:
     found: dict[str, Simulator | Program | PythonFunction] = {}
-    for entry in entry_points(group="clearance.simulators"):
-        module = importlib.import_module(entry.module)
-        for simulator in _simulators_of(module, entry.attr):
-            _add(found, simulator.entry.name, simulator, module)
+
+    def add(module: ModuleType, attribute: str) -> str:
+        declared = _simulators_of(module, attribute)
+        if not declared:
+            wanted = f"no simulator named {attribute!r}" if attribute else "no simulator"
+            return f"it declares {wanted}: decorate a function with @clearance.simulator"
+        refused = [_kept(found, s.entry.name, s, f"the simulator {s.entry.name!r}") for s in declared]
+        return "; ".join(filter(None, refused))
+
+    wrong = _of_packages("simulator", add)
     for described in listed():
         if isinstance(described, Described):
             found.setdefault(described.descriptor.name, Program(described))
     for function in listed_files():
         if isinstance(function, PythonFunction):
             found.setdefault(function.declaration.name, function)
-    return found
+    return found, wrong
+
+
+def _of_packages(kind: Kind, add: Callable[[ModuleType, str], str]) -> list[UnusableEntry]:
+    """Add what the entry points of other packages name; those that cannot be used, with the reason."""
+    wrong = []
+    for entry in entry_points(group=f"clearance.{kind}s"):
+        reason = _loaded(entry.module, lambda module: add(module, entry.attr))  # noqa: B023
+        if reason:
+            wrong.append(own.unusable(None, f"the package {entry.module}: {reason}", name=entry.name, kind=kind))
+    return wrong
+
+
+def _loaded(name: str, add: Callable[[ModuleType], str]) -> str:
+    """Import a module and add what it declares; the reason if that is not possible."""
+    try:
+        return add(importlib.import_module(name))
+    except (Exception, SystemExit) as error:
+        return f"it cannot be loaded ({type(error).__name__}: {' '.join(str(error).split())[:300].rstrip('.')})"
+
+
+def _kept(found: dict[Any, Any], key: Any, thing: Any, called: str) -> str:
+    """Add what another package or the operator declares; the reason if something else has its name."""
+    if key in found:
+        return f"{source_of(found[key]).__name__} already declares {called}: rename one of them"
+    found[key] = thing
+    return ""
 
 
 def _simulators_of(module: ModuleType, attribute: str) -> list[Simulator | PythonFunction]:
@@ -178,8 +224,8 @@ def catalogue() -> Catalogue:
     """Components, methods and simulators as data: units, limits, defaults, and text from their files."""
     return Catalogue(
         version=version("clearance"),
-        components=[_component_entry(c) for c in components().values()],
-        methods=[_method_entry(m) for m in methods().values()],
+        components=[component_entry(c, source_of(c)) for c in components().values()],
+        methods=[method_entry(m, source_of(m)) for m in methods().values()],
         simulators=[s.entry for s in simulators().values()],
         unusable=skipped(),
     )
@@ -207,13 +253,6 @@ def _add(found: dict[Any, Any], key: Any, thing: Any, module: ModuleType) -> Non
     found[key] = thing
 
 
-def _modules(*folders: str, group: str) -> Iterator[ModuleType]:
-    for folder in folders:
-        yield from _in_folder(folder)
-    for entry in entry_points(group=group):
-        yield importlib.import_module(entry.module)
-
-
 def _in_folder(folder: str) -> Iterator[ModuleType]:
     package = importlib.import_module(folder)
     for info in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
@@ -232,84 +271,3 @@ def _a_kernel(component: Component) -> Any:
     if isinstance(component, Environment):
         return component.blow
     return component.kernel if isinstance(component, Fault) else next(iter(component.sample.values()))
-
-
-def _component_entry(component: Component) -> ComponentEntry:
-    parameters = declared(component.parameters)
-    if isinstance(component, Criterion) and component.worse == "low":
-        parameters = parameters[1:]  # the threshold is a field of the campaign
-    return ComponentEntry(
-        role=component.role,
-        name=component.name,
-        title=component.title,
-        dimension=_dimension(component),
-        frame=component.frame if isinstance(component, Vehicle) else "enu",
-        written_in=_written_in(component),
-        moving=isinstance(component, Obstacle) and component.moving,
-        parameters=[_parameter_entry(p) for p in parameters],
-        starts=[_parameter_entry(p) for p in declared(component.start)] if isinstance(component, Vehicle) else [],
-        goals=[_parameter_entry(p) for p in declared(component.goal)] if isinstance(component, Avoider) else [],
-        fits=list(component.fits) if isinstance(component, Controller) else [],
-        demand=component.demand if isinstance(component, Avoider) else "",
-        demands=list(component.command) if isinstance(component, Controller) else [],
-        inputs=[s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
-        path=component.path if isinstance(component, Fault) else "",
-        quantity=component.quantity if isinstance(component, Criterion) else "",
-        unit=component.unit if isinstance(component, Criterion) else "",
-        worse=component.worse if isinstance(component, Criterion) else "",
-        of=component.of if isinstance(component, Criterion) else "",
-        measured_to=component.measured_to if isinstance(component, Criterion) else "",
-        reach=_reach(component),
-        look=_look(component),
-        text=inspect.getdoc(source_of(component)) or "",
-    )
-
-
-def _dimension(component: Component) -> int | None:
-    """2 or 3; None if it supports both."""
-    if isinstance(component, Criterion):
-        return next(iter(component.sample)) if len(component.sample) == 1 else None
-    return component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None
-
-
-def _written_in(component: Component) -> Literal["", "enu", "ned"]:
-    return "" if isinstance(component, Vehicle | Controller) else component.frame or ""
-
-
-def _reach(component: Component) -> ReachEntry | None:
-    if not isinstance(component, Obstacle) or component.reach is None:
-        return None
-    return ReachEntry(of=list(component.reach.of), times=component.reach.times)
-
-
-def _look(component: Component) -> ObstacleLook | VehicleLook | None:
-    if not isinstance(component, Obstacle | Vehicle) or component.look is None:
-        return None
-    known = {p.name for p in declared(component.start if isinstance(component, Vehicle) else component.parameters)}
-    entry = ObstacleLook if isinstance(component, Obstacle) else VehicleLook
-    look: ObstacleLook | VehicleLook = entry.model_validate(asdict(component.look))
-    unknown = [name for name in look.named if name not in known]
-    if unknown:
-        raise ValueError(f"the look of {component.name} names {unknown[0]!r}, which is not one of its parameters")
-    return look
-
-
-def _parameter_entry(p: Declared) -> ParameterEntry:
-    return ParameterEntry(
-        name=p.name, symbol=p.symbol, unit=p.unit, low=p.low, high=p.high, default=p.default, text=p.text
-    )
-
-
-def _method_entry(method: Method) -> MethodEntry:
-    return MethodEntry(
-        name=method.name,
-        title=method.title,
-        kind=method.kind,
-        text=inspect.getdoc(source_of(method)) or "",
-        how=method.how,
-        source=method.source,
-        evaluations=method.evaluations,
-        starts=method.starts,
-        options=TypeAdapter(method.options).json_schema(),
-        look=None if method.look is None else MethodLook.model_validate(asdict(method.look)),
-    )

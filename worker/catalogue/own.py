@@ -19,10 +19,11 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from campaigns.catalogue import UnusableEntry
+from campaigns.catalogue import Kind, UnusableEntry
 from worker.components.own import FOLDERS, folders, listed
 from worker.kernels.folder import cache_folder
 
@@ -67,10 +68,11 @@ class OwnFile:
         return OwnFile(self.file, self.role, self.name, self.title, self.simulated, text, line)
 
 
-def unusable(file: Path | None, text: str, line: int = 0, name: str = "") -> UnusableEntry:
+def unusable(file: Path | None, text: str, line: int = 0, name: str = "", kind: Kind = "component") -> UnusableEntry:
     """An entry of the catalogue for what was skipped; name: of the component, if it is known."""
     shown = "" if file is None else f"{file.parent.name}/{file.name}"
-    return UnusableEntry(file=shown, line=line or None, name=name or ("" if file is None else file.stem), text=text)
+    known = name or ("" if file is None else file.stem)
+    return UnusableEntry(file=shown, line=line or None, name=known, text=text, kind=kind)
 
 
 def files() -> list[Path]:
@@ -330,13 +332,18 @@ def modules_of(module: str, paths: dict[str, Path]) -> list[str]:
 
 
 def blamed(error: BaseException) -> str:
-    """The sentence for an exception that comes from an own component: file, line and message; empty otherwise."""
+    """The sentence (file, line, message) for an exception of an own component or of a package's; empty otherwise."""
     trace, found = error.__traceback__, ""
     own = {str(folder) for folder in folders()}
+    others = {_loaded_from(entry.module) for entry in entry_points(group="clearance.components")}
     while trace is not None:
         file = Path(trace.tb_frame.f_code.co_filename)
-        if str(file.parent) in own:
+        if str(file.parent) in own or str(file) in others:
             text = " ".join(str(error).split())[:300].rstrip(".")
             found = f"{file}, line {trace.tb_lineno}: {type(error).__name__}: {text or 'without a message'}"
         trace = trace.tb_next
     return found
+
+
+def _loaded_from(module: str) -> str:
+    return getattr(sys.modules.get(module), "__file__", None) or ""

@@ -166,8 +166,7 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
 
 def missing(campaign: Campaign, version: str) -> str:
     """Why this machine cannot evaluate the simulator of a campaign; empty if it has it."""
-    for known in (installed.simulators, installed.catalogue):
-        known.cache_clear()  # the operator's folders may have changed
+    installed.forget_simulators()
     name = campaign.simulator.name if campaign.simulator else ""
     entry = installed.catalogue().simulator(name)
     if entry is None:

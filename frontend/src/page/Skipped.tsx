@@ -1,4 +1,4 @@
-// Components that cannot be used: file, line and the sentence that says what to do.
+// What was skipped because it cannot be used: file, line and the sentence that says what to do.
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { UnusableEntry } from '../client'
 import styles from './page.module.css'
@@ -6,10 +6,10 @@ import styles from './page.module.css'
 export function Skipped({ unusable }: { unusable: readonly UnusableEntry[] | undefined }) {
   if (!unusable?.length) return null
   return (
-    <section className="note warn" aria-label="Components that cannot be used" data-testid="skipped">
+    <section className="note warn" aria-label="What cannot be used" data-testid="skipped">
       <IconAlertTriangle className="i" aria-hidden />
       <div className={styles.skipped}>
-        <p className="m">{unusable.length === 1 ? 'A component cannot be used.' : `${unusable.length} components cannot be used.`}</p>
+        <p className="m">{heading(unusable)}</p>
         <ul>
           {unusable.map(({ file, line, text, name }) => (
             <li key={`${file} ${line} ${name} ${text}`} className="wrap-any">
@@ -26,4 +26,12 @@ export function Skipped({ unusable }: { unusable: readonly UnusableEntry[] | und
       </div>
     </section>
   )
+}
+
+function heading(unusable: readonly UnusableEntry[]): string {
+  const kinds = [...new Set(unusable.map((entry) => entry.kind ?? 'component'))]
+  if (unusable.length === 1) return `A ${kinds[0]} cannot be used.`
+  const named = kinds.map((kind) => `${kind}s`)
+  const last = named.pop()
+  return `${unusable.length} ${named.length ? `${named.join(', ')} or ${last}` : last} cannot be used.`
 }

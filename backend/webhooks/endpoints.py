@@ -45,5 +45,8 @@ def list_deliveries(
 
 @router.post("/webhooks/test", status_code=status.HTTP_202_ACCEPTED, responses=problems("no-webhook"))
 def test_webhooks(engine: Engine, configured: Configured, visitor: CurrentVisitor) -> list[WebhookDelivery]:
-    """Send a message of type `test` to every target; `GET /webhooks/deliveries` shows its outcome."""
+    """Send a message of type `test` to every target; while one still waits, it is that one.
+
+    `GET /webhooks/deliveries` shows the outcome.
+    """
     return service.test(engine, configured, visitor)

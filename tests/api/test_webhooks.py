@@ -142,8 +142,10 @@ def test_a_receiver_that_hangs_holds_nothing_up(fresh: Fresh, tmp_path: Path, re
     go_on = threading.Event()
     receiver.hold = lambda: go_on.wait(20)
     with hooked(fresh, tmp_path, receiver.url) as service, service.signed_in() as client:
-        client.post("/api/v1/webhooks/test")
+        (asked,) = client.post("/api/v1/webhooks/test").json()
         until(lambda: receiver.requests)
+        again = [client.post("/api/v1/webhooks/test").json()[0]["id"] for _ in range(3)]
+        assert again == [asked["id"]] * 3
         assert client.get("/api/v1/health", timeout=2).status_code == 200
         (item,) = client.get("/api/v1/webhooks/deliveries").json()
         assert (item["state"], item["attempts"], item["delivered"]) == ("pending", 1, None)

@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from tests.bench import small_budgets
 from tests.unit.small_budgets import JUDGED
 from tests.unit.small_budgets_tuning import TUNING
 from tests.unit.small_budgets_valleys import VALLEYS, Landscape
@@ -49,3 +50,13 @@ def test_it_has_more_valleys_than_that_of_the_minimum(landscape: Landscape) -> N
     way = there + np.linspace(1, 0, 101)[None, :, None] * (starts - there)
     costs = f(way.reshape(-1, landscape.dimension)).reshape(50, 101)
     assert (np.diff(costs, axis=1) > 0).any(axis=1).mean() > 0.3
+
+
+@pytest.mark.parametrize("functions", small_budgets.SETS)
+def test_every_set_is_printed(functions: str) -> None:
+    groups = {group: [0.1, 0.2, 0.3] for group in small_budgets.GROUPS}
+    row = groups | {"own_ms": 0.5} | ({"failed of half fails": 0.25} if small_budgets.SETS[functions].failing else {})
+    found = {"functions": functions, "problems": 2, "seeds": 1, "first_seed": 1, "methods": {"direct": row}}
+    last = small_budgets.markdown(found)[-1]
+    assert last.startswith("| DIRECT | **0.10** | ")
+    assert ("25 %" in last) == bool(small_budgets.SETS[functions].failing)

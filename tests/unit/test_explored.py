@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 
 import numpy as np
 import pytest
 
-from tests.unit.searching import batch, space
-from worker.search.base import Floats
-from worker.search.parts.explored import Explored
+from tests.unit.searching import Function, batch, space
+from worker.search.base import Batch, Floats
+from worker.search.parts.explored import BESIDE, NEAR, NEAREST, Explored
 from worker.search.parts.progress import Progress
 
 
@@ -29,6 +30,85 @@ def test_the_sample_fills_the_box_and_goes_on_where_it_stopped() -> None:
     assert (np.sort((points * 8).astype(int), axis=0) == np.arange(8)[:, None]).all(), "one point in every eighth"
 
 
+def evaluated(search: Generator[Floats, Batch, None], f: Function) -> list[Floats]:
+    """The requests of a part of a search, whose points get the values of a function."""
+    asked, answer = [], None
+    while True:
+        try:
+            asked.append(search.send(answer))  # type: ignore[arg-type]
+        except StopIteration:
+            return asked
+        answer = batch(f(asked[-1]))
+
+
+def apart(x: Floats) -> Floats:
+    """Every parameter acts alone, with a valley at 1/6 and a deeper one at 0.8."""
+    return np.asarray(np.minimum((x - 1 / 6) ** 2, (x - 0.8) ** 2 - 0.02).sum(axis=1))
+
+
+def test_it_begins_with_a_star_around_the_centre_and_joins_the_better_values() -> None:
+    explored = Explored(space(3, 100))
+    star, joined = evaluated(explored.begin(), lambda x: ((x - [1, 0, 0.5]) ** 2).sum(axis=1))
+    assert star[0].tolist() == [0.5] * 3
+    moved = star[1:] != 0.5
+    assert moved.sum(axis=1).tolist() == [1] * 6
+    assert np.sort(star[1:][moved]).tolist() == pytest.approx([1 / 6] * 3 + [5 / 6] * 3)
+    assert joined.tolist() == [pytest.approx([5 / 6, 1 / 6, 0.5])]
+    assert len(explored.sample) == len(explored.points) == 8
+
+
+@pytest.mark.parametrize("middle", [0.5, 0.02, 1.0, 0.9])
+def test_a_further_star_has_a_value_in_either_half_of_what_is_not_near(middle: float) -> None:
+    low, high = max(middle - BESIDE, 0.0), min(middle + BESIDE, 1.0)
+    length = low + 1.0 - high
+    for seed in range(20):
+        explored = Explored(space(2, 100, seed=seed))
+        explored.add(np.array([[0.3, 0.3], [middle, middle]]), np.array([2.0, 1.0]))
+        (star,) = evaluated(explored.star(), lambda x: np.full(len(x), 3.0))
+        assert (star != middle).sum(axis=1).tolist() == [1] * 4
+        for axis in (0, 1):
+            pair = star[2 * axis : 2 * axis + 2, axis]
+            assert ((pair >= 0) & (pair <= 1) & ((pair <= low) | (pair >= high))).all()
+            inside = np.where(pair <= low, pair, pair - (high - low)) / length
+            assert inside[0] <= 0.5 <= inside[1]
+
+
+def test_stars_find_the_best_valley_where_parameters_act_alone() -> None:
+    explored = Explored(space(8, 1000))
+    evaluated(explored.begin(), apart)
+    for _ in range(4):
+        evaluated(explored.star(), apart)
+    best = explored.points[np.argmin(explored.values)]
+    assert (np.abs(best - 0.8) < 0.15).all(), "in 85 evaluations in one of 256 valleys"
+
+
+def test_a_point_is_joined_only_where_several_axes_have_a_better_value() -> None:
+    explored = Explored(space(3, 100))
+    assert len(evaluated(explored.begin(), lambda x: ((x - [1, 0.5, 0.5]) ** 2).sum(axis=1))) == 1
+    assert len(evaluated(explored.star(), lambda x: np.full(len(x), 9.0))) == 1
+
+
+@pytest.mark.parametrize("at_once", [1, 4, 16])
+def test_requests_are_multiples_of_the_slots_filled_with_the_sample(at_once: int) -> None:
+    explored = Explored(space(3, 100), at_once)
+    asked = evaluated(explored.begin(), apart) + evaluated(explored.star(), apart) + evaluated(explored.grow(5), apart)
+    assert {len(points) % at_once for points in asked} == {0}
+    assert np.array_equal(np.concatenate(asked), explored.sample)
+
+
+def test_a_star_whose_middle_or_arms_fail_goes_on_with_what_has_a_value() -> None:
+    def fails(x: Floats) -> Floats:
+        return np.where(np.abs(x - 0.5).max(axis=1) < 0.1, np.nan, x[:, 0] + x[:, 1])
+
+    explored = Explored(space(2, 100))
+    _, joined = evaluated(explored.begin(), fails)
+    assert joined[0].tolist() == pytest.approx([1 / 6, 1 / 6]), "the middle has no value: any is better"
+    nothing = Explored(space(2, 100))
+    assert len(evaluated(nothing.begin(), lambda x: np.full(len(x), np.nan))) == 1
+    assert len(evaluated(nothing.star(), lambda x: np.full(len(x), np.nan))) == 1
+    assert nothing.start() is None
+
+
 def test_a_descent_begins_at_the_lowest_point_that_is_not_near_to_another() -> None:
     explored = Explored(space(2, 100))
     values = np.array([5.0, 1.0, np.nan, 3.0, 2.0, 4.0, 6.0, 7.0])
@@ -37,15 +117,16 @@ def test_a_descent_begins_at_the_lowest_point_that_is_not_near_to_another() -> N
     while (start := explored.start()) is not None:
         begun.append(start)
         explored.visit(start)
+    near = min(NEAR * explored.spacing(), NEAREST)
     chosen = [int(np.flatnonzero((points == b).all(axis=1))[0]) for b in begun]
     assert chosen[0] == 1
     assert values[chosen].tolist() == sorted(values[chosen])
     assert 2 not in chosen, "it has no value"
     for i in set(range(8)) - {2}:
         lower = points[[k for k in range(8) if k in chosen or values[k] < values[i]]]
-        assert i in chosen or np.linalg.norm(lower - points[i], axis=1).min() <= explored.spacing()
+        assert i in chosen or np.linalg.norm(lower - points[i], axis=1).min() <= near
     apart = [np.linalg.norm(a - b) for k, a in enumerate(begun) for b in begun[:k]]
-    assert min(apart) > explored.spacing()
+    assert min(apart) > near
 
 
 def test_a_descent_does_not_begin_near_to_a_lower_evaluation() -> None:

@@ -13,6 +13,7 @@ from tests.unit.searching import batch, run, space
 from worker.search.base import Floats
 from worker.search.methods import lq_cma_es
 from worker.search.methods.lq_cma_es import method
+from worker.search.parts.explored import Explored
 from worker.search.parts.one_thread import one_thread
 from worker.search.parts.pycma import strategy
 
@@ -74,26 +75,63 @@ def test_requests_are_multiples_of_the_number_of_slots() -> None:
     assert found.lowest < 1e-3
 
 
-def test_restarts_double_the_population() -> None:
+def test_restarts_of_the_librarys_own_loop_double_the_population() -> None:
     """No model ranks a flat cost, so every generation is evaluated in full."""
-    found = run(method, lambda x: np.zeros(len(x)), 2, 400)
+    found = run(method, lambda x: np.zeros(len(x)), 2, 400, options=LIBRARY)
     assert found.text is None
     assert len(found.minima) >= 3
     assert [m.evaluations % size for m, size in zip(found.minima[:2], (6, 12), strict=True)] == [0, 0]
     assert "the cost" in found.minima[0].text
 
 
-def test_a_sample_comes_first_and_the_first_descent_begins_at_its_lowest_point() -> None:
+def test_every_fourth_restart_doubles_the_population_and_every_one_begins_narrower(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begun: list[tuple[float, int]] = []
+
+    def noted(start: Floats, deviation: float, population: int, *rest: object) -> object:
+        begun.append((round(deviation, 12), population))
+        return strategy(start, deviation, population, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(lq_cma_es, "strategy", noted)
+    run(method, bowl, 2, 180)
+    assert begun[:5] == [(0.25, 6), *[(0.15, 6)] * 3, (0.15, 12)]
+
+
+def test_stars_come_first_and_the_first_descent_begins_at_the_lowest_point() -> None:
     found = run(method, bowl, 3, 60)
-    first = found.batches[0]
-    assert len(first) == 12
+    sizes = list(map(len, found.batches))
+    assert sizes[:2] == [7, 6], "the centre and two points on each axis; two more on each axis"
+    first = np.concatenate(found.batches[:2])
     assert np.array_equal(found.minima[0].start, first[np.argmin(bowl(first))])
-    assert np.linalg.norm(found.batches[1] - found.minima[0].start, axis=1).max() < 1.0
 
 
-def test_the_sample_fills_the_places_side_by_side_too() -> None:
+def test_a_restart_follows_a_star_around_the_lowest_point() -> None:
+    found = run(method, two, 3, 100, seed=2)
+    end = 0
+    while np.concatenate(found.values[: end + 1]).min() > found.minima[0].cost or len(found.batches[end]) < 6:
+        end += 1
+    lowest = found.points[: sum(map(len, found.batches[:end]))]
+    middle = lowest[np.argmin(two(lowest))]
+    assert ((found.batches[end] != middle).sum(axis=1) == 1).all()
+
+
+def test_a_restart_after_long_descents_adds_to_the_sample() -> None:
+    random, explored = np.random.default_rng(1), Explored(space(3, 500))
+    explored.add(random.random((100, 3)), random.random(100))
+    asked = lq_cma_es._start(space(3, 500), method.options(), explored)
+    star = next(asked)
+    sample = asked.send(batch(np.full(6, 9.0)))
+    assert (len(star), len(sample)) == (6, int(0.4 * 106) - 6)
+    low = np.append(np.full(len(sample) - 1, 9.0), -1.0)
+    with pytest.raises(StopIteration) as start:
+        asked.send(batch(low))
+    assert np.array_equal(start.value.value, sample[-1])
+
+
+def test_stars_fill_the_places_side_by_side_too() -> None:
     sizes = [len(b) for b in run(method, two, 3, 100, options={"at_once": 5, "population": 10}).batches]
-    assert sizes[0] == 15
+    assert sizes[0] == 10
     assert {size % 5 for size in sizes} == {0}
 
 
@@ -104,8 +142,8 @@ def two(x: Floats) -> Floats:
 
 
 def test_a_search_that_begins_in_the_wrong_valley_leaves_it_for_others() -> None:
-    found = [run(method, two, 3, 200, seed=seed) for seed in (1, 2, 4)]  # with seed 3 it misses the right one
-    assert [f.minima[0].cost > 0.5 for f in found] == [False, True, False], "one begins in the wrong valley"
+    found = [run(method, two, 3, 200, seed=seed) for seed in (1, 4, 8)]  # of ten, 2 and 9 miss the right one
+    assert all(f.minima[0].cost > 0.5 for f in found), "they begin in the wrong valley"
     assert all(f.lowest < 0.5 for f in found)
     assert all(len(f.minima) >= 3 and f.minima[0].evaluations < 60 for f in found)
     behind = [(f, i) for f in found for i, m in enumerate(f.minima) if "would not" in m.text]
@@ -121,7 +159,7 @@ def test_a_search_whose_sample_fails_samples_on() -> None:
     while sum(sizes) < failed:
         sizes.append(len(points))
         points = search.send(batch(np.full(len(points), np.nan)))
-    assert set(sizes[1:]) == {2}
+    assert (sizes[:2], set(sizes[2:])) == ([5, 4], {2})
     values = np.arange(float(len(points)))
     nearby = search.send(batch(values))
     search.close()
@@ -178,6 +216,7 @@ def test_a_population_stops_growing_where_the_model_ranks_nearly_all() -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(lq_cma_es, "strategy", noted)
         patch.setattr(lq_cma_es, "LARGEST", 20)
+        patch.setattr(lq_cma_es, "ALIKE", 1)
         run(method, bowl, 2, 150)
         assert sizes[:3] == [6, 12, 20]
         assert set(sizes[2:]) == {20}

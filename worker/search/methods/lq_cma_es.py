@@ -7,13 +7,16 @@ that the model ranks best are evaluated, in growing parts, until the model and t
 without a value ranks last and never enters the model; the next best point is evaluated in its place, and points whose
 nearest evaluated point failed come after the others.
 
-Added for budgets of tens of evaluations per parameter: a space-filling sample comes first. A descent begins at its
-lowest point that is not near to a lower evaluation or to where another descent began or ended (as in MLSL: Rinnooy Kan
-and Timmer 1987), with a model of what was evaluated around it. A descent that has become narrow ends when it no longer
-improves, or when it would not come below the lowest cost if it went on improving as lately. Restarts with twice the
-population (Auger and Hansen, IPOP, CEC 2005) until the budget ends. With `initial: 0` and `deviation: 0.3` it is
-pycma's own loop from random points. For expensive evaluations: it takes milliseconds of its own for each one. Global by
-its restarts. Start reading at `search`.
+Ours, for budgets of tens of evaluations per parameter: stars come first, points on the axes through the centre of the
+box and through the lowest of them, each with the point that takes the better value on every axis. A descent begins at
+the lowest point that is not near to a lower evaluation or to where another descent began or ended (as in MLSL: Rinnooy
+Kan and Timmer 1987), with a model of what was evaluated around it. A descent that has become narrow ends when it no
+longer improves, or when it would not come below the lowest cost if it went on improving as lately. A restart follows
+another star, around the lowest point, and points of a space-filling sample, as many as stars and sample lack to two
+fifths of the evaluations so far. It begins narrower; after every fourth descent the population doubles (Auger and
+Hansen, IPOP, CEC 2005, after every one). With `initial: 0` and `deviation: 0.3` it is pycma's own loop from random
+points. For expensive evaluations: it takes milliseconds of its own for each one. Global by its restarts. Start reading
+at `search`.
 """
 
 from __future__ import annotations
@@ -43,6 +46,14 @@ LEAST = 0.02
 LARGEST = 1000
 """No population grows beyond this: where the model ranks all but a few, it would double with every few evaluations."""
 
+# Set on `tests.unit.small_budgets_valleys`.
+EXPLORED = 0.4
+"""Fraction of the evaluations so far to which the sample grows, with the stars, before a restart."""
+AGAIN = 0.6
+"""Deviation of the first generation of a restart, as a fraction of that of the first descent."""
+ALIKE = 4
+"""Descents with the same population."""
+
 # Set on `tests.unit.small_budgets_tuning`.
 NARROW = 0.05
 """A descent may end early once its deviations are below this fraction of every range."""
@@ -60,9 +71,9 @@ class Options:
     """The deviation is a fraction of each parameter's range."""
 
     population: Annotated[int, Field(ge=0, le=10_000, description="First population; 0: 4 + 3 ln(n)")] = 0
-    initial: Annotated[int, Field(ge=0, le=100, description="Points per parameter of the first sample; 0: none")] = 4
+    initial: Annotated[int, Field(ge=0, le=100, description="Points per parameter before a first descent; 0: none")] = 4
     deviation: Annotated[float, Field(gt=0, le=1, description="Deviation of the first generation")] = 0.25
-    growth: Annotated[float, Field(ge=1, le=10, description="Growth factor of the population at a restart")] = 2.0
+    growth: Annotated[float, Field(ge=1, le=10, description="Growth factor of the population")] = 2.0
     step: Annotated[
         float, Field(ge=1e-12, le=0.1, description="A descent ends when its deviations are below this fraction")
     ] = 1e-5
@@ -72,34 +83,46 @@ class Options:
 
 
 def search(space: Space, options: Options) -> Search:
-    """One request is the sample or a part of a generation; it restarts until the budget ends."""
+    """One request is a star, points of the sample or a part of a generation; it restarts until the budget ends."""
     population = max(options.population or 4 + int(3 * np.log(space.dimension)), 4)
-    explored = Explored(space)
+    explored, deviation, descents = Explored(space, options.at_once), options.deviation, 0
     while True:
         start = yield from _start(space, options, explored)
-        yield from _descend(space, start, population, options, explored)
-        population = max(population, min(int(population * options.growth + 0.5), LARGEST))
+        yield from _descend(space, start, deviation, population, options, explored)
+        descents += 1
+        if options.initial:
+            deviation = AGAIN * options.deviation
+        if not options.initial or descents % ALIKE == 0:
+            population = max(population, min(int(population * options.growth + 0.5), LARGEST))
 
 
 def _start(space: Space, options: Options, explored: Explored) -> Generator[Floats, Batch, Floats]:
     """The point at which the next descent begins; the sample grows until there is one."""
     if options.initial == 0:
         return space.random.random(space.dimension)
+    if len(explored.points) == 0:
+        yield from explored.begin()
+        for _ in range(1, -(-options.initial // 2)):
+            yield from explored.star()
+    else:
+        yield from explored.star()
+        missing = int(EXPLORED * len(explored.points)) - len(explored.sample)
+        if missing > 0:
+            yield from explored.grow(missing)
     while (start := explored.start()) is None:
-        count = space.dimension * (1 if len(explored.sample) else options.initial)
-        yield from explored.grow(-(-count // options.at_once) * options.at_once)
+        yield from explored.grow(space.dimension)
     return start
 
 
 def _descend(
-    space: Space, start: Floats, population: int, options: Options, explored: Explored
+    space: Space, start: Floats, deviation: float, population: int, options: Options, explored: Explored
 ) -> Generator[Floats, Batch, None]:
     """One run of the strategy from a point, with a model of its own."""
     best, progress = Lowest(start), Progress(LATELY * space.dimension)
     text = "the search ended"
     try:
-        tested = _model(start, population, options, explored)
-        running = strategy(start, options.deviation, population, space.random, options.step)
+        tested = _model(start, deviation, population, options, explored)
+        running = strategy(start, deviation, population, space.random, options.step)
         while True:
             with _quiet():
                 asked = running.ask()
@@ -124,7 +147,7 @@ def _descend(
         best.report(space, text)
 
 
-def _model(start: Floats, population: int, options: Options, explored: Explored) -> Tested:
+def _model(start: Floats, deviation: float, population: int, options: Options, explored: Explored) -> Tested:
     """A new model for a descent, of what was evaluated around its start."""
     from cma.fitness_models import LQModel  # imported late, as the strategy is
 
@@ -132,7 +155,7 @@ def _model(start: Floats, population: int, options: Options, explored: Explored)
     if options.initial:
         explored.visit(start)
         with _quiet():
-            tested.add(*explored.around(start, AROUND * options.deviation * float(np.sqrt(len(start)))))
+            tested.add(*explored.around(start, AROUND * deviation * float(np.sqrt(len(start)))))
     return tested
 
 

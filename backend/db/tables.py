@@ -18,6 +18,8 @@ from backend.db.tables_access import Token as Token
 from backend.db.tables_installed import CatalogueDocument as CatalogueDocument
 from backend.db.tables_installed import CatalogueSnapshot as CatalogueSnapshot
 from backend.db.tables_installed import CodeVersion as CodeVersion
+from backend.db.tables_labels import RunBaseline as RunBaseline
+from backend.db.tables_labels import RunLabel as RunLabel
 from backend.db.tables_sweeps import Sweep as Sweep
 from backend.db.tables_sweeps import SweepRun as SweepRun
 from backend.db.tables_users import Audit as Audit
@@ -257,7 +259,7 @@ class RunText(Base):
     __tablename__ = "run_texts"
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
     text: orm.Mapped[str] = orm.mapped_column(sa.Text)
-    """YAML or JSON that parses to the run's campaign."""
+    """YAML or JSON that parses to the run's campaign without its baseline."""
 
 
 class IdempotencyKey(Base):

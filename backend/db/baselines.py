@@ -7,6 +7,7 @@ from typing import NamedTuple
 import sqlalchemy as sa
 
 from backend.db import continuation, labels
+from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Finding, Run, RunBaseline
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
@@ -20,7 +21,7 @@ HOW = "give a run such as R-0001, or label:KEY=VALUE for the newest run of the s
 LONGEST = 300
 """Characters of a request for a baseline."""
 LOOKED_AT = 500
-"""Runs with a label that are examined, the newest first."""
+"""Runs of the campaign with a label that are examined, the newest first."""
 
 
 class Resolved(NamedTuple):
@@ -75,7 +76,9 @@ def _labelled(reader: sa.Connection, asked: Campaign, given: str) -> Resolved:
         raise CannotCompare(f"invalid baseline {given[:60]!r}: {error}") from None
     found = sa.exists().where(Finding.run_id == Run.id)
     ended = (Run.state.in_(ENDED), Run.removed.is_(None), Run.purged.is_(None), found)
-    query = sa.select(Run.id).where(*ended, *labels.conditions([wanted])).order_by(Run.id.desc()).limit(LOOKED_AT)
+    named = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == asked.name))
+    of = sa.select(Run.id).where(*ended, named, *labels.conditions([wanted]))
+    query = of.order_by(Run.id.desc()).limit(LOOKED_AT)
     for run_id in reader.scalars(query).all():
         try:
             other = _campaign(reader, run_id)

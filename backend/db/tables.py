@@ -133,7 +133,7 @@ class Stage(Base):
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
     position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     kind: orm.Mapped[str] = orm.mapped_column(sa.String(20))
-    """nominal, sensitivity, search, certify, validate"""
+    """nominal, baseline, sensitivity, search, certify, validate"""
     method: orm.Mapped[str | None] = orm.mapped_column(sa.String(60))
     state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="waiting")
     """waiting, running, done"""

@@ -15,11 +15,11 @@ from campaigns.results.base import EXCLUDED
 from campaigns.results.baseline import BaselineResult
 from tests.problems import Problem
 from tests.unit.cases import campaign, searching
-from tests.unit.records import DIRECT, NOISE, SHORT, SQP
+from tests.unit.records import DIRECT, NOISE, SHORT, SQP, Folder
 from tests.unit.searching import Function, batch
 from tests.unit.test_findings import two_failures
 from worker.audit import judge
-from worker.cli import WRONG_INPUT, invoke
+from worker.cli import VIOLATED, WRONG_INPUT, invoke
 from worker.runs.store import MemoryStore
 from worker.search.base import Floats
 from worker.stages import baseline
@@ -193,8 +193,43 @@ def test_a_worse_controller_fails_and_every_other_command_reads_the_run(
     assert f"| F1 of {first} | **worse** |" in (tmp_path / "s.md").read_text().replace("\\", "")
     for command in (["audit", second], ["verify", second], ["replay", second, "baseline:0"]):
         assert invoke(command) == 0, (command, capsys.readouterr().out)
+    assert_audit_notices(Folder(tmp_path / "second"), capsys)
     assert invoke(["run", "--continue", second, "--budget", "+20", "--out", more]) == 1
     assert json.loads((tmp_path / "more" / "result.json").read_text())["regression"]["run"] == first
+
+
+CASE = "result/regression/cases/0"
+CORRUPTIONS: list[tuple[str, Any, str]] = [
+    (f"{CASE}/standing", "same", "regression.cases.0.standing"),
+    (f"{CASE}/margin_before", 0.43, "regression.cases.0.margin_before"),
+    (f"{CASE}/margin_again", 0.44, "regression.cases.0.margin_again"),
+    (f"{CASE}/margin", 0.44, "regression.cases.0.margin"),
+    (f"{CASE}/change", 0.0, "regression.cases.0.change"),
+    (f"{CASE}/tolerance", 1.0, "regression.cases.0.tolerance"),
+    (f"{CASE}/fails", False, "regression.cases.0.fails"),
+    ("result/regression/ok", True, "regression.ok"),
+    ("result/regression/accepted", False, "regression.accepted"),
+    ("result/regression/run", "R-0009", "regression.run"),
+    ("result/regression/cases", [], "regression.cases.count"),
+    ("evidence/results/1/cases/0/cost", 0.5, "results.1.cases.0.cost"),
+    ("campaign/regression/fail_on", ["new"], "regression.cases.0.fails"),
+]
+
+
+def assert_audit_notices(folder: Folder, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every number and word of the comparison is recomputed."""
+    kept = json.dumps([folder.result, folder.evidence, folder.campaign])
+    for place, value, item in CORRUPTIONS:
+        folder.result, folder.evidence, folder.campaign = json.loads(kept)
+        folder.set(place, value)
+        assert item in {i.name for i in folder.items() if i.agrees is False}, place
+    folder.result, folder.evidence, folder.campaign = json.loads(kept)
+    del folder.result["regression"]
+    folder.write()
+    assert invoke(["audit", str(folder.path)]) == VIOLATED
+    assert "it is not known whether the verdict follows" in capsys.readouterr().out.lower()
+    folder.result, folder.evidence, folder.campaign = json.loads(kept)
+    folder.write()
 
 
 @pytest.mark.parametrize(

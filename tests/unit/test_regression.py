@@ -136,6 +136,18 @@ def test_a_new_finding_and_one_without_a_value_are_named() -> None:
     assert found.counts() == {Standing.NEW: 1, Standing.SAME: 1, Standing.NOT_COMPARED: 1}
 
 
+def test_of_several_findings_of_the_baseline_in_one_basin_the_lowest_stands_for_it() -> None:
+    same = compared((0.40, 0.84), (0.40, 0.84), (0.40,), ("F1", "F1"))
+    assert [(c.before, c.standing, c.newly_violating) for c in same.cases] == [
+        ("F1", Standing.SAME, False),
+        ("F2", Standing.SAME, False),
+    ]
+    lower = compared((0.80, 0.84), (0.80, 0.84), (0.70,), ("F1", "F1"))
+    assert [(c.before, c.standing) for c in lower.cases] == [("F1", Standing.WORSE), ("F2", Standing.SAME)]
+    measured = compared((0.80, 0.84), (0.80, 0.70), (0.70,), ("F1", "F1"))
+    assert {c.before: c.standing for c in measured.cases} == {"F1": Standing.WORSE, "F2": Standing.WORSE}
+
+
 POLICIES = {
     "violation": {"fail_on": ["violation"]},
     "usual": {},

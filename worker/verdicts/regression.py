@@ -1,8 +1,9 @@
 """Regression: what has become of every finding of the baseline, and which findings are new.
 
 A finding of the baseline is worse if it costs less on this model by more than the tolerance, or if the search found a
-lower case in its basin: of that one the tolerance is larger, because two searches do not stop at the same point. A
-case that begins or ceases to violate has changed whatever the tolerance. Start reading at `regression`.
+case in its basin that is lower than any finding of the baseline there: of that one the tolerance is larger, because two
+searches do not stop at the same point. A case that begins or ceases to violate has changed whatever the tolerance.
+Start reading at `regression`.
 """
 
 from __future__ import annotations
@@ -35,7 +36,12 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
     if baseline is None or result is None:
         return None
     policy, matched = problem.campaign.regression, evidence.validation.since
-    cases = [_known(problem, evidence, *row) for row in zip(baseline.cases, result.cases, matched, strict=True)]
+    rows = list(zip(baseline.cases, result.cases, matched, strict=True))
+    # Of several findings of the baseline in one basin, the lowest one stands for it.
+    lowest: dict[str | None, float] = {}
+    for case, _, label in rows:
+        lowest[label] = min(case.cost, lowest.get(label, case.cost))
+    cases = [_known(problem, evidence, *row, row[0].cost <= lowest[row[2]]) for row in rows]
     cases += [_new(problem, f, baseline.run) for f in evidence.findings if f.label not in matched]
     cases = [case.model_copy(update={"fails": _fails(policy, case)}) for case in cases]
     cases.sort(key=lambda case: (not case.fails, case.margin is None, case.margin or 0.0))
@@ -55,9 +61,9 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
 
 
 def _known(
-    problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, label: str | None
+    problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, label: str | None, stands: bool
 ) -> FindingChange:
-    """A finding of the baseline."""
+    """A finding of the baseline; stands: it is the lowest one of the baseline in the basin of the finding `label`."""
     run, threshold = str(problem.campaign.baseline and problem.campaign.baseline.run), problem.threshold
     was = before.cost - threshold
     if again.cost is None:
@@ -68,7 +74,7 @@ def _known(
         )  # fmt: skip
     there = next((f for f in evidence.findings if f.label == label), None)
     tolerance = _tolerance(problem, evidence, before, there)
-    lower = there is not None and there.cost < again.cost
+    lower = stands and there is not None and there.cost < again.cost
     cost = there.cost if there is not None and lower else again.cost
     standing = _standing(problem, evidence, before.cost, again.cost, cost, tolerance)
     return FindingChange(

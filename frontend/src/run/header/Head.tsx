@@ -36,6 +36,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
             <VerdictBadge outcome={outcomeOf(run)} />
           </span>
           <Tags tags={run.tags} />
+          <Labels labels={run.labels} />
           {run.removed === null && <EditRun run={run} />}
           <span className="small mut nw" title={moment(run.created)}>
             {dayAndClock(run.created)}, {run.owner}
@@ -50,6 +51,14 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
               Extends{' '}
               <Link to="/runs/$id" params={{ id: run.continues }} className="mono">
                 {run.continues}
+              </Link>
+            </span>
+          )}
+          {run.baseline?.run && (
+            <span className="small nw">
+              Compared with{' '}
+              <Link to="/runs/$id" params={{ id: run.baseline.run }} className="mono">
+                {run.baseline.run}
               </Link>
             </span>
           )}
@@ -72,6 +81,21 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
         {ran === run.id && <Cancel run={run} />}
       </div>
     </div>
+  )
+}
+
+/** What the launch knew of the run; each leads to the runs with the same. */
+function Labels({ labels }: { labels: RunDetail['labels'] }) {
+  const pairs = Object.entries(labels)
+  if (pairs.length === 0) return null
+  return (
+    <span data-testid="labels" className={runStyles.labels}>
+      {pairs.map(([key, value]) => (
+        <Link key={key} to="/runs" search={{ label: [`${key}=${value}`] }} className="tag" title={`Show runs with the label ${key}=${value}`}>
+          <span className="mut">{key}</span>&nbsp;{value}
+        </Link>
+      ))}
+    </span>
   )
 }
 

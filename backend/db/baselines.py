@@ -46,7 +46,7 @@ def resolved(reader: sa.Connection, asked: Campaign, given: str) -> Resolved:
     if run_id is None:
         raise CannotCompare(f"invalid baseline {given[:60]!r}: {HOW}")
     other = _campaign(reader, run_id)
-    return _compared(reader, asked, run_id, other, f"Compared with {run_name(run_id)}.")
+    return _compared(reader, asked, run_id, other, f"Baseline: {run_name(run_id)}.")
 
 
 def of_run(reader: sa.Connection, run_id: int) -> tuple[str, int | None] | None:
@@ -85,7 +85,7 @@ def _labelled(reader: sa.Connection, asked: Campaign, given: str) -> Resolved:
         except CannotCompare:  # one of another version of Clearance
             continue
         if same_question(asked, other):
-            said = f"Compared with {run_name(run_id)}, the newest run with the label {'='.join(wanted)}."
+            said = f"Baseline: {run_name(run_id)}, the newest run with the label {'='.join(wanted)}."
             return _compared(reader, asked, run_id, other, said)
     return Resolved(asked, None, none_found(given), given)
 

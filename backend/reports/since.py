@@ -16,12 +16,18 @@ def changes(held: Held) -> dict[str, object] | None:
         asked = held.run.baseline
         if asked is None:
             return None
-        told = asked.sentence if asked.run is None else f"{asked.sentence} The run has no verdict, and no comparison."
+        told = (
+            asked.sentence
+            if asked.run is None
+            else f"{asked.sentence} The run has no verdict, so nothing was compared."
+        )
         return {"run": asked.run or "", "cases": [], "said": say(told), "lost": []}
     decimals = numbers.decimals_for(
         [m for c in regression.cases for m in (c.margin_before, c.margin_again, c.margin)], 5
     )
-    smallest = numbers.decimals_for([c.change for c in regression.cases], 3)
+    changes = [c.change for c in regression.cases if c.change]
+    # A change that is not 0 is not printed as 0, down to a millionth.
+    smallest = min(6, max([3, *(numbers.decimals_for([change], 2) for change in changes)]))
     rows = [
         {
             "standing": str(case.standing),

@@ -91,7 +91,7 @@ def baseline(reader: sa.Connection, run_id: int) -> RunBaseline | None:
         return RunBaseline(asked=asked, run=None, sentence=baselines.none_found(asked))
     name = run_name(found)
     how = "" if asked == name else f", the newest run with the label {asked.removeprefix(baselines.LABEL)} at launch"
-    return RunBaseline(asked=asked, run=name, sentence=f"Compared with {name}{how}.")
+    return RunBaseline(asked=asked, run=name, sentence=f"Baseline: {name}{how}.")
 
 
 def _plan(campaign: Campaign) -> list[StageSummary]:

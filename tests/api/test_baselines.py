@@ -40,7 +40,7 @@ def finished(service: Service, client: httpx.Client, verdict: str = "cleared", *
 def test_the_findings_of_the_baseline_are_in_the_campaign_of_the_run(service: Service, client: httpx.Client) -> None:
     finished(service, client)
     found = launched(client, baseline="R-0001", text=None)
-    assert found["baseline"] == {"asked": "R-0001", "run": "R-0001", "sentence": "Compared with R-0001."}
+    assert found["baseline"] == {"asked": "R-0001", "run": "R-0001", "sentence": "Baseline: R-0001."}
     run = client.get(f"/api/v1/runs/{found['id']}").json()
     assert run["baseline"] == found["baseline"]
     given = run["campaign"]["baseline"]
@@ -70,7 +70,7 @@ def test_a_label_selects_the_newest_run_of_the_same_question(service: Service, c
     assert found["baseline"] == {
         "asked": "label:branch=main",
         "run": "R-0002",
-        "sentence": "Compared with R-0002, the newest run with the label branch=main at launch.",
+        "sentence": "Baseline: R-0002, the newest run with the label branch=main at launch.",
     }
     client.delete("/api/v1/runs/R-0002", params={"reason": "wrong"})
     assert launched(client, baseline="label: branch = main")["baseline"]["run"] == "R-0001"

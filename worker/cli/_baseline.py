@@ -29,7 +29,7 @@ def compared(campaign: Campaign, given: str, data: Path, database: str) -> tuple
         if Path(given).is_dir():
             recorded = of_folder(Path(given))
             name = given[-LONGEST:]
-            return with_baseline(campaign, name, recorded.campaign, recorded.findings), f"Compared with {name}."
+            return with_baseline(campaign, name, recorded.campaign, recorded.findings), f"Baseline: {name}."
         from backend.db import baselines
 
         url = existing_url_of(data, database)

@@ -43,6 +43,8 @@ Token = Annotated[
 ]  # fmt: skip
 Out = Annotated[Path | None, typer.Option(help=f"Folder for the run's files: {', '.join(FILES)}.", file_okay=False)]
 CONTINUES = "{run} continues in the background; `clearance follow {run}` follows it again"
+GRACE = 5.0
+"""How long to try to cancel a run when this command is ended [s]."""
 PATIENCE = 120.0
 Patience = Annotated[float, typer.Option(help="How long to retry while the service does not answer [s].", min=0.0)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print only the run's JSON, as the API returns it.")]
@@ -82,11 +84,7 @@ def follow_to_the_end(
     try:
         document = _shown(service, run, quiet=as_json)
     except KeyboardInterrupt:
-        if cancel:
-            service.cancel(run)
-            typer.echo(f"{run} was cancelled, because this command was ended", err=True)
-        else:
-            typer.echo(CONTINUES.format(run=run), err=True)
+        typer.echo(_cancelled(service, run) if cancel else CONTINUES.format(run=run), err=True)
         raise
     except UnreachableError:
         typer.echo(CONTINUES.format(run=run), err=True)
@@ -101,6 +99,16 @@ def follow_to_the_end(
             service.save(path.format(run=run), out / name)
         typer.echo(f"Files in {out}", err=True)
     return ended.code
+
+
+def _cancelled(service: Remote, run: str) -> str:
+    """Cancel the run, before the CI service kills this command; returns what has happened."""
+    service.patience = min(service.patience, GRACE)
+    try:
+        service.cancel(run)
+    except (UnreachableError, WrongInputError) as error:
+        return f"{run} could not be cancelled: {error}"
+    return f"{run} was cancelled, because this command was ended"
 
 
 def _as_ended(service: Remote, document: JsonObject, reused: str | None) -> Ended:

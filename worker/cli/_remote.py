@@ -72,11 +72,13 @@ class Remote:
         """
         while (document := self.run(run))["state"] in ACTIVE:
             yield document
+            ended = False
             for summary in self._events(run):
-                if summary is None or summary["state"] not in ACTIVE:
+                ended = summary is not None and summary["state"] not in ACTIVE
+                if ended or summary is None:  # after a heartbeat it is read again, should an event be missing
                     break
                 yield summary
-            else:
+            if not ended:
                 time.sleep(PAUSE)
         yield document
 

@@ -79,6 +79,9 @@ def submit(
             queued = remote.submit(body, str(file), str(uuid.uuid4()))
             run, reused = queued["id"], queued.get("reused")
             if not wait:
+                compared = queued.get("baseline") or {}
+                for note in filter(None, [reused, compared.get("sentence")]):
+                    typer.echo(note, err=True)
                 typer.echo(run)
                 return
             typer.echo(f"{run} is at {remote.address}/runs/{run}", err=True)

@@ -81,9 +81,9 @@ type Word = { text: string; title: string; show: () => void }
 
 /** Those that fit into the column, at least one; widths are estimated from the number of letters. */
 function fitting(all: readonly Word[]): readonly Word[] {
-  let room = 26
-  const most = all.findIndex(({ text }) => (room -= text.length + 3) < 0)
-  return most < 0 ? all : all.slice(0, Math.max(1, most))
+  const within = (room: number) => all.findIndex(({ text }) => (room -= text.length + 3) < 0)
+  // Where some are left out, their number needs room, too.
+  return within(26) < 0 ? all : all.slice(0, Math.max(1, within(22)))
 }
 
 interface TagsProps {

@@ -56,10 +56,18 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           )}
           {run.baseline?.run && (
             <span className="small nw">
-              Compared with{' '}
+              Baseline{' '}
               <Link to="/runs/$id" params={{ id: run.baseline.run }} className="mono">
                 {run.baseline.run}
               </Link>
+              {run.summary?.regression?.ok === false && (
+                <>
+                  :{' '}
+                  <a href="#since" className="bad-t b">
+                    the policy fails
+                  </a>
+                </>
+              )}
             </span>
           )}
         </div>

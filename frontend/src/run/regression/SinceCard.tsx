@@ -42,7 +42,11 @@ export function SinceCard({ data, className }: SinceProps) {
   const { run } = data
   const [, change] = useAddress(run.id)
   const regression = run.summary?.regression
-  if (!regression) return run.baseline ? <Without sentence={run.baseline.sentence} className={className} /> : null
+  if (!regression && !run.baseline) return null
+  if (!regression) {
+    const why = run.baseline?.run ? ' The run has no verdict, so nothing was compared.' : ''
+    return <Without sentence={`${run.baseline?.sentence ?? ''}${why}`} className={className} />
+  }
   return (
     <Card
       title="Since the baseline"
@@ -97,7 +101,9 @@ interface ChangesProps {
 export function Changes({ unit, regression, choose }: ChangesProps) {
   const { cases } = regression
   const decimals = decimalsFor(cases.flatMap((c) => [c.margin_before ?? null, c.margin_again ?? null, c.margin ?? null]), 5)
-  const smallest = decimalsFor(cases.map((c) => c.change ?? null), 3)
+  const changes = cases.flatMap((c) => (c.change ? [c.change] : []))
+  // A change that is not 0 is not shown as 0, down to a millionth.
+  const smallest = Math.min(6, Math.max(3, ...changes.map((value) => decimalsFor([value], 2))))
   const named = RUN.test(regression.run) ? (
     <Link to="/runs/$id" params={{ id: regression.run }} className="mono">
       {regression.run}

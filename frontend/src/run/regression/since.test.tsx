@@ -18,7 +18,7 @@ const text = (html: string) => html.replace(/<[^>]+>/g, ' ').replace(/\s+/g, ' '
 
 it('shows the margins, the change and what fails', () => {
   const row = text(shown(change({ standing: 'worse', fails: true })))
-  expect(row).toContain('Worse fails F1 F1 +0.44174 +0.42813 +0.40000 −0.0136 0.001')
+  expect(row).toContain('Worse fails F1 F1 +0.44174 +0.42813 +0.40000 −0.014 0.001')
 })
 
 it('has a word for every standing', () => {

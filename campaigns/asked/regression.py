@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
+from campaigns.asked.scenario import MAX_SEED
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, Name, Number, Path, Strict
 
 FailOn = Literal["violation", "new_violation", "new", "worse"]
@@ -36,6 +37,14 @@ class Policy(Strict):
         return self == Policy()
 
 
+def _once(cases: list[BaselineCase]) -> list[BaselineCase]:
+    labels = [case.label for case in cases]
+    twice = next((label for i, label in enumerate(labels) if label in labels[:i]), None)
+    if twice is not None:
+        raise ValueError(f"{twice} is given twice; a finding has one label")
+    return cases
+
+
 class BaselineCase(Strict):
     """One finding of the baseline."""
 
@@ -47,7 +56,7 @@ class BaselineCase(Strict):
     cost: Number
     difference: Annotated[float, Field(ge=0), AS_NUMBER] = 0.0
     """The largest difference between its integrations, or between its evaluations, in the criterion's unit."""
-    realisation: Annotated[int, Field(ge=0), AS_WHOLE] | None = None
+    realisation: Annotated[int, Field(ge=0, lt=MAX_SEED), AS_WHOLE] | None = None
     """The noise seed drawn for it; null if it simulated those of its campaign."""
 
 
@@ -59,4 +68,4 @@ class Baseline(Strict):
     digest: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
     """Of its campaign."""
     threshold: Number
-    cases: Annotated[list[BaselineCase], Field(min_length=1, max_length=100)]
+    cases: Annotated[list[BaselineCase], Field(min_length=1, max_length=100), AfterValidator(_once)]

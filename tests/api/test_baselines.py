@@ -9,7 +9,10 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.queue import Queue
+from backend.db.rows import plain
 from backend.db.tables import CatalogueDocument, Run
+from campaigns.claims.say import say
+from campaigns.results.regression import FindingChange, Regression, Standing
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.reported import PARAMETERS, finish_fully
@@ -170,3 +173,44 @@ def test_a_reused_verdict_has_the_same_baseline(service: Service, client: httpx.
     assert (found["id"], found["baseline"]["run"]) == (compared, "R-0001")
     finished(service, client, labels={"branch": "main"})
     assert launched(client, reuse=True, baseline="label:branch=main")["reused"] is None, "it is another baseline"
+
+
+def test_the_changes_are_in_the_run_the_report_and_the_export(service: Service, client: httpx.Client) -> None:
+    finished(service, client)
+    run = finished(service, client, baseline="R-0001")
+    lost = "F2 of R-0001 is not compared: vehicle.m = 6.5 is outside the bounds 4 to 6 of this campaign"
+    known: dict[str, Any] = {"parameters": PARAMETERS, "margin_before": 0.9}
+    worse = FindingChange(
+        standing=Standing.WORSE, before="F1", now="F1", evaluation=0, margin_again=0.8, margin=0.8, change=-0.1,
+        tolerance=0.001, fails=True, said=say("F1 of R-0001 is worse"), **known,
+    )  # fmt: skip
+    gone = FindingChange(standing=Standing.NOT_COMPARED, before="F2", now=None, said=say(lost), **known)
+    told = "Changes of the findings since R-0001: 1 worse, 1 not compared. The policy of the campaign fails: <b>."
+    made = Regression(
+        run="R-0001", position=1, cases=[worse, gone], fail_on=["worse"], ok=False, quantity="d_min", unit="m",
+        said=say(told),
+    )  # fmt: skip
+    with service.engine.begin() as writer:
+        summary = writer.scalar(sa.select(Run.summary).where(Run.id == 2))
+        writer.execute(sa.update(Run).where(Run.id == 2).values(summary=summary | {"regression": plain(made)}))
+    stored = client.get(f"/api/v1/runs/{run}").json()["summary"]["regression"]
+    assert stored == made.model_dump(mode="json")
+    assert client.get(f"/api/v1/runs/{run}/exports/run.json").json()["run"]["summary"]["regression"] == stored
+    report = client.get(f"/api/v1/runs/{run}/report.html").text
+    assert "<h3>Since the baseline R-0001</h3>" in report
+    assert "worse, fails" in report
+    assert "+0.90000" in report
+    assert "\u22120.100" in report
+    assert "The policy of the campaign fails: &lt;b&gt;." in report
+    assert lost in report.replace("\u202f", " ")
+    assert "Since the baseline" not in client.get("/api/v1/runs/R-0001/report.html").text
+
+
+def test_a_report_says_why_nothing_was_compared(service: Service, client: httpx.Client) -> None:
+    finished(service, client, baseline="label:branch=main")
+    report = client.get("/api/v1/runs/R-0001/report.html").text
+    assert "No baseline: no run of this campaign that has ended with findings has the label branch=main." in report
+    cancelled = launched(client, baseline="R-0001")["id"]
+    client.post(f"/api/v1/runs/{cancelled}/cancel")
+    report = client.get(f"/api/v1/runs/{cancelled}/report.html").text
+    assert "Baseline: R-0001. The run has no verdict, so nothing was compared." in report

@@ -227,6 +227,36 @@ def test_a_bad_policy_is_named(policy: dict[str, Any], said: str) -> None:
     assert "regression" in refused.value.problems[0].field
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"cases": []}, "at least 1 item"),
+        ({"cases": [{"label": "F1", "parameters": {}, "cost": 1.0}]}, "at least 1 item"),
+        ({"cases": [{"label": "nominal", "parameters": AT, "cost": 1.0}]}, "match pattern"),
+        ({"cases": [{"label": "F1", "parameters": AT, "cost": float("nan")}]}, "finite"),
+        ({"cases": [{"label": "F1", "parameters": AT, "cost": 1.0, "realisation": 2**64}]}, "realisation"),
+        ({"cases": [{"label": "F1", "parameters": AT, "cost": 1.0, "point": [2.0]}]}, "less than or equal to 1"),
+        ({"cases": [{"label": "F1", "parameters": AT, "cost": 1.0}] * 2}, "F1 is given twice"),
+        ({"digest": "main"}, "match pattern"),
+        ({"run": "R-0001\n"}, "one line of readable text"),
+        ({"colour": "x"}, "unknown key"),
+    ],
+)
+def test_a_hostile_baseline_is_refused_by_field(change: dict[str, Any], said: str) -> None:
+    given_baseline = document(baseline=asked(0.84).document()["baseline"] | change)
+    with pytest.raises(CampaignError) as refused:
+        load_document(given_baseline)
+    assert refused.value.problems[0].field.startswith("baseline")
+    assert said in str(refused.value)
+
+
+def test_a_baseline_point_of_another_dimension_is_not_used() -> None:
+    """The parameters count; the point only saves the last bit where the bounds are the same."""
+    baseline = asked(0.84).document()["baseline"]
+    baseline["cases"][0]["point"] = [0.5]
+    assert campaign(baseline=baseline).baseline is not None
+
+
 def findings() -> list[Finding]:
     return [given.finding(0.84, parameters=AT, point=[1.0, 1.0])]
 

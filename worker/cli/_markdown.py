@@ -10,6 +10,8 @@ from campaigns.results.regression import FindingChange, Regression
 from worker.cli._ended import Ended, exit_sentence
 
 SIGNS = {"cleared": "✅", "violated": "❌", "inconclusive": "❔"}
+_CODE = str.maketrans({"`": "'", "|": "\\|", "\n": " "})
+"""What would end a piece of code in a table."""
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>|#~])")
 
 
@@ -57,7 +59,7 @@ def _row(ended: Ended, regression: Regression, case: FindingChange) -> list[str]
     name = f"{case.before} of {regression.run}" if case.before else f"{case.now}"
     numbers = (case.margin_before, case.margin_again, case.margin, case.change)
     standing = f"**{case.standing}**" if case.fails else str(case.standing)
-    command = ended.command(case)
+    command = ended.command(case).translate(_CODE)
     return [_text(name), standing, *(_number(n) for n in numbers), f"`{command}`" if command and case.fails else ""]
 
 

@@ -12,7 +12,7 @@ from backend.db import audit, baselines, queue
 from backend.db.access import Visitor
 from backend.db.baselines import Resolved
 from backend.db.engine import now, read
-from backend.db.tables import IdempotencyKey, Run, RunText
+from backend.db.tables import IdempotencyKey, RunText
 from backend.http import bodies
 from backend.http.errors import RefusedError
 from backend.runs import reuse
@@ -87,8 +87,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         elif reused is not None:
             run_id, at = reused, now(writer)
         else:
-            run_id = _queue(writer, submission, asked, visitor, catalogue)
-            at = writer.execute(sa.select(Run.created).where(Run.id == run_id)).scalar_one()
+            run_id, at = _queue(writer, submission, asked, visitor, catalogue), now(writer)
         if key is not None and repeated is None:
             values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id, "created": at}
             writer.execute(sa.insert(IdempotencyKey).values(**values))
@@ -133,9 +132,10 @@ def _queue(
 
 
 def _answer(reader: sa.Connection, run_id: int, at: float, asked: Resolved | None = None) -> RunSubmitted:
-    """The run, and whether it is an earlier one: a key is stored with the time of the run that it queued."""
+    """The run; at: when it was asked for first. One that had ended by then is reused."""
     found = summary(reader, run_id)
-    reused = reuse.sentence(reader, run_id) if at > found.created else None
+    earlier = found.finished is not None and found.finished <= at
+    reused = reuse.sentence(reader, run_id) if earlier else None
     compared = baseline(reader, run_id)
     if compared is None and asked is not None and asked.given:  # the run that is reused was launched without it
         compared = RunBaseline(asked=asked.given, run=None, sentence=asked.sentence)

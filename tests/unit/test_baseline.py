@@ -8,8 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sqlalchemy as sa
 
+from backend.db import baselines, labels
+from backend.db.engine import connect, default_url, migrate, read
+from backend.db.queue import Queue, submit
+from backend.db.store import RunStore
 from campaigns import Campaign
+from campaigns.asked.load import load_document
 from campaigns.results import NominalResult
 from campaigns.results.base import EXCLUDED
 from campaigns.results.baseline import BaselineResult
@@ -19,7 +25,9 @@ from tests.unit.records import DIRECT, NOISE, SHORT, SQP, Folder
 from tests.unit.searching import Function, batch
 from tests.unit.test_findings import two_failures
 from worker.audit import judge
+from worker.catalogue.installed import catalogue
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
+from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.search.base import Floats
 from worker.stages import baseline
@@ -196,6 +204,47 @@ def test_a_worse_controller_fails_and_every_other_command_reads_the_run(
     assert_audit_notices(Folder(tmp_path / "second"), capsys)
     assert invoke(["run", "--continue", second, "--budget", "+20", "--out", more]) == 1
     assert json.loads((tmp_path / "more" / "result.json").read_text())["regression"]["run"] == first
+
+
+def stored(engine: sa.Engine, asked: Campaign, given: str, **labels: str) -> int:
+    """A run in a database, launched with these labels and carried out."""
+    with engine.begin() as writer:
+        found = baselines.resolved(writer, asked, given) if given else baselines.Resolved(asked, None, "")
+        run_id = submit(
+            writer, found.campaign, name="a", tags=[], owner="", planned=1, catalogue=catalogue(), given=labels
+        )
+        if given:
+            baselines.store(writer, run_id, given, found.run_id)
+    claim = Queue(engine).claim("w")
+    assert claim is not None
+    execute(load_document(claim.document), RunStore(engine, claim), threads=1)
+    return run_id
+
+
+def test_a_stored_run_is_compared_audited_and_extended(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    migrate(default_url(tmp_path))
+    engine = connect(default_url(tmp_path))
+    policy = {"fail_on": ["worse"], "tolerance": 0.001}
+    asked = searching(DIRECT, SQP, **SHORT, regression=policy)
+    assert stored(engine, asked, "", branch="main") == 1
+    slow = searching(DIRECT, SQP, **SHORT, regression=policy, scenario__avoider__parameters__k_rep=3.0)
+    assert stored(engine, slow, "label:branch=main", branch="slow") == 2
+    data = ["--data", str(tmp_path)]
+    assert invoke(["audit", "R-0002", *data]) == 0
+    assert invoke(["replay", "R-0002", "baseline:0", *data]) == 0
+    capsys.readouterr()
+    assert invoke(["run", "--continue", "R-0002", "--budget", "+20", "--threads", "1", *data]) == VIOLATED
+    assert "R-0003 extends R-0002" in capsys.readouterr().out
+    file = tmp_path / "good.json"
+    file.write_text(json.dumps(asked.document()))
+    assert invoke(["run", str(file), "--threads", "1", "--baseline", "label:branch=main", *data]) == 0
+    assert "Baseline: R-0001, the newest run with the label branch=main." in capsys.readouterr().out
+    with read(engine) as reader:
+        assert baselines.of_run(reader, 3) == ("label:branch=main", 1)
+        assert labels.of_runs(reader, [1, 2, 3]) == {
+            1: {"branch": "main"}, 2: {"branch": "slow"}, 3: {"branch": "slow"},
+        }  # fmt: skip
+    engine.dispose()
 
 
 CASE = "result/regression/cases/0"

@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from worker.audit.recompute import FLOOR, OK, Run, Tree
+from campaigns.results.base import OK
+from worker.audit.recompute import FLOOR, Run, Tree
 
 SEARCH = 0.01
 """Fraction of nominal minus worst by which two searches of the same model may end apart."""
@@ -90,7 +91,7 @@ def _tolerance(run: Run, before: float, label: str | None) -> float:
     spread = (run.claims["results"][0].get("measured") or {}).get("spread") or 0.0
     nominal = 0.0 if math.isnan(run.nominal) else run.nominal
     floor = FLOOR * max(abs(run.threshold), abs(nominal))
-    return max([before, *apart, spread, run.campaign.regression.tolerance, floor])
+    return float(max([before, *apart, spread, run.campaign.regression.tolerance, floor]))
 
 
 def _fails(asked: list[Any], case: Tree) -> bool:

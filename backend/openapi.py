@@ -34,12 +34,14 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
 )
 _LEFT_OUT = {
     "Criterion": ("component", "result", "from_centre"),
-    "Campaign": ("scenario", "simulator", "encounter"),
+    "Campaign": ("scenario", "simulator", "encounter", "regression", "baseline"),
     "Catalogue": ("simulators", "digests", "own", "unusable"),
     "Provenance": ("components", "simulator", "evaluator", "command"),
     "Versions": ("components", "simulator", "evaluator", "command"),
     "Validation": ("again", "repeats"),
-    "ValidateResult": ("incumbents", "untraced"),
+    "ValidateResult": ("incumbents", "untraced", "since"),
+    "RunVerdict": ("regression",),
+    "Verdict": ("regression",),
     "NominalResult": ("measured", "untraced"),
     "Measured": ("call_seconds", "slots"),
     "TraceColumn": ("text",),

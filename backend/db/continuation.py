@@ -11,12 +11,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import sqlalchemy as sa
 
+from backend.db import labels
 from backend.db.engine import now
 from backend.db.queue import Claim, submit
 from backend.db.records import Columns, StagePlan, StageRecord, Trace, join
 from backend.db.rows import as_columns, as_finding, as_result, blobs, lowest
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import EvaluationChunk, Run, Stage
+from backend.db.tables import EvaluationChunk, Run, RunBaseline, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
@@ -95,8 +96,8 @@ def begin(
 ) -> Claim:
     """Create and claim the run that extends run `old` under the campaign, with these evaluations in its stages.
 
-    It has the old run's name, tags and owner, and stores the catalogue entries of its components. `versions` describes
-    the installation that ran these evaluations; None if unknown. Runs in the caller's transaction.
+    It has the old run's name, tags, labels, baseline and owner, and stores the catalogue entries of its components.
+    `versions` describes the installation that ran these evaluations; None if unknown. Runs in the caller's transaction.
     """
     kept = (Run.name, Run.tags, Run.owner, Run.priority, Run.best_so_far)
     cited = connection.execute(sa.select(*kept).where(Run.id == old)).one()
@@ -120,6 +121,12 @@ def begin(
         "flown": None if versions is None else versions.model_dump(mode="json"),
     }
     connection.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **held, **carried_over))
+    labels.store(connection, run_id, labels.of_runs(connection, [old]).get(old, {}))
+    launched = (
+        connection.execute(sa.select(RunBaseline.__table__).where(RunBaseline.run_id == old)).mappings().one_or_none()
+    )
+    if launched is not None:
+        connection.execute(sa.insert(RunBaseline).values({**launched, "run_id": run_id}))
     attempts = connection.execute(sa.select(Run.max_attempts).where(Run.id == run_id)).scalar_one()
     return Claim(run_id, 1, 1, attempts, worker, campaign.document())
 

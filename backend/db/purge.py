@@ -16,7 +16,18 @@ import sqlalchemy as sa
 from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
-from backend.db.tables import EvaluationAhead, EvaluationChunk, Finding, Run, RunText, Signoff, Stage, Trace
+from backend.db.tables import (
+    EvaluationAhead,
+    EvaluationChunk,
+    Finding,
+    Run,
+    RunBaseline,
+    RunLabel,
+    RunText,
+    Signoff,
+    Stage,
+    Trace,
+)
 from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
@@ -62,7 +73,7 @@ def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
         if row is None:
             return False
         digest = results_digest(writer, run_id)
-        for table in (EvaluationAhead, EvaluationChunk, Stage, Finding, Trace, RunText):
+        for table in (EvaluationAhead, EvaluationChunk, Stage, Finding, Trace, RunText, RunLabel, RunBaseline):
             writer.execute(sa.delete(table).where(table.run_id == run_id))
         left = {**_EMPTY, "purged": now(writer), "purged_by": user[:64], "purged_digest": digest}
         writer.execute(sa.update(Run).where(Run.id == run_id).values(**left))

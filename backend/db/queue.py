@@ -8,13 +8,13 @@ BEGIN IMMEDIATE; PostgreSQL: FOR UPDATE SKIP LOCKED. Start reading at `Queue.cla
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db import snapshots
+from backend.db import labels, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
@@ -67,10 +67,11 @@ def submit(
     planned: int,
     priority: int = 0,
     catalogue: Catalogue | None = None,
+    given: Mapping[str, str] | None = None,
 ) -> int:
     """Queue a run of the campaign in the caller's transaction; returns its number.
 
-    Stores the catalogue entries of the campaign's components with it.
+    Stores the catalogue entries of the campaign's components with it; given: its labels.
     """
     created = now(connection)
     row = {"digest": campaign.digest, "name": campaign.name, "document": campaign.document(), "created": created}
@@ -88,7 +89,9 @@ def submit(
         "snapshot": None if catalogue is None else snapshots.store(connection, campaign, catalogue),
         "needs": _needed(campaign, catalogue),
     }
-    return int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
+    run_id = int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
+    labels.store(connection, run_id, given or {})
+    return run_id
 
 
 def request_cancel(connection: sa.Connection, run_id: int) -> str | None:

@@ -18,6 +18,8 @@ from backend.db.tables_access import Token as Token
 from backend.db.tables_installed import CatalogueDocument as CatalogueDocument
 from backend.db.tables_installed import CatalogueSnapshot as CatalogueSnapshot
 from backend.db.tables_installed import CodeVersion as CodeVersion
+from backend.db.tables_labels import RunBaseline as RunBaseline
+from backend.db.tables_labels import RunLabel as RunLabel
 from backend.db.tables_sweeps import Sweep as Sweep
 from backend.db.tables_sweeps import SweepRun as SweepRun
 from backend.db.tables_users import Audit as Audit
@@ -131,7 +133,7 @@ class Stage(Base):
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
     position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     kind: orm.Mapped[str] = orm.mapped_column(sa.String(20))
-    """nominal, sensitivity, search, certify, validate"""
+    """nominal, baseline, sensitivity, search, certify, validate"""
     method: orm.Mapped[str | None] = orm.mapped_column(sa.String(60))
     state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="waiting")
     """waiting, running, done"""
@@ -257,7 +259,7 @@ class RunText(Base):
     __tablename__ = "run_texts"
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
     text: orm.Mapped[str] = orm.mapped_column(sa.Text)
-    """YAML or JSON that parses to the run's campaign."""
+    """YAML or JSON that parses to the run's campaign without its baseline."""
 
 
 class IdempotencyKey(Base):

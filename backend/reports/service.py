@@ -16,7 +16,7 @@ import sqlalchemy as sa
 from markupsafe import Markup
 
 from backend.http.naming import named
-from backend.reports import charts, limits, sections, validated, words
+from backend.reports import charts, limits, sections, since, validated, words
 from backend.reports.held import Held, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
@@ -95,6 +95,7 @@ def _context(held: Held, at: float) -> dict[str, object]:
         "methods": sections.methods(held),
         "stages": sections.stages(held),
         "findings": sections.findings(held),
+        "since": since.changes(held),
         "validation": held.result(ValidateResult),
         "cases": validated.cases(held),
         "again": validated.again(held),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request, Response, status
@@ -12,9 +13,9 @@ from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.http import bodies
 from backend.http.deps import Engine, Reader
-from backend.http.errors import problems
+from backend.http.errors import RefusedError, problems
 from backend.http.schema import RunName, Seconds
-from backend.runs import edits, listing, removal, service, texts
+from backend.runs import edits, listing, removal, service, submission, texts
 from backend.runs.code import changes
 from backend.runs.components import components
 from backend.runs.facets import facets
@@ -33,12 +34,14 @@ from backend.runs.schemas import (
     RunsNamed,
     RunsRemoved,
     RunSubmit,
+    RunSubmitted,
     RunSummary,
     StageDetail,
 )
 from campaigns import CampaignError, Problem
 from campaigns.asked.problem import shown
 from campaigns.documents import JsonObject
+from campaigns.labels import pair
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
@@ -53,7 +56,7 @@ SUBMIT_BODY = {
 }
 LOCATION: dict[int | str, JsonObject] = {
     201: {
-        "description": "The run that was queued, now or earlier with the same key.",
+        "description": "The run that was queued, now or earlier with the same key, or the one that is reused.",
         "headers": {"Location": {"description": "The address of the run.", "schema": {"type": "string"}}},
     }
 }
@@ -88,19 +91,19 @@ Key = Annotated[
 )
 async def submit_run(
     request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, key: Key = None
-) -> RunSummary:
-    """Queue a run of a campaign, given as JSON or as YAML."""
+) -> RunSubmitted:
+    """Queue a run of a campaign, given as JSON or as YAML; labels, baseline and reuse only as JSON."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
-    submission = await bodies.apart(request, lambda: _submission(body, yaml))
-    run = await run_in_threadpool(service.submit, engine, submission, visitor, key)
+    given = await bodies.apart(request, lambda: _submission(body, yaml))
+    run = await run_in_threadpool(submission.submit, engine, given, visitor, key)
     response.headers["Location"] = f"{request.url.path}/{run.id}"
     return run
 
 
-def _submission(body: bytes, yaml: bool) -> service.Submission:
+def _submission(body: bytes, yaml: bool) -> submission.Submission:
     try:
-        return service.from_yaml(body) if yaml else service.from_json(body, _described(body))
+        return submission.from_yaml(body) if yaml else submission.from_json(body, _described(body))
     except CampaignError as error:
         raise bodies.invalid(error) from None
 
@@ -110,8 +113,12 @@ def _described(body: bytes) -> RunSubmit:
         return RunSubmit.model_validate(bodies.document(body))
     except ValidationError as error:
         found = error.errors(include_url=False, include_context=False)
-        wrong = [Problem(".".join(map(str, e["loc"])), _given(e["input"]), e["msg"]) for e in found[:MOST]]
+        wrong = [Problem(".".join(map(str, e["loc"])), _given(e["input"]), _told(e["msg"])) for e in found[:MOST]]
         raise bodies.invalid(CampaignError("request", wrong, len(found))) from None
+
+
+def _told(message: str) -> str:
+    return message.removeprefix("Value error, ")
 
 
 def _given(value: Any) -> str:
@@ -133,6 +140,10 @@ def list_runs(
     since: Annotated[Seconds | None, Query(description="Submitted since this time [s since 1970].")] = None,
     until: Annotated[Seconds | None, Query(description="Submitted before this time [s since 1970].")] = None,
     pinned: Annotated[bool | None, Query(description="Only pinned runs, or only the others.")] = None,
+    label: Annotated[
+        list[Word] | None,
+        Query(max_length=MOST, description="Labels as KEY=VALUE: alternatives of one key, every key required."),
+    ] = None,
     removed: Annotated[bool, Query(description="Removed runs instead of listed ones.")] = False,
     sort: Annotated[Sort, Query(description="With a minus: largest first.")] = "-created",
     cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the previous page.")] = None,
@@ -151,13 +162,22 @@ def list_runs(
         until,
         pinned,
         removed,
+        _labels(label or ()),
     )
     return listing.page(reader, filters, sort, cursor, limit)
 
 
+def _labels(given: Sequence[str]) -> list[tuple[str, str]]:
+    """Keys and values; 422 with a sentence for anything else."""
+    try:
+        return [pair(text) for text in given]
+    except ValueError as error:
+        raise RefusedError(422, "invalid-request", f"{error}", [Problem("label", "", f"{error}")]) from None
+
+
 @router.get("/runs/facets")
 def list_facets(reader: Reader) -> RunFacets:
-    """The campaigns, tags, owners and methods by which the list can be filtered."""
+    """The campaigns, tags, owners, methods and labels by which the list can be filtered."""
     return facets(reader)
 
 

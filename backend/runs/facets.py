@@ -1,4 +1,4 @@
-"""The values by which the run list can be filtered: campaigns, tags, owners and methods of runs."""
+"""The values by which the run list can be filtered: campaigns, tags, owners, methods and labels of runs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import Run, RunLabel
 from backend.runs.schemas import Facet, RunFacets
 
 MOST = 200
@@ -31,12 +31,19 @@ def facets(reader: sa.Connection) -> RunFacets:
         tags=_listed(tags),
         owners=_listed(_counted(reader, Run.owner)),
         methods=_listed(_counted(reader, Run.worst_method)),
+        labels=_listed(_labels(reader)),
     )
 
 
 def _counted(reader: sa.Connection, column: Any) -> Counter[str]:
     rows = reader.execute(sa.select(column, sa.func.count()).where(Run.removed.is_(None)).group_by(column))
     return Counter({value: number for value, number in rows if value})
+
+
+def _labels(reader: sa.Connection) -> Counter[str]:
+    of = sa.select(RunLabel.key, RunLabel.value, sa.func.count()).join(Run, Run.id == RunLabel.run_id)
+    rows = reader.execute(of.where(Run.removed.is_(None)).group_by(RunLabel.key, RunLabel.value))
+    return Counter({f"{key}={value}": number for key, value, number in rows})
 
 
 def _listed(found: Counter[str]) -> list[Facet]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
+from backend.db import labels
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from campaigns.results.verdict import VerdictWord
@@ -36,6 +37,8 @@ class Filters:
     pinned: bool | None = None
     removed: bool = False
     """Removed runs instead of listed ones."""
+    label: Sequence[tuple[str, str]] = ()
+    """Keys and values: alternatives of the same key, every key required."""
 
     def conditions(self) -> list[sa.ColumnElement[bool]]:
         """All conditions."""
@@ -56,6 +59,7 @@ class Filters:
         if self.tag:
             tags = sa.cast(Run.tags, sa.Text)
             conditions.append(sa.or_(*(tags.contains(json.dumps(tag), autoescape=True) for tag in self.tag)))
+        conditions += labels.conditions(self.label)
         if self.campaign:
             named = sa.select(CampaignRow.digest).where(CampaignRow.name.in_(self.campaign))
             conditions.append(Run.campaign_digest.in_(named))

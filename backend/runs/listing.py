@@ -11,6 +11,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.catalog.service import published
+from backend.db import labels
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from backend.runs import counts, waiting
@@ -56,6 +57,7 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     working = _working(reader, [row.id for row in rows if row.state in ("running", "cancelling")])
     units = _units(reader) if any(row.unit is None for row in rows) else {}
     excluded = counts.excluded(reader, [row.id for row in rows])
+    labelled = labels.of_runs(reader, [row.id for row in rows])
     waits = waiting.reasons(reader, [row.id for row in rows if row.state == "queued"])
     doing = waiting.doing(reader, [row.id for row in rows if row.state == "running"])
     return [
@@ -63,7 +65,8 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
             row,
             units,
             counts.of(row, excluded.get(row.id, 0))
-            | {"stage": working.get(row.id), "waits": waits.get(row.id), "doing": doing.get(row.id)},
+            | {"stage": working.get(row.id), "waits": waits.get(row.id), "doing": doing.get(row.id)}
+            | {"labels": labelled.get(row.id, {})},
         )
         for row in rows
     ]

@@ -12,6 +12,7 @@ from campaigns import Catalogue
 from campaigns.asked.load import LARGEST_FILE
 from campaigns.asked.values import Notes
 from campaigns.documents import JsonObject
+from campaigns.labels import Labels
 from campaigns.results import Verdict
 from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
@@ -30,6 +31,13 @@ class RunSubmit(Given):
     campaign: JsonObject
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None
+    labels: Labels = Field(default_factory=dict)
+    """By key, such as branch: main, commit: 4f2a91c."""
+    baseline: Annotated[str, Field(min_length=1, max_length=300)] | None = None
+    """The run with which this one is compared, R-0001; or label:branch=main, the newest run of a campaign of the same
+    name and criterion with that label. Its findings are evaluated first."""
+    reuse: bool = False
+    """Answer with an earlier run of the same campaign and code that has a verdict, if there is one."""
     text: (
         Annotated[
             str,
@@ -97,6 +105,8 @@ class RunFacets(Schema):
     owners: list[Facet]
     methods: list[Facet]
     """Methods that found the worst cases."""
+    labels: list[Facet]
+    """As KEY=VALUE."""
 
 
 class StageSummary(Schema):
@@ -150,6 +160,16 @@ class RunDoing(Schema):
     """Estimated from earlier ones on the same machine [s]; None if there are none."""
 
 
+class RunBaseline(Schema):
+    """The baseline with which a run was launched."""
+
+    asked: str
+    """As given: R-0001, or label:branch=main."""
+    run: str | None
+    """R-0001; null if no run has the label, and nothing is compared."""
+    sentence: str
+
+
 class RunSummary(Schema):
     """A run as in the list. Times are seconds since 1970; costs and margins are in `unit`."""
 
@@ -157,6 +177,8 @@ class RunSummary(Schema):
     """R-0001"""
     name: str
     tags: list[str]
+    labels: dict[str, str]
+    """Given at launch, in alphabetical order."""
     owner: str
     state: RunState
     verdict: VerdictWord | None
@@ -203,6 +225,15 @@ class RunSummary(Schema):
     removed_reason: str | None
 
 
+class RunSubmitted(RunSummary):
+    """The run that answers a submission."""
+
+    reused: str | None = None
+    """Why it is an earlier run; null if it was queued."""
+    baseline: RunBaseline | None = None
+    """The baseline that was asked for; null without one."""
+
+
 class RunVerdict(Verdict):
     """The verdict of a run, with its checks."""
 
@@ -214,6 +245,8 @@ class RunDetail(RunSummary):
 
     notes: str
     """In Markdown."""
+    baseline: RunBaseline | None
+    """What it is compared with; null if it was launched without a baseline."""
     campaign: JsonObject
     criteria: list[CriterionOut]
     """The deciding criterion, then the objectives."""

@@ -1,28 +1,29 @@
-"""Submission and details of runs. The list is in `backend.runs.listing`. Start reading at `submit`."""
+"""Details of runs; the list is in `backend.runs.listing`, submission in `backend.runs.submission`. Read `detail`."""
 
 from __future__ import annotations
-
-import hashlib
-from dataclasses import dataclass
 
 import sqlalchemy as sa
 
 from backend.catalog.criteria import criteria
-from backend.catalog.service import described, published, required
-from backend.db import audit, queue
-from backend.db.access import Visitor
-from backend.db.engine import now, read
+from backend.catalog.service import described, published
+from backend.db import baselines
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import IdempotencyKey, Run, RunText, Stage
-from backend.http import bodies
+from backend.db.tables import Run, Stage
 from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, pace
 from backend.runs.earlier import terms_of
-from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress, StageSummary
+from backend.runs.schemas import (
+    RunBaseline,
+    RunDetail,
+    RunSummary,
+    RunVerdict,
+    StageDetail,
+    StageProgress,
+    StageSummary,
+)
 from backend.runs.tombstones import refuse_purged
 from backend.runs.versions import readable
-from campaigns import Campaign, CampaignError, Catalogue, Problem, check
-from campaigns.asked.load import load_document, load_text
+from campaigns import Campaign
 from campaigns.claims import earlier
 from campaigns.documents import JsonObject
 from campaigns.results import SearchResult, Verdict, verdicts
@@ -30,22 +31,7 @@ from campaigns.results.remedies import Ran
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name, run_number
 from campaigns.stages.found import declared
-from campaigns.stages.plan import plan
 from campaigns.versions import Versions
-
-
-@dataclass(frozen=True)
-class Submission:
-    """A campaign to run, parsed but not yet checked against the catalogue."""
-
-    campaign: Campaign
-    name: str
-    tags: list[str]
-    priority: int
-    digest: str
-    """Digest of the request body, to distinguish a repeated request from another one with the same key."""
-    text: str | None
-    """The original text of the campaign; None if only a document was given."""
 
 
 def number(run: str) -> int:
@@ -54,79 +40,6 @@ def number(run: str) -> int:
     if found is None:
         raise not_found("run", run)
     return found
-
-
-def from_yaml(body: bytes) -> Submission:
-    """A submission whose body is the campaign itself."""
-    return _submission(bodies.yaml_campaign(body), RunSubmit(campaign={}, text=bodies.text(body)), body)
-
-
-def from_json(body: bytes, given: RunSubmit) -> Submission:
-    """A submission from JSON; raises `CampaignError`, also if its text describes another campaign."""
-    campaign = load_document(given.campaign, "request")
-    if given.text is not None and load_text(given.text, "text").digest != campaign.digest:
-        text = "the text describes a different campaign than `campaign`: make both equal, or omit the text"
-        raise CampaignError("request", [Problem("text", "", text)])
-    return _submission(campaign, given, body)
-
-
-def _submission(campaign: Campaign, given: RunSubmit, body: bytes) -> Submission:
-    tags = campaign.tags if given.tags is None else list(dict.fromkeys(given.tags))
-    digest = hashlib.sha256(body).hexdigest()
-    return Submission(campaign, given.name or campaign.name, tags, given.priority, digest, given.text)
-
-
-def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSummary:
-    """Queue a run, or return the one queued earlier with the same key; a refused request leaves no row."""
-    with read(engine) as reader:
-        catalogue = required(reader)
-    problems = check(submission.campaign, catalogue)
-    if problems:
-        raise bodies.invalid(CampaignError("request", problems))
-    with engine.begin() as writer:
-        run_id = None if key is None else _repeated(writer, submission, visitor, key)
-        if run_id is None:
-            run_id = _queue(writer, submission, visitor, catalogue)
-            if submission.text is not None:
-                writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
-            told = {"campaign": submission.campaign.digest, "name": submission.name}
-            audit.note(writer, visitor, "run.submitted", run_name(run_id), told)
-            if key is not None:
-                _remember(writer, submission, visitor, key, run_id)
-    with read(engine) as reader:
-        return summary(reader, run_id)
-
-
-def _queue(writer: sa.Connection, submission: Submission, visitor: Visitor, catalogue: Catalogue) -> int:
-    return queue.submit(
-        writer,
-        submission.campaign,
-        name=submission.name,
-        tags=submission.tags,
-        owner=visitor.user,
-        priority=submission.priority,
-        planned=sum(stage.planned for stage in plan(submission.campaign)),
-        catalogue=catalogue,
-    )
-
-
-def _repeated(writer: sa.Connection, submission: Submission, visitor: Visitor, key: str) -> int | None:
-    mine = (IdempotencyKey.key == key, IdempotencyKey.user == visitor.user)
-    row = writer.execute(sa.select(IdempotencyKey.body, IdempotencyKey.run_id).where(*mine)).one_or_none()
-    if row is None:
-        return None
-    if row.body != submission.digest:
-        detail = (
-            f"the Idempotency-Key {key!r} was used for another request, which queued {run_name(row.run_id)}: "
-            "send the same body again, or another key"
-        )
-        raise RefusedError(422, "idempotency-key-reused", detail)
-    return int(row.run_id)
-
-
-def _remember(writer: sa.Connection, submission: Submission, visitor: Visitor, key: str, run_id: int) -> None:
-    values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id}
-    writer.execute(sa.insert(IdempotencyKey).values(**values, created=now(writer)))
 
 
 def summary(reader: sa.Connection, run_id: int) -> RunSummary:
@@ -155,6 +68,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     return RunDetail(
         **dict(base),
         notes=notes,
+        baseline=baseline(reader, run_id),
         campaign=document,
         criteria=stated,
         components_digest=snapshot,
@@ -165,6 +79,19 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         rate=rate,
         remaining=remaining,
     )
+
+
+def baseline(reader: sa.Connection, run_id: int) -> RunBaseline | None:
+    """The baseline that a run was launched with; None without one."""
+    launched = baselines.of_run(reader, run_id)
+    if launched is None:
+        return None
+    asked, found = launched
+    if found is None:
+        return RunBaseline(asked=asked, run=None, sentence=baselines.none_found(asked))
+    name = run_name(found)
+    how = "" if asked == name else f", the newest run with the label {asked.removeprefix(baselines.LABEL)} at launch"
+    return RunBaseline(asked=asked, run=name, sentence=f"Baseline: {name}{how}.")
 
 
 def _plan(campaign: Campaign) -> list[StageSummary]:

@@ -1,4 +1,7 @@
-"""A run's campaign as a file: the original text with its comments, if it was submitted as text."""
+"""A run's campaign as a file: the original text with its comments, if it was submitted as text.
+
+The baseline is not part of it: it is added at launch.
+"""
 
 from __future__ import annotations
 
@@ -24,6 +27,6 @@ def text(reader: sa.Connection, run_id: int) -> str:
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
     document = reader.execute(of).scalar_one()
     try:
-        return to_yaml(load_document(document, run_name(run_id)))
+        return to_yaml(load_document(document, run_name(run_id)).model_copy(update={"baseline": None}))
     except CampaignError:  # stored by another version: returned unchanged, although this version cannot parse it
         return json.dumps(document, indent=2)

@@ -100,7 +100,10 @@ def _submission(body: bytes) -> service.Submission:
         return service.Submission(load_document(given.campaign, "request"), given, body)
     except ValidationError as error:
         found = error.errors(include_url=False, include_context=False)
-        wrong = [Problem(".".join(map(str, e["loc"])), _given(e), e["msg"]) for e in found[:MOST]]
+        wrong = [
+            Problem(".".join(map(str, e["loc"])), _given(e), e["msg"].removeprefix("Value error, "))
+            for e in found[:MOST]
+        ]
         raise bodies.invalid(CampaignError("request", wrong, len(found))) from None
     except CampaignError as error:
         raise bodies.invalid(error) from None

@@ -11,6 +11,7 @@ from backend.runs.outcomes import Outcome
 from backend.runs.schemas import Tags
 from campaigns.asked.values import Number, Path
 from campaigns.documents import JsonObject
+from campaigns.labels import Labels
 
 MOST = 50
 """Values of one sweep."""
@@ -25,6 +26,8 @@ class SweepSubmit(Given):
     values: Annotated[list[Number], Field(min_length=2, max_length=MOST, description="In the parameter's unit.")]
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None
+    labels: Labels = Field(default_factory=dict)
+    """Of every run."""
     priority: Annotated[int, Field(ge=-10, le=10)] = 0
 
     @field_validator("values")

@@ -135,6 +135,7 @@ def _queue(
         priority=given.priority,
         planned=sum(stage.planned for stage in plan(campaign)),
         catalogue=catalogue,
+        given=given.labels,
     )
 
 

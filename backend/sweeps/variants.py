@@ -40,6 +40,8 @@ def described(campaign: Campaign, path: str, catalogue: Catalogue) -> tuple[Para
 
 
 def _refused(campaign: Campaign, path: str, catalogue: Catalogue) -> Iterator[Problem]:
+    if campaign.baseline is not None:
+        yield Problem("campaign.baseline", campaign.baseline.run, "a sweep has no baseline; leave it out")
     known = parameters(campaign, catalogue)
     fixed = [name for name in known if name not in campaign.uncertain]
     if path in campaign.uncertain:

@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from campaigns.asked.distributions import Correlation, Uncertain
+from campaigns.asked.regression import Baseline, Policy
 from campaigns.asked.scenario import MAX_SEED, Part, Realisations, Scenario
 from campaigns.asked.stages import Search, Stages
 from campaigns.asked.values import (
@@ -195,6 +196,10 @@ class Campaign(Strict):
     """Omitted from the canonical form if empty, so campaigns without it keep their digests."""
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []
+    regression: Annotated[Policy, Field(exclude_if=lambda given: given.usual, json_schema_extra=_no_default)] = Policy()
+    """Omitted from the canonical form if usual, so campaigns without it keep their digests."""
+    baseline: Annotated[Baseline | None, _LEFT_OUT] = None
+    """Added by a launch with a baseline; its findings are evaluated after the nominal case."""
 
     @field_validator("uncertain")
     @classmethod

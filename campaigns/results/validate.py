@@ -153,3 +153,6 @@ class ValidateResult(StageResult, Described):
     incumbents: Annotated[list[Incumbent], Field(exclude_if=lambda given: not given)] = []
     """The best of every search, called again if the simulator does not repeat; omitted otherwise."""
     untraced: Untraced = {}
+    since: Annotated[list[str | None], Field(exclude_if=lambda given: not given)] = []
+    """The finding whose basin contains each case of the baseline, in their order; null if there is none; omitted
+    without a baseline."""

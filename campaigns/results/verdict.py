@@ -14,6 +14,7 @@ from pydantic import Field, computed_field, model_validator
 from campaigns.claims.codes import CheckCode
 from campaigns.claims.spans import Said, values, words
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
+from campaigns.results.regression import OptionalRegression
 from campaigns.results.sample import Noise, QuantileBound
 from campaigns.versions import Versions
 
@@ -121,6 +122,8 @@ class Verdict(Result):
     quantity: str = ""
     unit: str = ""
     provenance: Provenance = Provenance()
+    regression: OptionalRegression = None
+    """What has changed since the baseline; omitted without one."""
 
     @computed_field  # type: ignore[prop-decorator]
     @property

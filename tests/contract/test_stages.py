@@ -26,18 +26,24 @@ ASKED: dict[str, Any] = {
     "search": [{"method": "direct", "evaluations": 1}],
     "certify": {"samples": 1},
 }
+BASELINE = {
+    "run": "R-0001",
+    "digest": "0" * 64,
+    "threshold": 0.5,
+    "cases": [{"label": "F1", "parameters": {"vehicle.m": 6.0, "vehicle.J": 0.06}, "cost": 0.94}],
+}
 EACH = pytest.mark.parametrize("stage", declared().values(), ids=lambda s: s.kind)
 
 
 @EACH
 def test_a_plan_can_name_it(stage: Declared) -> None:
-    assert stage.kind in {planned.kind for planned in plan(campaign(stages=ASKED))}
+    assert stage.kind in {planned.kind for planned in plan(campaign(stages=ASKED, baseline=BASELINE))}
 
 
 @EACH
 def test_it_has_a_title_and_describes_itself_in_a_few_words(stage: Declared) -> None:
     assert stage.title
-    assert 0 < len(stage.description(campaign(stages=ASKED))) < 60
+    assert 0 < len(stage.description(campaign(stages=ASKED, baseline=BASELINE))) < 60
 
 
 @EACH
@@ -55,7 +61,9 @@ def test_its_result_is_read_as_its_own_type(stage: Declared) -> None:
 
 
 def test_every_stage_that_is_declared_can_be_run_and_no_other() -> None:
-    assert list(declared()) == [planned.kind for planned in dict.fromkeys(plan(campaign(stages=ASKED)))]
+    assert list(declared()) == [
+        planned.kind for planned in dict.fromkeys(plan(campaign(stages=ASKED, baseline=BASELINE)))
+    ]
     assert stages().keys() == declared().keys()
 
 

@@ -55,7 +55,7 @@ def commands() -> list[list[str]]:
 
 
 def test_the_campaign_can_be_run() -> None:
-    campaign = load_text(block("yaml"), "first-campaign.md")
+    campaign = load_text(block("yaml", "first-campaign.md"), "first-campaign.md")
     assert check(campaign, catalogue()) == []
     problem = Problem(campaign, compiled=False)
     corners = np.zeros(problem.dimension), np.ones(problem.dimension)

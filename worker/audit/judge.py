@@ -22,6 +22,7 @@ from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
 from worker.audit.recompute import FLOOR, Run, Tree
 from worker.audit.record import MISSING, Record, UnreadableError
+from worker.audit.regression import evaluated, regression
 
 AT_MOST, SPOT_CHECKS = 200, 200
 """The numbers of stored violations and of random evaluations that a run simulates again."""
@@ -134,6 +135,9 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
         rows[-1]["findings"] = [label for label in given["findings"] if label in known]
     checks = _checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
+    for k, planned in enumerate(run.plan):
+        if planned.kind == "baseline":
+            results[k] = evaluated(run, k)
     if run.calls.measures:
         results[0] = {"measured": run.calls.measured}
     if run.calls.noisy:
@@ -141,6 +145,8 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
         held = [{"position": k, "cost": run.best[k], "validation": {"cost": run.best[k]} | v} for k, v in best]
         last["incumbents"] = held
     expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
+    if run.campaign.baseline is not None:
+        expected["regression"] = regression(run)
     if not run.confirmed:
         expected["verdict"] = "cleared" if all(checks.values()) else "inconclusive"
     return expected

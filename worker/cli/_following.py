@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from campaigns.documents import JsonObject
-from worker.cli import CODES, INTERNAL, INTERRUPTED, UnreachableError, WrongInputError
+from worker.cli import UnreachableError, WrongInputError
+from worker.cli._ended import Ended, changes, write_files
 
 if TYPE_CHECKING:
+    from worker.cli._launch import Launch
     from worker.cli._remote import Remote
 
 FILES = {
@@ -40,6 +42,9 @@ Token = Annotated[
     ),
 ]  # fmt: skip
 Out = Annotated[Path | None, typer.Option(help=f"Folder for the run's files: {', '.join(FILES)}.", file_okay=False)]
+CONTINUES = "{run} continues in the background; `clearance follow {run}` follows it again"
+GRACE = 5.0
+"""How long to try to cancel a run when this command is ended [s]."""
 PATIENCE = 120.0
 Patience = Annotated[float, typer.Option(help="How long to retry while the service does not answer [s].", min=0.0)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print only the run's JSON, as the API returns it.")]
@@ -63,22 +68,69 @@ def token_of(file: str) -> str:
     return token
 
 
-def follow_to_the_end(service: Remote, run: str, out: Path | None, as_json: bool) -> int:
-    """Show a run until it has ended, save its files; returns the exit code."""
+def follow_to_the_end(
+    service: Remote,
+    run: str,
+    out: Path | None,
+    as_json: bool,
+    given: Launch | None = None,
+    reused: str | None = None,
+    cancel: bool = False,
+) -> int:
+    """Show a run until it has ended, save its files; returns the exit code.
+
+    given: the files of a CI job; reused: why the run is an earlier one; cancel: an interrupt cancels the run.
+    """
     try:
         document = _shown(service, run, quiet=as_json)
-    except (KeyboardInterrupt, UnreachableError):
-        typer.echo(f"{run} continues in the background; `clearance follow {run}` follows it again", err=True)
+    except KeyboardInterrupt:
+        typer.echo(_cancelled(service, run) if cancel else CONTINUES.format(run=run), err=True)
         raise
+    except UnreachableError:
+        typer.echo(CONTINUES.format(run=run), err=True)
+        raise
+    ended = _as_ended(service, document, reused)
     # Before the files, which the service may be unable to deliver.
-    typer.echo(json.dumps(document, indent=2) if as_json else "\n".join(_ended(service, document)))
+    typer.echo(json.dumps(document, indent=2) if as_json else "\n".join(_ended(service, document, ended)))
+    if given is not None:
+        write_files(ended, given)
     if out is not None:
         for name, path in FILES.items():
             service.save(path.format(run=run), out / name)
         typer.echo(f"Files in {out}", err=True)
-    if document["state"] == "done":
-        return CODES[document["verdict"]]
-    return INTERRUPTED if document["state"] == "cancelled" else INTERNAL
+    return ended.code
+
+
+def _cancelled(service: Remote, run: str) -> str:
+    """Cancel the run, before the CI service kills this command; returns what has happened."""
+    service.patience = min(service.patience, GRACE)
+    try:
+        service.cancel(run)
+    except (UnreachableError, WrongInputError) as error:
+        return f"{run} could not be cancelled: {error}"
+    return f"{run} was cancelled, because this command was ended"
+
+
+def _as_ended(service: Remote, document: JsonObject, reused: str | None) -> Ended:
+    """The run as its files state it; a service of an earlier version knows no labels and no baseline."""
+    from campaigns.results import Verdict
+
+    run, compared = document["id"], document.get("baseline")
+    started, finished = document["started"], document["finished"]
+    done = document["state"] == "done"
+    return Ended(
+        run=run,
+        campaign=document["campaign_name"],
+        state=document["state"],
+        verdict=Verdict.model_validate(document["summary"]) if done and document["summary"] else None,
+        error=document["error"] or "",
+        link=f"{service.address}/runs/{run}",
+        replay=f"clearance replay {run}",
+        labels=document.get("labels") or {},
+        notes=tuple(filter(None, [reused, compared and compared["sentence"]])),
+        seconds=0.0 if started is None or finished is None else finished - started,
+        compared=not compared or compared["run"] is not None,
+    )
 
 
 def _shown(service: Remote, run: str, quiet: bool) -> JsonObject:
@@ -113,11 +165,14 @@ def _counts(document: JsonObject) -> str:
     return f"Evaluations: {document['evaluations']:,}, {document['failed_evaluations']:,} failed{left_out}"
 
 
-def _ended(service: Remote, document: JsonObject) -> list[str]:
+def _ended(service: Remote, document: JsonObject, ended: Ended) -> list[str]:
     if document["state"] == "done":
         lines = [document["verdict"].capitalize(), document["reason"], _counts(document)]
     elif document["state"] == "cancelled":
         lines = ["Cancelled: no verdict"]
     else:
         lines = ["Failed: no verdict", document["error"] or "no reason is recorded"]
+    lines += ended.notes
+    if ended.verdict is not None:
+        lines += changes(ended.verdict)
     return [*lines, f"{service.address}/runs/{document['id']}"]

@@ -31,3 +31,17 @@ def deferred(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
         yield asked
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def terminated() -> Iterator[None]:
+    """SIGTERM, as CI services send it, interrupts as Ctrl-C does; for the main thread."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -5,6 +5,7 @@ Refusals are reported with the service's own message (RFC 9457). The client wait
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -20,6 +21,8 @@ from worker.cli import UnreachableError, WrongInputError
 PAUSE = 1.0
 """Time between two requests [s]."""
 _BUSY = (429, 502, 503, 504)
+SILENCE = 40.0
+"""A stream of events that is silent for longer has ended; the service sends a heartbeat every 15 s [s]."""
 LONGEST = 300.0
 """For a file that the service has to make first, such as a report [s]."""
 
@@ -58,12 +61,44 @@ class Remote:
         """The present state of a run."""
         return self._read(self._ask("GET", f"runs/{run}"))
 
+    def cancel(self, run: str) -> JsonObject:
+        """Cancel a run; one that has ended is unchanged."""
+        return self._read(self._ask("POST", f"runs/{run}/cancel"))
+
     def followed(self, run: str) -> Iterator[JsonObject]:
-        """The state of the run, repeatedly until it has ended."""
+        """The state of the run after every change until it has ended: its details at first and last, else its summary.
+
+        Changes are events of the service; while there is no stream of them, the run is read every `PAUSE`.
+        """
         while (document := self.run(run))["state"] in ACTIVE:
             yield document
-            time.sleep(PAUSE)
+            ended = False
+            for summary in self._events(run):
+                ended = summary is not None and summary["state"] not in ACTIVE
+                if ended or summary is None:  # after a heartbeat it is read again, should an event be missing
+                    break
+                yield summary
+            if not ended:
+                time.sleep(PAUSE)
         yield document
+
+    def _events(self, run: str) -> Iterator[JsonObject | None]:
+        """The summaries of the run as the service sends them; None at a heartbeat, and nothing once the stream ends."""
+        try:
+            with self._client.stream("GET", "events", params={"run": run}, timeout=SILENCE) as answer:
+                kind = answer.headers.get("content-type", "")
+                if answer.status_code != 200 or not kind.startswith("text/event-stream"):
+                    return
+                name = ""
+                for line in answer.iter_lines():
+                    if line.startswith(":"):
+                        yield None
+                    elif line.startswith("event:"):
+                        name = line.removeprefix("event:").strip()
+                    elif line.startswith("data:") and name == "run":
+                        yield json.loads(line.removeprefix("data:"))
+        except (httpx.TransportError, httpx.StreamError, ValueError):
+            return
 
     def sweep_followed(self, sweep: str) -> Iterator[JsonObject]:
         """The state of a sweep, repeatedly until every run of it has ended."""

@@ -23,6 +23,8 @@ from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.stages.plan import plan
 from worker.catalogue.installed import methods
+from worker.cli import _since
+from worker.cli._ended import changes
 from worker.runs.store import MemoryStore
 from worker.stages.parts.base import Tally
 
@@ -68,8 +70,11 @@ def print_report(
     verdict: Verdict,
     out: Path | None,
     cites: JsonObject | None = None,
+    note: str = "",
 ) -> None:
-    """Print the stages, the comparison of methods, the findings and the verdict."""
+    """Print the stages, the comparison of methods, the findings, the changes since a baseline, and the verdict.
+
+    note: the sentence on the baseline."""
     console = Console(width=None if sys.stdout.isatty() else 120)
     if cites is not None:
         named = f"{cites['as']} extends" if "as" in cites else "Continues"
@@ -85,9 +90,14 @@ def print_report(
     console.print(_checks(verdict))
     for line in _again(store):
         console.print(Text(line), soft_wrap=not console.is_terminal)
+    if note:
+        console.print(Text(note), soft_wrap=not console.is_terminal)
+    if verdict.regression is not None:
+        console.print(_since.table(verdict.regression))
     sign, word, colour = VERDICTS[verdict.verdict]
     console.print(Text(f"{sign} {word}", style=f"bold {colour}"))
-    console.print(Text(verdict.reason), soft_wrap=not console.is_terminal)
+    for line in [verdict.reason, *changes(verdict)]:
+        console.print(Text(line), soft_wrap=not console.is_terminal)
     if out is not None:
         console.print(Text(f"Results in {out}"))
 

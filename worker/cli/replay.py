@@ -68,6 +68,7 @@ def replay(
 def of_folder(folder: Path) -> Recorded:
     """The run that `clearance run --out` wrote."""
     from campaigns.results import Finding, earlier
+    from campaigns.results.baseline import BaselineResult
     from campaigns.results.nominal import Measured
     from worker.cli._results import read_folder, versions_of
     from worker.runs.continuation import CannotContinue
@@ -81,14 +82,17 @@ def of_folder(folder: Path) -> Recorded:
         kinds = [stage.plan.kind for stage in store.stages]
         results, findings = earlier.brought_up(kinds, results, stated["findings"])
         typed = [Finding.model_validate(found) for found in findings]
-        drawn = {at: int((result or {}).get("drawn_realisations") or 0) for at, result in enumerate(results)}
+        certified = {at: result or {} for at, result in enumerate(results) if (result or {}).get("stage") != "baseline"}
+        drawn = {at: int(result.get("drawn_realisations") or 0) for at, result in certified.items()}
+        baselines = {at: BaselineResult.model_validate(r) for at, r in enumerate(results) if at not in certified}
         measured = (results[0] or {}).get("measured") if results else None
         noise = None if measured is None else Measured.model_validate(measured)
     except (CannotContinue, OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise WrongInputError(f"{folder} cannot be replayed: {error}") from None
     chunks = {at: columns for at in store.chunks if (columns := store.evaluations(at)) is not None}
     plans = [stage.plan for stage in store.stages]
-    return Recorded(campaign, plans, chunks, typed, versions_of(folder), drawn=drawn, measured=noise)
+    seeds = {at: result.seeds for at, result in baselines.items()}
+    return Recorded(campaign, plans, chunks, typed, versions_of(folder), drawn=drawn, measured=noise, seeds=seeds)
 
 
 def of_database(connection: sa.Connection, run_id: int) -> Recorded:
@@ -98,6 +102,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
     from campaigns import CampaignError
     from campaigns.asked.load import load_document
     from campaigns.results import CertifyResult, NominalResult
+    from campaigns.results.baseline import BaselineResult
     from campaigns.runs import run_name
     from worker.runs.replay import Recorded
 
@@ -119,6 +124,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
         codes.modules(connection, versions.code),
         drawn,
         next((s.result.measured for s in stages if isinstance(s.result, NominalResult)), None),
+        {at: s.result.seeds for at, s in enumerate(stages) if isinstance(s.result, BaselineResult)},
     )
 
 

@@ -1,11 +1,13 @@
 """`clearance run FILE`: runs a campaign locally, without a service, to its verdict.
 
-The exit code is the verdict: 0 cleared, 1 violated, 2 inconclusive.
+The exit code is the verdict: 0 cleared, 1 violated, 2 inconclusive; with a baseline, the campaign's policy may change
+it (`worker.cli._ended`).
 """
 
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
@@ -13,10 +15,12 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from campaigns.documents import JsonObject
-from worker.cli import CODES, UnreachableError, WrongInputError
+from worker.cli import UnreachableError, WrongInputError
 from worker.cli import _code as code
 from worker.cli import _evaluator as evaluators
 from worker.cli import _interrupt as interrupt
+from worker.cli import _launch as launch
+from worker.cli._ended import Ended, write_files
 from worker.cli._out import writable
 from worker.cli._where import DATA, Data, Database
 
@@ -52,14 +56,20 @@ def run(
     database: Database = "",
     evaluator: evaluators.Evaluator = "",
     allow_code: code.AllowCode = False,
+    label: launch.Label = None,
+    baseline: launch.Baseline = "",
+    junit: launch.Junit = None,
+    markdown: launch.Summary = None,
 ) -> None:  # fmt: skip
     """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.runs import sources as sources  # first: it records the files before they are loaded
 
-    _asked_right(file, onward, budget)
+    _asked_right(file, onward, budget, bool(label or baseline))
     writable(out)
+    given = launch.Launch.read(label, baseline, junit, markdown)
     evaluators.use(evaluator)
     execute = _executing(threads or None, quiet=as_json, evaluator=evaluator)
+    note = ""
     if onward:
         from worker.cli._continue import execute_continued
 
@@ -67,9 +77,11 @@ def run(
         campaign, store, verdict, cites = execute_continued(onward, budget, data, database, execute)
     else:
         assert file is not None
-        campaign, store, verdict = _fresh(file, execute, allow_code)
+        asked, note = _asked(file, allow_code, given.baseline, data, database)
+        campaign, store, verdict = _fresh(file, asked, execute)
         cites = None
     result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {}) | code.stated(campaign)
+    result |= ({"labels": given.labels} if given.labels else {}) | ({"baseline": note} if note else {})
     if out is not None:
         from worker.cli._results import write_evidence, write_results
 
@@ -81,11 +93,31 @@ def run(
     else:
         from worker.cli._report import print_report
 
-        print_report(campaign, store, verdict, out, cites)
-    raise typer.Exit(CODES[verdict.verdict])
+        print_report(campaign, store, verdict, out, cites, note)
+    ended = _ended(campaign, store, verdict, out, given, note)
+    write_files(ended, given)
+    raise typer.Exit(ended.code)
 
 
-def _asked_right(file: Path | None, onward: str, budget: str) -> None:
+def _ended(
+    campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, given: launch.Launch, note: str
+) -> Ended:
+    return Ended(
+        run="" if out is None else str(out),
+        campaign=campaign.name,
+        state="done",
+        verdict=verdict,
+        replay="" if out is None else f"clearance replay {shlex.quote(str(out))}",
+        labels=given.labels,
+        notes=(note,) if note else (),
+        seconds=sum(stage.seconds for stage in store.stages),
+        compared=campaign.baseline is not None or not given.baseline,
+    )
+
+
+def _asked_right(file: Path | None, onward: str, budget: str, launched: bool) -> None:
+    if onward and launched:
+        raise WrongInputError("an extended run has the labels and the baseline of the earlier one: give neither")
     if onward and file is not None:
         raise WrongInputError("give either a campaign or --continue RUN, not both")
     if not onward and file is None:
@@ -94,13 +126,22 @@ def _asked_right(file: Path | None, onward: str, budget: str) -> None:
         raise WrongInputError("--continue RUN and --budget +N belong together: give both")
 
 
-def _fresh(file: Path, execute: Execute, allow_code: bool) -> tuple[Campaign, MemoryStore, Verdict]:
+def _asked(file: Path, allow_code: bool, baseline: str, data: Path, database: str) -> tuple[Campaign, str]:
+    """The campaign of the file with its baseline, and the sentence that states it."""
+    campaign = code.read(file, allow_code)
+    if not baseline:
+        return campaign, ""
+    from worker.cli._baseline import compared
+
+    return compared(campaign, baseline, data, database)
+
+
+def _fresh(file: Path, campaign: Campaign, execute: Execute) -> tuple[Campaign, MemoryStore, Verdict]:
     from campaigns import CampaignError, check
     from worker.catalogue.installed import catalogue
     from worker.runs.store import MemoryStore
     from worker.systems.base import CampaignUnusable
 
-    campaign = code.read(file, allow_code)
     if problems := check(campaign, catalogue()):
         if any(problem.field == "simulator.name" for problem in problems):
             _report_unusable()
@@ -141,6 +182,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObj
         "evaluations": parts["evaluations"],
         "checks": [check.model_dump() for check in verdicts.described(verdict.checks, failed)],
         "statistics": parts["statistics"],
+        **({"regression": parts["regression"]} if "regression" in parts else {}),
         "findings": [finding.model_dump() for finding in store.findings],
         "digest": campaign.digest,
         "seed": campaign.seed,

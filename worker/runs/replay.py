@@ -48,6 +48,8 @@ class Recorded:
     modules: Mapping[str, str] = field(default_factory=dict)
     drawn: Mapping[int, int] = field(default_factory=dict)
     measured: Measured | None = None
+    seeds: Mapping[int, Sequence[int]] = field(default_factory=dict)
+    """Of the first evaluations of a stage, by position, that have those of a baseline."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +144,8 @@ def _case(recorded: Recorded, problem: Problem, name: str) -> Case:
         raise UnknownCase(f"stage {asked[1]} has {count(held)} evaluations, counted from 0; there is no {index}")
     plan, draws = recorded.plans[position], recorded.drawn.get(position, 0)
     seed = int(of_draws(recorded.campaign.seed, index, 1)[0]) if index < draws else None
+    own = recorded.seeds.get(position, ())
+    seed = own[index] if index < len(own) else seed
     vector = problem.vectors(columns.points[index : index + 1])[0]
     status, costs = int(columns.status[index]), np.array(columns.costs[index], dtype=np.float64)
     said = f"evaluation {index} of {plan.method or plan.kind}"

@@ -14,6 +14,7 @@ import numpy as np
 from campaigns import Campaign
 from campaigns.results import CertifyResult, NominalResult, SearchResult, ValidateResult, Verdict
 from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.baseline import BaselineResult
 from campaigns.stages.plan import plan
 from worker.opening import opened
 from worker.problem.evaluate import InProcess
@@ -85,6 +86,7 @@ def _evidence(context: Context) -> Evidence:
     return Evidence(
         nominal=_of(context, NominalResult)[0],
         searches=_of(context, SearchResult),
+        baseline=next(iter(_of(context, BaselineResult)), None),
         certificate=next(iter(_of(context, CertifyResult)), None),
         validation=_of(context, ValidateResult)[0],
         finding=findings[0] if findings else None,

@@ -16,6 +16,7 @@ from campaigns.claims.say import Part, case, joined, listed, say
 from campaigns.claims.spans import Said
 from campaigns.results import Finding, SensitivityResult, ValidateResult
 from campaigns.results.base import OK
+from campaigns.results.baseline import BaselineResult, Reevaluated
 from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.sensitivity import Curve
 from campaigns.results.validate import Gathered
@@ -66,8 +67,35 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         encounter=encounter(context, position, system.trace("nominal", {}) if flies else None, _curves(context, named)),
         incumbents=best,
         untraced=untraced,
+        since=_since(context, named, found, basins),
     )
     return Outcome(result, named, tuple(t for t in flights if t is not None))
+
+
+def _since(
+    context: Context, named: Sequence[Finding], found: findings.Found, labels: Sequence[str]
+) -> list[str | None]:
+    """The finding whose basin contains each case of the baseline; labels: those of the basins."""
+    results = [result for result in context.results.values() if isinstance(result, BaselineResult)]
+    distance = context.campaign.stages.findings.distance
+    return [_matching(case, named, found, labels, distance) for result in results for case in result.cases]
+
+
+def _matching(
+    case: Reevaluated, named: Sequence[Finding], found: findings.Found, labels: Sequence[str], distance: float
+) -> str | None:
+    """The stored evaluation itself, one with the same noise at the same place, or the basin that its descent ended
+    in."""
+    if case.cost is None:
+        return None
+    point = np.array(case.point)
+    for finding in named:
+        same = case.realisation == finding.realisation
+        apart = float(np.abs(np.array(finding.point) - point).max())
+        if same and (apart == 0.0 or (case.realisation is not None and apart < distance)):
+            return finding.label
+    basin = found.basin_at(point)
+    return None if basin is None else labels[basin]
 
 
 Traces = tuple[list[Trace | None], dict[str, str]]

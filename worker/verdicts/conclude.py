@@ -16,6 +16,7 @@ from worker.problem.problem import Problem
 from worker.verdicts.checks import checks
 from worker.verdicts.evidence import Evidence
 from worker.verdicts.probability import statistics
+from worker.verdicts.regression import regression
 from worker.verdicts.sentence import method_of, scope, sentence
 
 
@@ -44,6 +45,7 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
         quantity=problem.quantity,
         unit=problem.unit,
         provenance=Provenance(**versions.model_dump(), digest=campaign.digest, seed=campaign.seed),
+        regression=regression(problem, evidence),
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, ValidateResult
+from campaigns.results.baseline import BaselineResult
 from campaigns.results.sample import Sample
 from campaigns.results.validate import Encounter, Gathered, SpotChecks, Violations
 
@@ -34,6 +35,7 @@ class Evidence:
     certificate: CertifyResult | None = None
     others: Sequence[Finding] = ()
     """The findings that are not the worst."""
+    baseline: BaselineResult | None = None
 
     @property
     def succeeded(self) -> int:

@@ -31,6 +31,7 @@ import { SampleCard } from './sample/SampleCard'
 import { type Section, SectionTabs } from '../ui/SectionTabs'
 import { SensitivityCard as Sensitivity } from './parameters/SensitivityCard'
 import { SeparationCard } from './flight/SeparationCard'
+import { SinceCard } from './regression/SinceCard'
 import { StageStrip } from './search/StageStrip'
 import { Untraced } from './flight/Untraced'
 import { Tornado } from './parameters/Tornado'
@@ -90,6 +91,7 @@ export function Finished({ data }: { data: RunData }) {
   const sections: Section[] = [
     ...(drawn ? [{ id: 'flight', name: leavesGround(data) ? 'Flight' : '3D view' }] : []),
     ...(data.findings.length ? [{ id: 'findings', name: 'Findings', count: data.findings.length }] : []),
+    ...(run.baseline ? [{ id: 'since', name: 'Since the baseline', count: run.summary?.regression?.cases.length }] : []),
     ...(flown ? [{ id: 'separation', name: 'Separation' }] : []),
     ...(timed ? [{ id: 'motion', name: flies ? 'Speeds and commands' : 'Trace' }] : []),
     ...(sensitivity ? [{ id: 'sensitivity', name: 'Sensitivity', count: sensitivity.curves.length }] : []),
@@ -138,6 +140,7 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {!flies && drawn && <Untraced data={data} className="c12" />}
         {data.findings.length > 0 && <FindingsCard data={data} result={validation} className="c12" />}
+        {run.baseline && <SinceCard data={data} className="c12" />}
         {flown && (
           <SeparationCard data={data} onCross={cross} standing={view} whatIf={other} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
         )}

@@ -1,4 +1,4 @@
-// The filters of the list: outcome chips with their counts, search, campaign, tag, method, user, date; all in the address.
+// The filters of the list: outcome chips with their counts, search, campaign, tag, label, method, user, date; all in the address.
 import { IconPinned, IconTrash } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { facetsQuery } from '../api/queries'
@@ -44,6 +44,9 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
           onChange={(campaign) => onChange({ campaign })}
         />
         <FilterMenu name="Tag" options={facets?.tags ?? []} value={search.tag} onChange={(tag) => onChange({ tag })} />
+        {(facets?.labels.length || search.label) && (
+          <FilterMenu name="Label" options={facets?.labels ?? []} value={search.label} onChange={(label) => onChange({ label })} />
+        )}
         <FilterMenu
           name="Found by"
           options={facets?.methods ?? []}

@@ -26,6 +26,7 @@ interface RunTableProps {
   sort: Sort
   onSort: (sort: Sort) => void
   onTag: (tag: string) => void
+  onLabel: (label: string) => void
   marked: ReadonlySet<string>
   onMark: (ids: readonly string[], on: boolean) => void
   /** Whether the list shows removed runs. */
@@ -34,7 +35,7 @@ interface RunTableProps {
   loading: boolean
 }
 
-export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMark, removed, more, loading }: RunTableProps) {
+export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, marked, onMark, removed, more, loading }: RunTableProps) {
   const now = useNow(10_000)
   const [holder, width] = useWidth(1392)
   const body = useRef<HTMLTableSectionElement>(null)
@@ -50,12 +51,18 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMar
 
   const mark = useRef((id: string, on: boolean) => onMark([id], on))
   const tag = useRef(onTag)
+  const label = useRef(onLabel)
   useEffect(() => {
     mark.current = (id, on) => onMark([id], on)
     tag.current = onTag
+    label.current = onLabel
   })
   const stable = useMemo(
-    () => ({ onMark: (id: string, on: boolean) => mark.current(id, on), onTag: (name: string) => tag.current(name) }),
+    () => ({
+      onMark: (id: string, on: boolean) => mark.current(id, on),
+      onTag: (name: string) => tag.current(name),
+      onLabel: (name: string) => label.current(name),
+    }),
     [],
   )
   return (

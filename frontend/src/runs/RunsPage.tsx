@@ -65,6 +65,7 @@ export function RunsPage() {
               sort={search.sort ?? '-created'}
               onSort={(sort) => set({ sort: sort === '-created' ? undefined : sort })}
               onTag={(tag) => set({ tag: [tag] })}
+              onLabel={(label) => set({ label: [label] })}
               marked={marked}
               onMark={mark}
               removed={search.removed === true}

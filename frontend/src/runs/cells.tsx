@@ -76,21 +76,37 @@ export function Margin({ run, context }: { run: RunSummary; context: CellContext
   )
 }
 
-/** The tags that fit into the column, at least one; widths are estimated from the number of letters. */
-function fitting(tags: readonly string[]): readonly string[] {
-  let room = 26
-  const most = tags.findIndex((tag) => (room -= tag.length + 3) < 0)
-  return most < 0 ? tags : tags.slice(0, Math.max(1, most))
+/** Tags and labels of a run as words; what a click on one shows. */
+type Word = { text: string; title: string; show: () => void }
+
+/** Those that fit into the column, at least one; widths are estimated from the number of letters. */
+function fitting(all: readonly Word[]): readonly Word[] {
+  const within = (room: number) => all.findIndex(({ text }) => (room -= text.length + 3) < 0)
+  // Where some are left out, their number needs room, too.
+  return within(26) < 0 ? all : all.slice(0, Math.max(1, within(22)))
 }
 
-export function Tags({ run, onTag }: { run: RunSummary; onTag: (tag: string) => void }) {
-  const shown = fitting(run.tags)
-  const more = run.tags.slice(shown.length)
+interface TagsProps {
+  run: RunSummary
+  onTag: (tag: string) => void
+  onLabel: (label: string) => void
+}
+
+export function Tags({ run, onTag, onLabel }: TagsProps) {
+  const all: Word[] = [
+    ...run.tags.map((tag) => ({ text: tag, title: `Show runs tagged ${tag}`, show: () => onTag(tag) })),
+    ...Object.entries(run.labels).map(([key, value]) => {
+      const text = `${key}=${value}`
+      return { text, title: `Show runs with the label ${text}`, show: () => onLabel(text) }
+    }),
+  ]
+  const shown = fitting(all)
+  const more = all.slice(shown.length).map(({ text }) => text)
   return (
     <span className="cut">
-      {shown.map((tag) => (
-        <button key={tag} type="button" className="tag" onClick={() => onTag(tag)} title={`Show runs tagged ${tag}`}>
-          {tag}
+      {shown.map(({ text, title, show }) => (
+        <button key={text} type="button" className="tag" onClick={show} title={title}>
+          {text}
         </button>
       ))}
       {more.length > 0 && (

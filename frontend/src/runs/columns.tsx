@@ -16,6 +16,7 @@ export interface CellContext {
   units: boolean
   now: number
   onTag: (tag: string) => void
+  onLabel: (label: string) => void
 }
 
 /** Common properties of the rows, for the headers. */
@@ -198,7 +199,7 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     head: named('Tags'),
     width: 176,
     sort: 'tags',
-    cell: (run, { onTag }) => <Tags run={run} onTag={onTag} />,
+    cell: (run, { onTag, onLabel }) => <Tags run={run} onTag={onTag} onLabel={onLabel} />,
   },
   {
     key: 'duration',

@@ -31,7 +31,7 @@ const text = (html: string) => html.replace(/<[^>]+>/g, '').replaceAll('\u202f',
 const figures = (run: RunDetail) => renderToStaticMarkup(<FiveFigures data={{ run, campaign: asCampaign(run.campaign), findings: [] }} />)
 const cell = (key: string, run: RunDetail) => {
   const column = COLUMNS.find((c) => c.key === key)
-  return renderToStaticMarkup(<>{column?.cell(run, { units: false, now: 0, onTag: () => undefined })}</>)
+  return renderToStaticMarkup(<>{column?.cell(run, { units: false, now: 0, onTag: () => undefined, onLabel: () => undefined })}</>)
 }
 
 it('counts the same in figures, strip, list and table', () => {

@@ -18,6 +18,14 @@ it('reads what it knows and leaves out the rest', () => {
   expect(readSearch({ q: '', show: 'odd', tag: [], days: 3, since: '2026-13-40', until: 'x', pinned: 1, sort: 'colour' })).toEqual({})
 })
 
+it('reads labels and leaves out what is none', () => {
+  expect(readSearch({ label: ['branch=main', 'branch', '=x', 'k=', 7] })).toEqual({ label: ['branch=main'] })
+  expect(readSearch({ label: 'branch=main' })).toEqual({ label: ['branch=main'] })
+  expect(readSearch({ label: 'main' })).toEqual({})
+  expect(filterOf({ label: ['branch=main'] })).toEqual({ label: ['branch=main'] })
+  expect(isNarrowed({ label: ['branch=main'] })).toBe(true)
+})
+
 it('keeps a choice of no columns at all', () => {
   expect(readSearch({ cols: '' })).toEqual({ cols: [] })
 })

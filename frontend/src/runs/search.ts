@@ -37,6 +37,8 @@ export interface RunsSearch {
   tag?: string[]
   owner?: string[]
   method?: string[]
+  /** Labels as key=value. */
+  label?: string[]
   /** Submitted today, or in the last days. */
   days?: Days
   /** Days as 2026-11-20, both included. */
@@ -52,7 +54,7 @@ export interface RunsSearch {
 }
 
 /** The filters of the list; clearing them keeps order and columns. */
-export const NARROWING = ['q', 'show', 'campaign', 'tag', 'owner', 'method', 'days', 'since', 'until', 'pinned', 'removed'] as const
+export const NARROWING = ['q', 'show', 'campaign', 'tag', 'owner', 'method', 'label', 'days', 'since', 'until', 'pinned', 'removed'] as const
 export const CLEARED = Object.fromEntries(NARROWING.map((key) => [key, undefined])) as Partial<RunsSearch>
 
 export const isNarrowed = (search: RunsSearch): boolean => NARROWING.some((key) => search[key] !== undefined)
@@ -65,6 +67,10 @@ function words(value: unknown): string[] | undefined {
   const found = (Array.isArray(value) ? value : [value]).flatMap((item) => text(item) ?? [])
   return found.length ? [...new Set(found)] : undefined
 }
+
+/** Those that can be labels, key=value. */
+const pairs = (value: unknown): unknown[] =>
+  (Array.isArray(value) ? value : [value]).filter((item) => typeof item === 'string' && /^[^=]+=./.test(item))
 
 const isSort = (value: string | undefined): value is Sort =>
   value !== undefined && SORTS.some((sort) => value === sort || value === `-${sort}`)
@@ -91,6 +97,7 @@ export function readSearch(search: Record<string, unknown>): RunsSearch {
     tag: words(search.tag),
     owner: words(search.owner),
     method: words(search.method),
+    label: words(pairs(search.label)),
     days: DAYS.find((days) => days === Number(search.days)),
     since: date(search.since),
     until: date(search.until),
@@ -114,11 +121,11 @@ function midnight(day: string | Date, later = 0): number {
 }
 
 export function filterOf(search: RunsSearch, now = Date.now()): RunFilter {
-  const { q, show, campaign, tag, owner, method, days, since, until, pinned, removed, sort } = search
+  const { q, show, campaign, tag, owner, method, label, days, since, until, pinned, removed, sort } = search
   const filter: RunFilter = {}
   if (q) filter.q = q
   if (sort) filter.sort = sort
-  Object.assign(filter, campaign && { campaign }, tag && { tag }, owner && { owner }, method && { method })
+  Object.assign(filter, campaign && { campaign }, tag && { tag }, owner && { owner }, method && { method }, label && { label })
   if (pinned) filter.pinned = true
   if (removed) filter.removed = true
   if (days) filter.since = midnight(new Date(now - (days - 1) * DAY))

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from campaigns.results.base import OK
+from campaigns.results.baseline import BaselineResult
 from campaigns.results.finding import Neighbours
 from worker.search.base import Batch, Search, Space
 from worker.search.parts.basins import Basin, Rules, distinct, promising
@@ -74,6 +75,11 @@ class Found:
         wanted = {i for i, c in enumerate(self.candidates) if c.position == position and c.cost == cost}
         return next((i for i, basin in enumerate(self.basins) if wanted & set(basin.members)), None)
 
+    def basin_at(self, point: Floats) -> int | None:
+        """The basin in which a candidate at this point ended; None if there is none, or if it is in no listed basin."""
+        wanted = {i for i, c in enumerate(self.candidates) if np.array_equal(c.point, point)}
+        return next((i for i, basin in enumerate(self.basins) if wanted & set(basin.members)), None)
+
     def minima_of(self, position: int) -> dict[int, int]:
         """The basin of each of a stage's own minima that is in a listed basin, by the index of the minimum."""
         mine = {i: c.minimum for i, c in enumerate(self.candidates) if c.position == position and c.minimum is not None}
@@ -131,15 +137,17 @@ def _search(context: Context, position: int, found: Found) -> Search:
 
 
 def gather(context: Context, position: int) -> list[Candidate]:
-    """The candidates of all stages before this one, the lowest first; the best of every stage is among them."""
+    """The candidates of all stages before this one, the lowest first; the best of every stage is among them, and every
+    finding of a baseline."""
     found: list[Candidate] = []
     best: list[Candidate] = []
     searched = context.searched
     for at, columns in seeds.stated(context, range(position)):
         ranked = _ranked(columns)
-        rows = [int(i) for i in promising(columns.points, ranked, EACH)]
-        mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at) for i in rows]
-        best += mine[:1]
+        known = isinstance(context.results.get(at), BaselineResult)  # every finding of a baseline is followed
+        rows = np.flatnonzero(np.isfinite(ranked)) if known else promising(columns.points, ranked, EACH)
+        mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at) for i in map(int, rows)]
+        best += mine if known else mine[:1]
         found += mine
         if at in searched:
             found += [Candidate(np.array(m.point), m.cost, at, i) for i, m in enumerate(searched[at].minima)]

@@ -1,6 +1,7 @@
 """The noise realisation of each evaluation, if a stage draws one per evaluation.
 
-It is computed from the campaign's seed and the evaluation's index, so it is never stored: the highest bits of
+It is that of the baseline's finding, or computed from the campaign's seed and the evaluation's index, so it is never
+stored with the evaluation: the highest bits of
 SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
 """
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from campaigns.asked.spec import MAX_SEED
 from campaigns.results import CertifyResult
+from campaigns.results.baseline import BaselineResult
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.store import Columns
 from worker.systems.base import Seeds
@@ -39,14 +41,21 @@ def stated(context: Context, positions: Iterable[int]) -> list[tuple[int, Column
 def drawn(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns, Seeds]]:
     """The evaluations of these stages that drew their own realisation, with its seed."""
     found = [(at, columns, _drawn(context, at)) for at, columns in all_columns(context, [*positions])]
-    seed = context.campaign.seed
-    return [(at, _rows(columns, 0, count), of_draws(seed, 0, count)) for at, columns, count in found if count]
+    return [(at, _rows(columns, 0, count), _seeds(context, at, count)) for at, columns, count in found if count]
+
+
+def _seeds(context: Context, position: int, drawn: int) -> Seeds:
+    """The seeds of a stage's first evaluations: those of the baseline's findings, or drawn."""
+    result = context.results.get(position)
+    if isinstance(result, BaselineResult):
+        return np.array(result.seeds, dtype=np.int64)
+    return of_draws(context.campaign.seed, 0, drawn)
 
 
 def _drawn(context: Context, position: int) -> int:
     """The number of a stage's first evaluations that drew their own realisation."""
     result = context.results.get(position)
-    return result.drawn_realisations if isinstance(result, CertifyResult) else 0
+    return result.drawn_realisations if isinstance(result, BaselineResult | CertifyResult) else 0
 
 
 def _rows(columns: Columns, first: int, last: int | None) -> Columns:

@@ -36,6 +36,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
             <VerdictBadge outcome={outcomeOf(run)} />
           </span>
           <Tags tags={run.tags} />
+          <Labels labels={run.labels} />
           {run.removed === null && <EditRun run={run} />}
           <span className="small mut nw" title={moment(run.created)}>
             {dayAndClock(run.created)}, {run.owner}
@@ -51,6 +52,22 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
               <Link to="/runs/$id" params={{ id: run.continues }} className="mono">
                 {run.continues}
               </Link>
+            </span>
+          )}
+          {run.baseline?.run && (
+            <span className="small nw">
+              Baseline{' '}
+              <Link to="/runs/$id" params={{ id: run.baseline.run }} className="mono">
+                {run.baseline.run}
+              </Link>
+              {run.summary?.regression?.ok === false && (
+                <>
+                  :{' '}
+                  <a href="#since" className="bad-t b">
+                    the policy fails
+                  </a>
+                </>
+              )}
             </span>
           )}
         </div>
@@ -72,6 +89,21 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
         {ran === run.id && <Cancel run={run} />}
       </div>
     </div>
+  )
+}
+
+/** What the launch knew of the run; each leads to the runs with the same. */
+function Labels({ labels }: { labels: RunDetail['labels'] }) {
+  const pairs = Object.entries(labels)
+  if (pairs.length === 0) return null
+  return (
+    <span data-testid="labels" className={runStyles.labels}>
+      {pairs.map(([key, value]) => (
+        <Link key={key} to="/runs" search={{ label: [`${key}=${value}`] }} className="tag" title={`Show runs with the label ${key}=${value}`}>
+          <span className="mut">{key}</span>&nbsp;{value}
+        </Link>
+      ))}
+    </span>
   )
 }
 

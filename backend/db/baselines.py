@@ -1,0 +1,114 @@
+"""The run that a launch is compared with: named, or the newest one with a label. Start reading at `resolved`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import sqlalchemy as sa
+
+from backend.db import continuation, labels
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Finding, Run, RunBaseline
+from campaigns.asked.load import load_document
+from campaigns.asked.problem import CampaignError
+from campaigns.asked.spec import Campaign
+from campaigns.labels import pair
+from campaigns.results.baselines import CannotCompare, same_question, with_baseline
+from campaigns.runs import ENDED, run_name, run_number
+
+LABEL = "label:"
+HOW = "give a run such as R-0001, or label:KEY=VALUE for the newest run of the same campaign with that label"
+LONGEST = 300
+"""Characters of a request for a baseline."""
+LOOKED_AT = 500
+"""Runs of the campaign with a label that are examined, the newest first."""
+
+
+class Resolved(NamedTuple):
+    """A campaign with its baseline."""
+
+    campaign: Campaign
+    run_id: int | None
+    """None if no run has the label; the campaign has no baseline then."""
+    sentence: str
+    given: str = ""
+    """What was asked for."""
+
+
+def resolved(reader: sa.Connection, asked: Campaign, given: str) -> Resolved:
+    """The campaign with the baseline that was asked for; raises `CannotCompare` with a sentence if there is none.
+
+    A label that no run has is no error: the first run of a branch has no baseline, which the sentence states.
+    """
+    if given.startswith(LABEL):
+        return _labelled(reader, asked, given)
+    run_id = run_number(given)
+    if run_id is None:
+        raise CannotCompare(f"invalid baseline {given[:60]!r}: {HOW}")
+    other = _campaign(reader, run_id)
+    return _compared(reader, asked, run_id, other, f"Baseline: {run_name(run_id)}.")
+
+
+def of_run(reader: sa.Connection, run_id: int) -> tuple[str, int | None] | None:
+    """What a run was launched with: the request and the number of the baseline; None without one."""
+    query = sa.select(RunBaseline.asked, RunBaseline.baseline).where(RunBaseline.run_id == run_id)
+    row = reader.execute(query).one_or_none()
+    return None if row is None else (row.asked, row.baseline)
+
+
+def store(writer: sa.Connection, run_id: int, asked: str, baseline: int | None) -> None:
+    """Store what a new run was launched with."""
+    writer.execute(sa.insert(RunBaseline).values(run_id=run_id, asked=asked[:LONGEST], baseline=baseline))
+
+
+def none_found(given: str) -> str:
+    """The sentence of a label that no run has."""
+    return (
+        f"No baseline: no run of this campaign that has ended with findings has the label "
+        f"{given.removeprefix(LABEL)}. Nothing was compared; the verdict alone decides."
+    )
+
+
+def _labelled(reader: sa.Connection, asked: Campaign, given: str) -> Resolved:
+    try:
+        wanted = pair(given.removeprefix(LABEL))
+    except ValueError as error:
+        raise CannotCompare(f"invalid baseline {given[:60]!r}: {error}") from None
+    found = sa.exists().where(Finding.run_id == Run.id)
+    ended = (Run.state.in_(ENDED), Run.removed.is_(None), Run.purged.is_(None), found)
+    named = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == asked.name))
+    of = sa.select(Run.id).where(*ended, named, *labels.conditions([wanted]))
+    query = of.order_by(Run.id.desc()).limit(LOOKED_AT)
+    for run_id in reader.scalars(query).all():
+        try:
+            other = _campaign(reader, run_id)
+        except CannotCompare:  # one of another version of Clearance
+            continue
+        if same_question(asked, other):
+            said = f"Baseline: {run_name(run_id)}, the newest run with the label {'='.join(wanted)}."
+            return _compared(reader, asked, run_id, other, said)
+    return Resolved(asked, None, none_found(given), given)
+
+
+def _compared(reader: sa.Connection, asked: Campaign, run_id: int, other: Campaign, said: str) -> Resolved:
+    found = continuation.findings(reader, run_id)
+    return Resolved(with_baseline(asked, run_name(run_id), other, found), run_id, said)
+
+
+def _campaign(reader: sa.Connection, run_id: int) -> Campaign:
+    name = run_name(run_id)
+    state = continuation.state(reader, run_id)
+    if state is None:
+        raise CannotCompare(f"{name} cannot be the baseline: there is no such run")
+    if reader.scalar(sa.select(Run.purged).where(Run.id == run_id)) is not None:
+        raise CannotCompare(f"{name} cannot be the baseline: its results were permanently deleted")
+    if continuation.is_removed(reader, run_id):
+        raise CannotCompare(f"{name} cannot be the baseline: it was removed; restore it on its page, or give another")
+    if state[0] not in ENDED:
+        raise CannotCompare(
+            f"{name} cannot be the baseline: it is {state[0]}; wait until it has ended, or give another"
+        )
+    try:
+        return load_document(state[1], name)
+    except CampaignError as error:
+        raise CannotCompare(f"{name} cannot be the baseline: its campaign is of another version: {error}") from None

@@ -1,0 +1,47 @@
+"""The changes since the baseline, as rows of a report."""
+
+from __future__ import annotations
+
+from backend.reports.held import Held
+from campaigns.claims import numbers
+from campaigns.claims.numbers import NONE
+from campaigns.claims.say import say
+from campaigns.results.regression import Standing
+
+
+def changes(held: Held) -> dict[str, object] | None:
+    """The comparison with the baseline, or the sentence that says why there is none; None without a baseline."""
+    regression = None if held.verdict is None else held.verdict.regression
+    if regression is None:
+        asked = held.run.baseline
+        if asked is None:
+            return None
+        told = (
+            asked.sentence
+            if asked.run is None
+            else f"{asked.sentence} The run has no verdict, so nothing was compared."
+        )
+        return {"run": asked.run or "", "cases": [], "said": say(told), "lost": []}
+    decimals = numbers.decimals_for(
+        [m for c in regression.cases for m in (c.margin_before, c.margin_again, c.margin)], 5
+    )
+    changes = [c.change for c in regression.cases if c.change]
+    # A change that is not 0 is not printed as 0, down to a millionth.
+    smallest = min(6, max([3, *(numbers.decimals_for([change], 2) for change in changes)]))
+    rows = [
+        {
+            "standing": str(case.standing),
+            "fails": case.fails,
+            "violates": case.margin is not None and case.margin <= 0,
+            "before": case.before or NONE,
+            "now": case.now or NONE,
+            "margin_before": numbers.difference(case.margin_before, decimals),
+            "margin_again": numbers.difference(case.margin_again, decimals),
+            "margin": numbers.difference(case.margin, decimals),
+            "change": numbers.difference(case.change, smallest),
+            "tolerance": numbers.plain(case.tolerance, 2),
+        }
+        for case in regression.cases
+    ]
+    lost = [case.said for case in regression.cases if case.standing is Standing.NOT_COMPARED]
+    return {"run": regression.run, "cases": rows, "said": regression.said, "lost": lost}

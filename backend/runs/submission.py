@@ -1,0 +1,158 @@
+"""Submission of runs: checked against the catalogue, given a baseline, queued once. Start reading at `submit`."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import sqlalchemy as sa
+
+from backend.catalog.service import required
+from backend.db import audit, baselines, queue
+from backend.db.access import Visitor
+from backend.db.baselines import Resolved
+from backend.db.engine import now, read
+from backend.db.tables import IdempotencyKey, RunText
+from backend.http import bodies
+from backend.http.errors import RefusedError
+from backend.runs import reuse
+from backend.runs.schemas import RunBaseline, RunSubmit, RunSubmitted
+from backend.runs.service import baseline, summary
+from campaigns import Campaign, CampaignError, Catalogue, Problem, check
+from campaigns.asked.load import load_document, load_text
+from campaigns.documents import JsonObject
+from campaigns.results.baselines import CannotCompare
+from campaigns.runs import run_name
+from campaigns.stages.plan import plan
+
+
+@dataclass(frozen=True)
+class Submission:
+    """A campaign to run, parsed but not yet checked against the catalogue."""
+
+    campaign: Campaign
+    name: str
+    tags: list[str]
+    priority: int
+    digest: str
+    """Digest of the request body, to distinguish a repeated request from another one with the same key."""
+    text: str | None
+    """The original text of the campaign; None if only a document was given."""
+    labels: dict[str, str]
+    baseline: str | None
+    reuse: bool
+
+
+def from_yaml(body: bytes) -> Submission:
+    """A submission whose body is the campaign itself."""
+    return _submission(bodies.yaml_campaign(body), RunSubmit(campaign={}, text=bodies.text(body)), body)
+
+
+def from_json(body: bytes, given: RunSubmit) -> Submission:
+    """A submission from JSON; raises `CampaignError`, also if its text describes another campaign."""
+    campaign = load_document(given.campaign, "request")
+    if given.text is not None and load_text(given.text, "text").digest != campaign.digest:
+        text = "the text describes a different campaign than `campaign`: make both equal, or omit the text"
+        raise CampaignError("request", [Problem("text", "", text)])
+    return _submission(campaign, given, body)
+
+
+def _submission(campaign: Campaign, given: RunSubmit, body: bytes) -> Submission:
+    tags = campaign.tags if given.tags is None else list(dict.fromkeys(given.tags))
+    digest = hashlib.sha256(body).hexdigest()
+    if campaign.baseline is not None:
+        text = "a baseline is added at launch: leave it out, and give the run next to the campaign, as baseline: R-0001"
+        raise CampaignError("request", [Problem("campaign.baseline", campaign.baseline.run, text)])
+    name = given.name or campaign.name
+    labelled = (given.labels, given.baseline, given.reuse)
+    return Submission(campaign, name, tags, given.priority, digest, given.text, *labelled)
+
+
+def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSubmitted:
+    """Queue a run, or return the one queued earlier with the same key; a refused request leaves no row."""
+    with read(engine) as reader:
+        repeated = None if key is None else _repeated(reader, submission, visitor, key)
+        if repeated is not None:
+            return _answer(reader, *repeated)
+        catalogue = required(reader)
+        problems = check(submission.campaign, catalogue)
+        if problems:
+            raise bodies.invalid(CampaignError("request", problems))
+        asked = _compared(reader, submission)
+        reused = reuse.reusable(reader, asked.campaign) if submission.reuse else None
+    with engine.begin() as writer:
+        repeated = None if key is None else _repeated(writer, submission, visitor, key)
+        if repeated is not None:
+            run_id, at = repeated
+        elif reused is not None:
+            run_id, at = reused, now(writer)
+        else:
+            run_id, at = _queue(writer, submission, asked, visitor, catalogue), now(writer)
+        if key is not None and repeated is None:
+            values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id, "created": at}
+            writer.execute(sa.insert(IdempotencyKey).values(**values))
+    with read(engine) as reader:
+        return _answer(reader, run_id, at, asked)
+
+
+def _compared(reader: sa.Connection, submission: Submission) -> Resolved:
+    """The campaign with the baseline that was asked for; 422 if there is none."""
+    if submission.baseline is None:
+        return Resolved(submission.campaign, None, "")
+    try:
+        return baselines.resolved(reader, submission.campaign, submission.baseline)
+    except CannotCompare as error:
+        problem = Problem("baseline", submission.baseline, f"{error}")
+        raise bodies.invalid(CampaignError("request", [problem])) from None
+
+
+def _queue(
+    writer: sa.Connection, submission: Submission, asked: Resolved, visitor: Visitor, catalogue: Catalogue
+) -> int:
+    run_id = queue.submit(
+        writer,
+        asked.campaign,
+        name=submission.name,
+        tags=submission.tags,
+        owner=visitor.user,
+        priority=submission.priority,
+        planned=sum(stage.planned for stage in plan(asked.campaign)),
+        catalogue=catalogue,
+        given=submission.labels,
+    )
+    if submission.text is not None:
+        writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
+    told: JsonObject = {"campaign": asked.campaign.digest, "name": submission.name}
+    told |= {"labels": submission.labels} if submission.labels else {}
+    if submission.baseline is not None:
+        baselines.store(writer, run_id, submission.baseline, asked.run_id)
+        told["baseline"] = submission.baseline
+    audit.note(writer, visitor, "run.submitted", run_name(run_id), told)
+    return run_id
+
+
+def _answer(reader: sa.Connection, run_id: int, at: float, asked: Resolved | None = None) -> RunSubmitted:
+    """The run; at: when it was asked for first. One that had ended by then is reused."""
+    found = summary(reader, run_id)
+    earlier = found.finished is not None and found.finished <= at
+    reused = reuse.sentence(reader, run_id) if earlier else None
+    compared = baseline(reader, run_id)
+    if compared is None and asked is not None and asked.given:  # the run that is reused was launched without it
+        compared = RunBaseline(asked=asked.given, run=None, sentence=asked.sentence)
+    return RunSubmitted(**dict(found), reused=reused, baseline=compared)
+
+
+def _repeated(reader: sa.Connection, submission: Submission, visitor: Visitor, key: str) -> tuple[int, float] | None:
+    """The run that was queued with the key, and the time stored with it."""
+    mine = (IdempotencyKey.key == key, IdempotencyKey.user == visitor.user)
+    columns = (IdempotencyKey.body, IdempotencyKey.run_id, IdempotencyKey.created)
+    row = reader.execute(sa.select(*columns).where(*mine)).one_or_none()
+    if row is None:
+        return None
+    if row.body != submission.digest:
+        detail = (
+            f"the Idempotency-Key {key!r} was used for another request, which queued {run_name(row.run_id)}: "
+            "send the same body again, or another key"
+        )
+        raise RefusedError(422, "idempotency-key-reused", detail)
+    return int(row.run_id), float(row.created)

@@ -1,0 +1,71 @@
+"""Regression between versions: the worst cases of an earlier run, the baseline, and which changes since it fail.
+
+The policy is part of a campaign's file; the baseline is added at launch. Start reading at `Baseline`.
+"""
+
+# ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Field
+
+from campaigns.asked.scenario import MAX_SEED
+from campaigns.asked.values import AS_NUMBER, AS_WHOLE, Name, Number, Path, Strict
+
+FailOn = Literal["violation", "new_violation", "new", "worse"]
+"""violation: the verdict is violated; new_violation: a finding violates that the baseline lacks or that did not violate
+in it; new: the baseline lacks a finding; worse: a finding of the baseline is worse."""
+
+DEFAULT: list[FailOn] = ["violation", "new_violation"]
+
+
+def _distinct(given: list[FailOn]) -> list[FailOn]:
+    return list(dict.fromkeys(given))
+
+
+class Policy(Strict):
+    """Which changes since the baseline fail a launch with one; without a baseline the verdict alone decides."""
+
+    fail_on: Annotated[list[FailOn], Field(max_length=8), AfterValidator(_distinct)] = DEFAULT
+    tolerance: Annotated[float, Field(ge=0), AS_NUMBER] = 0.0
+    """A change of the criterion's value up to this, in its unit, is no change."""
+
+    @property
+    def usual(self) -> bool:
+        """Whether this is what a campaign without a policy has."""
+        return self == Policy()
+
+
+def _once(cases: list[BaselineCase]) -> list[BaselineCase]:
+    labels = [case.label for case in cases]
+    twice = next((label for i, label in enumerate(labels) if label in labels[:i]), None)
+    if twice is not None:
+        raise ValueError(f"{twice} is given twice; a finding has one label")
+    return cases
+
+
+class BaselineCase(Strict):
+    """One finding of the baseline."""
+
+    label: Annotated[str, Field(pattern=r"^F[1-9][0-9]{0,3}$")]
+    parameters: Annotated[dict[Path, Number], Field(min_length=1, max_length=64)]
+    """By path, in the parameters' units."""
+    point: Annotated[list[Annotated[float, Field(ge=0, le=1), AS_NUMBER]], Field(max_length=64)] = []
+    """The same on the unit cube of the baseline's campaign."""
+    cost: Number
+    difference: Annotated[float, Field(ge=0), AS_NUMBER] = 0.0
+    """The largest difference between its integrations, or between its evaluations, in the criterion's unit."""
+    realisation: Annotated[int, Field(ge=0, lt=MAX_SEED), AS_WHOLE] | None = None
+    """The noise seed drawn for it; null if it simulated those of its campaign."""
+
+
+class Baseline(Strict):
+    """The findings of an earlier run, which this one evaluates first."""
+
+    run: Name
+    """R-0001, or a folder of results."""
+    digest: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+    """Of its campaign."""
+    threshold: Number
+    cases: Annotated[list[BaselineCase], Field(min_length=1, max_length=100), AfterValidator(_once)]

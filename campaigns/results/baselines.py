@@ -1,0 +1,82 @@
+"""The baseline of a campaign, made from an earlier run; or why that run cannot be one. Read `with_baseline`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from campaigns.asked.load import load_document
+from campaigns.asked.problem import CampaignError
+from campaigns.asked.spec import Campaign, Criterion
+from campaigns.results.finding import Finding, Validation
+
+
+class CannotCompare(ValueError):
+    """The run cannot be a baseline; the message states why and what to do."""
+
+
+def with_baseline(asked: Campaign, run: str, other: Campaign, findings: Sequence[Finding]) -> Campaign:
+    """The campaign with the findings of the run `run` of the campaign `other` as its baseline.
+
+    Raises `CannotCompare`.
+    """
+    reason = foreign(asked, other)
+    if reason:
+        raise CannotCompare(f"{run} cannot be the baseline: {reason}")
+    if not findings:
+        raise CannotCompare(f"{run} cannot be the baseline: it has no findings to compare with; give another run")
+    baseline = {
+        "run": run,
+        "digest": other.digest,
+        "threshold": other.criterion.threshold,
+        "cases": [_case(finding) for finding in findings],
+    }
+    document = {**asked.document(), "baseline": baseline}
+    try:
+        return load_document(document, run)
+    except CampaignError as error:
+        raise CannotCompare(f"{run} cannot be the baseline: {'; '.join(map(str, error.problems))}") from None
+
+
+def foreign(asked: Campaign, other: Campaign) -> str:
+    """Why runs of two campaigns cannot be compared, as a clause; empty if they can.
+
+    Bounds, fixed parameters, components, methods and the threshold may differ: that is what is compared.
+    """
+    if (asked.simulator is None) != (other.simulator is None):
+        kinds = ("a scenario", "a simulator") if other.simulator is None else ("a simulator", "a scenario")
+        return f"its campaign has {kinds[0]}, this one {kinds[1]}"
+    if asked.simulator is not None and other.simulator is not None and asked.simulator.name != other.simulator.name:
+        return f"its simulator is {other.simulator.name}, here it is {asked.simulator.name}"
+    then, now = _measured(other.criterion), _measured(asked.criterion)
+    if then != now:
+        return f"its criterion is {then}, here it is {now}; a comparison needs the same criterion"
+    return "" if set(asked.uncertain) & set(other.uncertain) else "it varies none of the parameters of this campaign"
+
+
+def same_question(asked: Campaign, other: Campaign) -> bool:
+    """Whether a label may select a run of the other campaign: the same name, and comparable."""
+    return asked.name == other.name and not foreign(asked, other)
+
+
+def _measured(criterion: Criterion) -> str:
+    values = ", ".join(f"{name} {value:.15g}" for name, value in sorted(criterion.parameters.items()))
+    return (criterion.result or criterion.component) + (f" ({values})" if values else "")
+
+
+def _case(finding: Finding) -> dict[str, object]:
+    return {
+        "label": finding.label,
+        "parameters": finding.parameters,
+        "point": finding.point,
+        "cost": finding.cost,
+        "difference": difference(finding.validation),
+        "realisation": finding.realisation,
+    }
+
+
+def difference(case: Validation | None) -> float:
+    """The largest difference between the integrations of a case, or between its evaluations; 0 if there is none."""
+    if case is None:
+        return 0.0
+    others = [other for other in (case.half_step, case.integrator, case.again) if other is not None]
+    return max((abs(o.difference) for o in others if o.difference is not None), default=0.0)

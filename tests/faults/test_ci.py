@@ -1,0 +1,98 @@
+"""The story of a CI pipeline with real processes: a branch that makes a finding worse fails, one that does not passes.
+
+The branches differ in one gain of the avoider. In between the service is killed and started again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as Xml
+
+import httpx
+import pytest
+
+from tests.faults.processes import CLEARANCE, REPOSITORY, alive, kill, until
+from tests.faults.serving import Service, serving
+from tests.unit.cases import searching
+from tests.unit.records import DIRECT, SHORT, SQP
+from worker.cli import invoke
+
+POLICY = {"fail_on": ["violation", "new_violation", "worse"], "tolerance": 0.001}
+
+
+def write(folder: Path, branch: str, gain: float) -> Path:
+    """The campaign as it is on a branch."""
+    document = searching(DIRECT, SQP, **SHORT).document() | {"regression": POLICY}
+    document["scenario"]["avoider"]["parameters"]["k_rep"] = gain
+    file = folder / f"{branch}.json"
+    file.write_text(json.dumps(document))
+    return file
+
+
+class Job:
+    """What a CI job has: the service's address, a token, a folder for its files."""
+
+    def __init__(self, service: Service, folder: Path, token: str) -> None:
+        self.address, self.folder = service.link().partition("/login")[0], folder
+        self.environment = {**os.environ, "CLEARANCE_SERVICE": self.address, "CLEARANCE_TOKEN": token}
+
+    def submit(self, file: Path, *options: str) -> subprocess.CompletedProcess[str]:
+        command = [*CLEARANCE, "submit", str(file), "--label", f"branch={file.stem}", *options]
+        return subprocess.run(
+            command, cwd=REPOSITORY, env=self.environment, capture_output=True, text=True, check=False, timeout=200
+        )
+
+    def runs(self) -> list[dict[str, Any]]:
+        token = {"Authorization": f"Bearer {self.environment['CLEARANCE_TOKEN']}"}
+        return list(httpx.get(f"{self.address}/api/v1/runs", headers=token).json()["items"])
+
+
+def test_a_branch_with_a_worse_gain_fails_and_a_good_one_passes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main, slow, good = write(tmp_path, "main", 4.0), write(tmp_path, "slow", 3.0), write(tmp_path, "good", 4.0)
+    with serving(tmp_path, CLEARANCE_THREADS="1") as service:
+        assert invoke(["token", "create", "ci", "--data", str(service.data)]) == 0
+        token = capsys.readouterr().out.split()[-1]
+        first = Job(service, tmp_path, token).submit(main, "--label", "commit=4f2a91c")
+        assert first.returncode == 0, first
+        family = service.family()
+        kill(*family)
+        until(lambda: not any(map(alive, family)), "it is gone")
+    with serving(tmp_path, CLEARANCE_THREADS="1") as service:
+        job, files = Job(service, tmp_path, token), [tmp_path / name for name in ("junit.xml", "summary.md")]
+        compared = ("--baseline", "label:branch=main")
+        worse = job.submit(slow, *compared, "--junit", str(files[0]), "--summary", str(files[1]))
+        assert worse.returncode == 1, worse
+        assert "Baseline: R-0001, the newest run with the label branch=main at launch." in worse.stdout
+        assert "The policy of the campaign fails: F1 of R-0001 is worse: d_min = " in worse.stdout
+        cases = {case.get("name"): case for case in Xml.parse(files[0]).iter("testcase")}
+        failure = cases["F1 of the baseline"].find("failure")
+        assert failure is not None
+        assert str(failure.get("message")).startswith("F1 of R-0001 is worse: d_min = ")
+        lines = str(failure.text).splitlines()
+        assert lines[-2] == f"{job.address}/runs/R-0002"
+        assert {line.partition(" = ")[0] for line in lines[1:-2]} == {"vehicle.m", "vehicle.J"}
+        assert cases["verdict"].find("failure") is None, "the verdict is cleared"
+        assert "| F1 of R-0001 | **worse** |" in files[1].read_text()
+        replayed = lines[-1].split()
+        assert replayed[:3] == ["clearance", "replay", "R-0002"]
+        assert invoke([*replayed[1:], "--data", str(service.data)]) == 0, "the command in the report is one"
+        passing = job.submit(good, *compared, "--junit", str(files[0]))
+        assert passing.returncode == 0, passing
+        assert "Changes of the findings since R-0001: 1 same." in passing.stdout
+        assert not [*Xml.parse(files[0]).iter("failure")]
+        again = job.submit(good, *compared, "--reuse")
+        assert again.returncode == 0, again
+        assert "R-0003 is reused: it has a verdict on the same campaign" in again.stdout
+        assert [(run["id"], run["labels"]["branch"]) for run in job.runs()] == [
+            ("R-0003", "good"),
+            ("R-0002", "slow"),
+            ("R-0001", "main"),
+        ]
+    data = ["--data", str(service.data)]
+    assert invoke(["audit", "R-0002", *data]) == 0, capsys.readouterr().out

@@ -1,0 +1,93 @@
+"""A run as JUnit XML, for the test report of a CI service: a case for the verdict, and one for each finding compared.
+
+The format has no standard; this is the form that Jenkins, GitLab and GitHub's reporters read. Start reading at `junit`.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as Xml
+
+from campaigns.results.regression import FindingChange, Standing
+from worker.cli._ended import Ended
+
+if TYPE_CHECKING:
+    from campaigns.results import Verdict
+
+_FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Characters that XML 1.0 cannot contain."""
+
+
+def write(file: Path, ended: Ended) -> None:
+    """Write the file."""
+    file.write_text(junit(ended), encoding="utf-8")
+
+
+def junit(ended: Ended) -> str:
+    """The document."""
+    suite = Xml.Element("testsuite", name=_clean(ended.campaign), time=f"{ended.seconds:.3f}")
+    properties = Xml.SubElement(suite, "properties")
+    values = {"run": ended.run, "link": ended.link, "state": ended.state}
+    values |= {f"label.{key}": value for key, value in ended.labels.items()}
+    for name, value in values.items():
+        if value:
+            Xml.SubElement(properties, "property", name=name, value=_clean(value))
+    _verdict(suite, ended)
+    regression = ended.regression
+    if regression is not None:
+        for case in regression.cases:
+            _case(suite, ended, case)
+    elif not ended.compared:
+        case_of = _added(suite, ended, "baseline")
+        Xml.SubElement(case_of, "skipped", message=_clean(" ".join(ended.notes)))
+    for kind, tag in (("tests", "testcase"), ("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
+        suite.set(kind, str(len(suite.findall(f".//{tag}"))))
+    suites = Xml.Element("testsuites")
+    suites.append(suite)
+    Xml.indent(suites)
+    return Xml.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _verdict(suite: Xml.Element, ended: Ended) -> None:
+    case, verdict = _added(suite, ended, "verdict"), ended.verdict
+    if verdict is None:
+        message = f"no verdict: {ended.state}" + (f": {ended.error}" if ended.error else "")
+        Xml.SubElement(case, "error", message=_clean(message), type=ended.state).text = _clean(ended.link)
+        return
+    accepted = verdict.regression is not None and verdict.regression.accepted and verdict.verdict == "violated"
+    if verdict.verdict == "cleared" or accepted:
+        Xml.SubElement(case, "system-out").text = _clean("\n".join([verdict.reason, *ended.notes]))
+        return
+    text = [verdict.reason, *ended.notes, *_worst(verdict), ended.link]
+    if ended.replay and verdict.worst is not None:
+        text.append(f"{ended.replay} {verdict.worst.finding}")
+    failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
+    failure.text = _clean("\n".join(filter(None, text)))
+
+
+def _worst(verdict: Verdict) -> list[str]:
+    return [] if verdict.worst is None else [f"{path} = {value!r}" for path, value in verdict.worst.parameters.items()]
+
+
+def _case(suite: Xml.Element, ended: Ended, change: FindingChange) -> None:
+    """The names do not contain the baseline's number, so that a CI service can follow a case from build to build."""
+    name = f"{change.before} of the baseline" if change.before else f"new finding {change.now}"
+    case = _added(suite, ended, name)
+    if change.standing is Standing.NOT_COMPARED:
+        Xml.SubElement(case, "skipped", message=_clean(change.text))
+    elif change.fails:
+        lines = [*(f"{path} = {value!r}" for path, value in change.parameters.items()), ended.link]
+        failure = Xml.SubElement(case, "failure", message=_clean(change.text), type=str(change.standing))
+        failure.text = _clean("\n".join(filter(None, [change.text, *lines, ended.command(change)])))
+    else:
+        Xml.SubElement(case, "system-out").text = _clean(change.text)
+
+
+def _added(suite: Xml.Element, ended: Ended, name: str) -> Xml.Element:
+    return Xml.SubElement(suite, "testcase", classname=_clean(ended.campaign), name=_clean(name))
+
+
+def _clean(text: str) -> str:
+    return _FORBIDDEN.sub("\ufffd", text)

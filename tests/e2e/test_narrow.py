@@ -36,7 +36,7 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "launch-simulator": (f"/launch?from={BASINS}", ["role=combobox[name='Simulator']"]),
     "compare": (f"/compare?runs={INTRUDER},{CRITERIA}", ["#separation canvas", "#convergence canvas", "#code"]),
     "compare-simulator": (f"/compare?runs={BASINS},{CLEARED}", ["#convergence canvas", "#ranges", "#code"]),
-    "compare-nothing": ("/compare", ["text=Choose two to 4 runs here"]),
+    "compare-nothing": ("/compare", ["text=Choose 2 to 4 runs here"]),
     "help": ("/help", ["role=heading[name=Verdicts]"]),
     "help-methods": ("/help/methods", ["#direct"]),
     "help-components": ("/help/components", ["#vehicle-unicycle", "#simulator-two_basins"]),

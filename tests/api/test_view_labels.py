@@ -73,10 +73,24 @@ def test_a_placement_is_kept_while_it_is_free() -> None:
     assert before["F2"].anchor != "bottom-left"
     nudged = replace(first, place=HERE + 1e-3)
     after = arranged([nudged, second], VIEW, before)
-    assert after["F2"] is before["F2"]
+    assert after["F2"] is not None
+    assert (after["F2"].anchor, after["F2"].place.tolist()) == (before["F2"].anchor, before["F2"].place.tolist())
     alone = arranged([second], VIEW, before)["F2"]
     assert alone is not None
     assert alone.anchor == "bottom-left", "back where it should be"
+
+
+def test_a_moved_label_follows_what_it_belongs_to() -> None:
+    """An intruder's label that had to give way does not stay behind while the intruder moves on."""
+    crowd = [label(f"F{i}") for i in range(6)]
+    before = arranged(crowd, VIEW)
+    moved = [replace(one, place=one.place + (1.5, 0.0, 1.0)) for one in crowd]
+    after = arranged(moved, VIEW, before)
+    assert overlapping(moved, VIEW, after) == []
+    for one in moved:
+        spot = after[one.name]
+        assert spot is not None
+        assert np.linalg.norm(spot.place - one.place) < 0.6
 
 
 def test_a_mark_of_a_scale_is_hidden_rather_than_moved() -> None:

@@ -179,4 +179,7 @@ class Following(Part):
 
     def _fit(self, camera: viser.CameraHandle) -> None:
         self._aspect = min(max(camera.aspect, NARROWEST), WIDEST)
-        self._size = (float(camera.image_width), float(camera.image_height))
+        size = (float(camera.image_width), float(camera.image_height))
+        if size != self._size and min(size) > 0.0:  # a frame that is not shown yet has no size
+            self._size = size
+            self._wake()

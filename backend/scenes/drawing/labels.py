@@ -122,6 +122,12 @@ class Spot:
 
     place: Floats
     anchor: Anchor
+    wanted: Floats
+    """Where it should be."""
+
+    def after(self, place: Floats) -> Spot:
+        """As far from where it should be, when that is here now."""
+        return Spot(place + (self.place - self.wanted), self.anchor, place)
 
 
 @dataclass(frozen=True)
@@ -166,7 +172,7 @@ def arranged(
     spots: dict[str, Spot | None] = {}
     taken: list[Box] = []
     for label in labels:
-        spot: Spot | None = Spot(label.place, label.anchor)
+        spot: Spot | None = Spot(label.place, label.anchor, label.place)
         if view.pixel(label.place)[2] > 0.0 and label.text:
             spot, place = _free(label, view, taken, (before or {}).get(label.name))
             taken += [place] if spot else []
@@ -221,7 +227,7 @@ def _seen(label: Label, spot: Spot, view: View) -> Box:
 
 def _free(label: Label, view: View, taken: Sequence[Box], before: Spot | None) -> tuple[Spot | None, Box]:
     """The first of the possible spots that is free and in the window; else the first that is free."""
-    wanted = Spot(label.place, label.anchor)
+    wanted = Spot(label.place, label.anchor, label.place)
     first = _seen(label, wanted, view)
     if label.fixed:
         return None if any(first.meets(other) for other in taken) else wanted, first
@@ -238,18 +244,17 @@ def _free(label: Label, view: View, taken: Sequence[Box], before: Spot | None) -
 
 def _possible(label: Label, view: View, before: Spot | None) -> Iterator[Spot]:
     """As it should be, as it was, at another corner, moved by whole lines, the nearest first."""
-    wanted = Spot(label.place, label.anchor)
+    wanted = Spot(label.place, label.anchor, label.place)
     yield wanted
     if before is not None:
-        yield before
+        yield before.after(label.place)
     others = [anchor for anchor in ANCHORS if anchor != label.anchor]
     yield from (replace(wanted, anchor=anchor) for anchor in others)
     line = HIGH * EM * label.size * (1.0 + PADDING) + AIR
     for row in range(1, ROWS + 1):
         for side in (-1, 1):
             place = view.moved(label.place, 0.0, side * row * line)
-            yield Spot(place, label.anchor)
-            yield from (Spot(place, anchor) for anchor in others)
+            yield from (Spot(place, anchor, label.place) for anchor in (label.anchor, *others))
 
 
 def _unit(vector: Floats) -> Floats:

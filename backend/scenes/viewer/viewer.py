@@ -280,7 +280,7 @@ class Viewer:
                 if playing and self._replay.playing and not self._stopped:  # may be paused by now
                     self._replay.advance(now - then)
             self._following.work(now)
-            if self._labels.due:
+            if self._labels.due and not self._stopped:
                 with self.drawing():
                     self._labels.arrange()
             if not self._progress.over and now - looked >= LOOK:

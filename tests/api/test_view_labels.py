@@ -84,7 +84,7 @@ def test_a_moved_label_follows_what_it_belongs_to() -> None:
     """An intruder's label that had to give way does not stay behind while the intruder moves on."""
     crowd = [label(f"F{i}") for i in range(6)]
     before = arranged(crowd, VIEW)
-    moved = [replace(one, place=one.place + (1.5, 0.0, 1.0)) for one in crowd]
+    moved = [replace(one, place=one.place + np.array([1.5, 0.0, 1.0])) for one in crowd]
     after = arranged(moved, VIEW, before)
     assert overlapping(moved, VIEW, after) == []
     for one in moved:

@@ -2,10 +2,10 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench reproduce frontend clean distclean
+.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench reproduce frontend library-flights clean distclean
 
 help: ## this list
-	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-12s %s\n", part[1], $$0}' Makefile
+	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-15s %s\n", part[1], $$0}' Makefile
 
 install: ## create .venv from the lock file and build the pages
 	@tools/install.sh
@@ -46,6 +46,9 @@ search-bench: install ## every search method on test functions, print a table, w
 
 reproduce: install ## compute the published tables and figures again, into build/reproduce
 	@.venv/bin/clearance reproduce --out build/reproduce
+
+library-flights: install ## simulate the nominal flights on the cards of the library again
+	@.venv/bin/python tools/library_flights.py
 
 frontend: ## build the pages
 	@tools/install.sh

@@ -7,6 +7,7 @@ from typing import Literal
 from backend.http.schema import Schema
 from campaigns.catalogue import Catalogue, ParameterEntry
 from campaigns.documents import JsonObject
+from campaigns.results.drawn import DrawnFlight
 
 CatalogueOut = Catalogue
 
@@ -19,6 +20,8 @@ class LibraryCampaign(Schema):
     document: JsonObject
     yaml: str
     problems: list[ProblemOut]
+    nominal: DrawnFlight | None
+    """Its nominal flight as stored with this installation; null if the campaign's file was changed since."""
 
 
 class ProblemOut(Schema):

@@ -17,6 +17,7 @@ from backend.http.errors import RefusedError, not_found
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
 from campaigns.asked.text import to_yaml
 from campaigns.checked.check import parameters
+from campaigns.results.drawn import library_flights
 from campaigns.stages.plan import plan
 
 NO_CATALOGUE = (
@@ -69,8 +70,14 @@ def library_campaign(reader: sa.Connection, name: str) -> LibraryCampaign:
 def _library_campaign(name: str, catalogue: Catalogue | None) -> LibraryCampaign:
     campaign, text = _shipped(name)
     problems = [Problem("", "", NO_CATALOGUE)] if catalogue is None else check(campaign, catalogue)
+    flight = library_flights().get(name)
     return LibraryCampaign(
-        id=name, digest=campaign.digest, document=campaign.document(), yaml=text, problems=_out(problems)
+        id=name,
+        digest=campaign.digest,
+        document=campaign.document(),
+        yaml=text,
+        problems=_out(problems),
+        nominal=flight if flight is not None and flight.digest == campaign.digest else None,
     )
 
 

@@ -153,7 +153,7 @@ def _possible(cost: float, parameters: int, slots: int, patience: float) -> None
 
 def lasting(seconds: float) -> str:
     """A length of time in two significant digits, for an estimate: 12 s, 20 min, 2.5 h, 3 days."""
-    for limit, unit, size in ((1e-3, "us", 1e-6), (1.0, "ms", 1e-3), (100.0, "s", 1.0), (6000.0, "min", 60.0)):
+    for limit, unit, size in ((1e-3, "µs", 1e-6), (1.0, "ms", 1e-3), (100.0, "s", 1.0), (6000.0, "min", 60.0)):
         if seconds < limit:
             return f"{_two(seconds / size)} {unit}"
     return f"{_two(seconds / 3600)} h" if seconds < 172800 else f"{_two(seconds / 86400)} days"

@@ -6,11 +6,13 @@ import httpx
 import pytest
 import yaml
 
+from backend.catalog import service as catalog
 from backend.db.queue import Queue
 from backend.db.records import StagePlan
 from backend.db.store import RunStore
 from campaigns import Campaign, library, load_text
 from campaigns.asked.text import to_yaml
+from campaigns.results.drawn import library_flights
 from tests import results
 from tests.api.answers import problem
 from tests.api.catalogue import CATALOGUE, campaign, published_by_workers
@@ -34,6 +36,16 @@ def test_the_library_is_listed_with_text_and_digest(guest: httpx.Client) -> None
         assert guest.get(f"/api/v1/campaigns/{shipped['id']}").json() == shipped
     problem(guest.get("/api/v1/campaigns/nothing"), 404)
     problem(guest.get("/api/v1/campaigns/..%2f..%2fsecret"), 404)
+
+
+def test_the_library_has_nominal_flights_unless_a_file_was_changed(
+    guest: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for shipped in guest.get("/api/v1/campaigns").json():
+        assert shipped["nominal"]["digest"] == shipped["digest"], shipped["id"]
+    changed = {name: flight.model_copy(update={"digest": "0"}) for name, flight in library_flights().items()}
+    monkeypatch.setattr(catalog, "library_flights", lambda: changed)
+    assert {shipped["nominal"] for shipped in guest.get("/api/v1/campaigns").json()} == {None}
 
 
 def test_before_a_worker_has_published_the_library_reports_what_is_missing(bare: Service) -> None:

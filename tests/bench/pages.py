@@ -25,6 +25,7 @@ from playwright.sync_api import Browser, Page, Request, WebSocket, sync_playwrig
 
 from backend.db.engine import connect, default_url
 from tests.bench import page_data
+from tests.bench.first_verdict import verdicts
 from tests.e2e.browser import PATIENCE, launch
 from tests.faults.processes import Started, started, until
 
@@ -65,6 +66,7 @@ def main() -> None:
         with sync_playwright() as playwright:
             browser = launch(playwright.chromium)
             found = measured(running, address, Visitor(browser, address, running), engine, large)
+            found |= verdicts(browser)
             browser.close()
         engine.dispose()
     (BUILD / "bench-pages.json").write_text(json.dumps(found, indent=2) + "\n")

@@ -45,7 +45,7 @@ PAGES = {
     "launch": ("/launch", "role=radio[name=/Unicycle, static/]"),
     "launch-text": ("/launch?tab=yaml", "role=textbox[name='Campaign as YAML']"),
     "compare": ("/compare?runs=R-0001,R-0002", "[data-testid=change]"),
-    "compare-nothing": ("/compare", "text=Choose two to 4 runs here"),
+    "compare-nothing": ("/compare", "text=Choose 2 to 4 runs here"),
     "help-methods": ("/help/methods", "#direct"),
     "help-verdicts": ("/help", "role=heading[name=Verdicts]"),
     "help-components": ("/help/components", "#vehicle-unicycle"),

@@ -235,7 +235,7 @@ def test_runs_to_compare_are_chosen_on_the_page(visit: Visit) -> None:
     visit.go("/compare?runs=R-0001,R-0002")
     page.get_by_role("button", name="Take R-0001 out").click()
     expect(page).to_have_url(re.compile("runs=R-0002"))
-    expect(page.get_by_text("Choose two to 4 runs here")).to_be_visible()
+    expect(page.get_by_text("Choose 2 to 4 runs here")).to_be_visible()
     page.get_by_role("combobox", name="Add a run to compare").fill("mass 5")
     page.get_by_role("option", name=re.compile("R-0001")).click()
     expect(page).to_have_url(re.compile("runs=R-0001(,|%2C)R-0002"))  # the older run first

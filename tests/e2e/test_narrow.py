@@ -20,6 +20,7 @@ from tests.faults.processes import until
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
 WINDOW: ViewportSize = {"width": 390, "height": 844}
+TABLETS: tuple[ViewportSize, ...] = ({"width": 768, "height": 844}, {"width": 1024, "height": 844})
 """[px]"""
 RUN = ["#methods", "#space canvas", "#validation", "#provenance", "#notes"]
 FLOWN = ["#separation canvas", "#motion canvas", *RUN]
@@ -36,7 +37,7 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "launch-simulator": (f"/launch?from={BASINS}", ["role=combobox[name='Simulator']"]),
     "compare": (f"/compare?runs={INTRUDER},{CRITERIA}", ["#separation canvas", "#convergence canvas", "#code"]),
     "compare-simulator": (f"/compare?runs={BASINS},{CLEARED}", ["#convergence canvas", "#ranges", "#code"]),
-    "compare-nothing": ("/compare", ["text=Choose two to 4 runs here"]),
+    "compare-nothing": ("/compare", ["text=Choose 2 to 4 runs here"]),
     "help": ("/help", ["role=heading[name=Verdicts]"]),
     "help-methods": ("/help/methods", ["#direct"]),
     "help-components": ("/help/components", ["#vehicle-unicycle", "#simulator-two_basins"]),
@@ -77,7 +78,7 @@ BEYOND = """() => {
 
 def beyond(visit: Visit) -> list[str]:
     """What is beside the window although nothing scrolls it: it widens the page, or is cut off."""
-    wide = visit.page.evaluate("document.documentElement.scrollWidth") - WINDOW["width"]
+    wide = visit.page.evaluate("document.documentElement.scrollWidth - innerWidth")
     found: list[str] = visit.page.evaluate(BEYOND)
     return ([f"the page is {wide} px wider than the window"] if wide > 0 else []) + found
 
@@ -105,6 +106,10 @@ def fits(visit: Visit, path: str, marks: list[str]) -> None:
         place.evaluate("element => element.scrollIntoView({behavior: 'instant', block: 'center'})")
         expect(place).to_be_visible()
     found = beyond(visit)
+    for tablet in TABLETS:
+        visit.page.set_viewport_size(tablet)
+        found += [f"at {tablet['width']} px: {one}" for one in beyond(visit)]
+    visit.page.set_viewport_size(WINDOW)
     assert not found, "; ".join(found)
 
 
@@ -121,6 +126,17 @@ def test_it_sees_what_is_too_wide(visit: Visit) -> None:
     assert [line.partition(" ")[0] for line in found] == ["P.wide"]
     visit.page.locator("main").evaluate("main => { main.style.overflow = 'hidden' }")
     assert beyond(visit) == found, "what is cut off is seen, too"
+
+
+def test_every_main_page_is_one_tap_away(visit: Visit) -> None:
+    visit.go("/help")
+    links = visit.page.get_by_role("navigation", name="Main").get_by_role("link")
+    expect(links).to_have_text(["Runs", "Launch", "Compare", "Reports", "Help"])
+    for box in (link.bounding_box() for link in links.all()):
+        assert box is not None
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= WINDOW["width"]
+        assert box["height"] >= 32
 
 
 @pytest.mark.parametrize("name", PAGES)

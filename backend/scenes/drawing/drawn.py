@@ -17,11 +17,9 @@ from backend.scenes.base.palette import rgb, shade
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import Body, bodies_of
+from backend.scenes.drawing.labels import Anchor, Label, Tag
 from backend.scenes.drawing.trail import Trail
 from backend.scenes.drawing.world import World
-
-Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "top-left", "top-right"]
-
 
 MESHES = {
     "robot": shapes.unicycle,
@@ -61,6 +59,7 @@ class Drawn:
         """Whether the flight is visible once it exists."""
         self._root = self._scene.add_frame(f"/flights/{style.key}", show_axes=False, visible=False)
         self._vehicle: Any = None
+        self._tag: Tag | None = None
         self.trail = Trail(server, f"/flights/{style.key}", (5.0, 3.0, 2.0)[style.layer])
 
     def draw(self, flight: Flight, time: float) -> None:
@@ -95,6 +94,11 @@ class Drawn:
         """The drawn position of the vehicle at a time (3,); requires a flight."""
         assert self.flight is not None
         return self.flight.at(time)[0] + self._lift
+
+    @property
+    def tag(self) -> Tag | None:
+        """The label of the closest approach, if it is visible."""
+        return self._tag if self.seen else None
 
     @property
     def seen(self) -> bool:
@@ -158,6 +162,7 @@ class Drawn:
         if closest is None:
             for part in ("closest", "closest-obstacle", "ruler", "label"):
                 self._scene.remove_by_name(self._name(part))
+            self._tag = None
             return
         near, far = (end + self._lift for end in ruler(closest, self.bodies, self._body))
         self._ball("closest", 0.1, near, self.style.colour)
@@ -165,7 +170,9 @@ class Drawn:
         self._line("ruler", np.stack([near, far])[None], 2.5)
         text = f"{self.style.title} {closest.value:.{self._setting.decimals}f} {self._setting.unit}"
         place, anchor = self._label_place(closest)
-        self._scene.add_label(self._name("label"), text, position=place, anchor=anchor, font_screen_scale=0.9)
+        label = Label(self._name("label"), text, place, anchor, 0.9)
+        node = self._scene.add_label(label.name, text, position=place, anchor=anchor, font_screen_scale=label.size)
+        self._tag = Tag(label, node, np.zeros(3))
 
     @property
     def _body(self) -> float | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import viser
 
@@ -14,6 +16,7 @@ from backend.scenes.base.setting import NOMINAL, WORST, Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.cameras import Sight
 from backend.scenes.drawing.drawn import DOTS, Drawn, Style
+from backend.scenes.drawing.labels import Tag
 from backend.scenes.drawing.obstacles import Obstacles
 from backend.scenes.drawing.world import World
 
@@ -88,6 +91,11 @@ class Flights(Part):
         for drawn, colour in zip(self.every, colours, strict=True):
             drawn.restyle(self.time, colour=colour)
         self.obstacles.paint(palette, self.time)
+
+    def tags(self, time: float) -> Iterator[Tag]:
+        """The visible labels at a time [s]: of closest approaches, then of obstacles."""
+        yield from (drawn.tag for drawn in (self.chosen, self.what_if, self.nominal) if drawn.tag is not None)
+        yield from self.obstacles.tags(time)
 
     @property
     def alone(self) -> bool:

@@ -20,6 +20,7 @@ from backend.scenes.base.address import Camera
 from backend.scenes.base.part import Part
 from backend.scenes.drawing.cameras import ASPECT, FIELD_OF_VIEW, MOVING, Floats, Pose, pose
 from backend.scenes.drawing.flights import Flights
+from backend.scenes.drawing.labels import HEIGHT, View
 from backend.scenes.drawing.world import World
 
 FRAME = 1 / 30
@@ -46,6 +47,8 @@ class Following(Part):
         self._server, self._world, self._flights, self._wake = server, world, flights, wake
         self._aspect = ASPECT
         """Aspect ratio of the browser's viewport."""
+        self._size = (ASPECT * HEIGHT, HEIGHT)
+        """Size of the browser's viewport [px]."""
         self._at: Pose | None = None
         """The camera position last reported by the browser."""
         self._place: Pose | None = None
@@ -86,6 +89,12 @@ class Following(Part):
     def eye(self) -> Pose | None:
         """The unnamed camera position; None if unknown."""
         return self._place or self._at
+
+    @property
+    def view(self) -> View:
+        """The camera, named or not, and the size of the viewport."""
+        found = self._pose(self.camera) if self.camera is not None else self.eye or self._pose("overview")
+        return View(*found, *self._size)
 
     def moved(self, time: float) -> None:
         """Follow the time as soon as allowed."""
@@ -136,7 +145,7 @@ class Following(Part):
 
     def _connected(self, client: viser.ClientHandle) -> None:
         client.camera.on_update(self._seen)
-        self._aspect = min(max(client.camera.aspect, NARROWEST), WIDEST)
+        self._fit(client.camera)
         with self._lock:
             if client.client_id in self._sent:  # the client list already contains the browser here
                 return
@@ -163,7 +172,14 @@ class Following(Part):
             elif self._heard:
                 self._place = None
             self._at = eye, target
-            self._aspect = min(max(camera.aspect, NARROWEST), WIDEST)
+            self._fit(camera)
             if self.camera is None:
                 self._wake()
             # Until the browser confirms the new position, it reports the old one.
+
+    def _fit(self, camera: viser.CameraHandle) -> None:
+        self._aspect = min(max(camera.aspect, NARROWEST), WIDEST)
+        size = (float(camera.image_width), float(camera.image_height))
+        if size != self._size and min(size) > 0.0:  # a frame that is not shown yet has no size
+            self._size = size
+            self._wake()

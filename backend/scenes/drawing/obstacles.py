@@ -6,7 +6,7 @@ If flights differ in an obstacle, each has its own; otherwise it is drawn once.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import Body, body_of
 from backend.scenes.drawing.drawn import Drawn, anchor_of
+from backend.scenes.drawing.labels import Label, Tag
 from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.world import World
 
@@ -37,6 +38,10 @@ class _Group:
     nodes: list[Any] = field(default_factory=list)
     root: Any = None
     heading: Any = None
+    label: Any = None
+    """Its viser node."""
+    wanted: Label | None = None
+    """Its label relative to its centre."""
 
     @property
     def visible(self) -> bool:
@@ -54,6 +59,7 @@ class _Group:
         if not old.body.like(self.body, span) or _longer(self.body, old.body):
             return False
         self.nodes, self.root, self.heading, self.titles = old.nodes, old.root, old.heading, old.titles
+        self.label, self.wanted = old.label, old.wanted
         del before[self.name]
         return True
 
@@ -95,6 +101,13 @@ class Obstacles:
         for group in self._groups:
             for node in group.nodes:
                 node.visible = group.visible
+
+    def tags(self, time: float) -> Iterator[Tag]:
+        """The labels of visible obstacles at a time [s]."""
+        for group in self._groups:
+            if group.visible and group.wanted is not None:
+                centre = group.body.at(time)
+                yield Tag(replace(group.wanted, place=centre + group.wanted.place), group.label, centre)
 
     def moving(self) -> Iterator[tuple[Body, Rgb]]:
         """The visible moving obstacles, each with its colour."""
@@ -238,12 +251,11 @@ class Obstacles:
         off = setting.room + (body.extent if setting.to_surface or not setting.clears else 0.0)
         off += body.size[1] / 2 if body.kind == "cylinder" and setting.clears else 0.0
         off = off if second or not setting.clears else -off
-        self._scene.add_label(
-            f"{group.name}/label",
-            ", ".join(words),
-            position=(0.0, off, 0.0) if setting.planar else (0.0, 0.0, off),
-            anchor=anchor_of(group.members, "bottom" if second else "top"),
-            font_screen_scale=0.8,
+        away = np.array([0.0, off, 0.0] if setting.planar else [0.0, 0.0, off])
+        anchor = anchor_of(group.members, "bottom" if second else "top")
+        group.wanted = wanted = Label(f"{group.name}/label", ", ".join(words), away, anchor, 0.8)
+        group.label = self._scene.add_label(
+            wanted.name, wanted.text, position=away, anchor=anchor, font_screen_scale=wanted.size
         )
 
 

@@ -21,6 +21,7 @@ from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import nearest
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.drawing.flights import Flights
+from backend.scenes.drawing.labels import Label, Tag
 from backend.scenes.drawing.world import World
 
 Floats = NDArray[np.float64]
@@ -69,6 +70,8 @@ class Vectors(Part):
         self._nodes: dict[str, Any] = {}
         self._colours: dict[str, list[Rgb]] = {}
         self._time = 0.0
+        self.tag: Tag | None = None
+        """The label of the relative velocity."""
 
     @property
     def ahead(self) -> float | None:
@@ -153,14 +156,19 @@ class Vectors(Part):
         )
 
     def _label(self, place: Floats | None, text: str) -> None:
+        self.tag = None
         if place is None:
             self._remove("label")
-        elif (node := self._nodes.get("label")) is not None:
+            return
+        label = Label("/vectors/label", text, place, "bottom-left", 0.8)
+        node = self._nodes.get("label")
+        if node is not None:
             node.position, node.text = place, text
         else:
-            self._nodes["label"] = self._scene.add_label(
-                "/vectors/label", text, position=place, anchor="bottom-left", font_screen_scale=0.8
+            node = self._nodes["label"] = self._scene.add_label(
+                label.name, text, position=place, anchor=label.anchor, font_screen_scale=label.size
             )
+        self.tag = Tag(label, node, np.zeros(3))
 
     def _remove(self, *kinds: str) -> None:
         for kind in kinds:

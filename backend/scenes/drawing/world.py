@@ -16,6 +16,7 @@ from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.cameras import Scene
+from backend.scenes.drawing.labels import Anchor, Label, Tag
 
 Floats = NDArray[np.float64]
 
@@ -58,6 +59,7 @@ class World:
         self._flat: dict[str, Any] = {}
         self._scale: list[Any] = []
         """The nodes of the height scale."""
+        self._tags: dict[str, Tag] = {}
         self._visible = True
         self._scene.configure_default_lights(cast_shadow=False)
         self._background()
@@ -74,6 +76,10 @@ class World:
         self.palette = palette
         self._background()
         self._draw()
+
+    def tags(self) -> Iterator[Tag]:
+        """The labels; of the height scale the highest first."""
+        yield from reversed(self._tags.values()) if self._visible else ()
 
     @property
     def whole(self) -> Scene:
@@ -177,6 +183,7 @@ class World:
         for node in self._scale:
             node.remove()
         self._scale = []
+        self._tags = {name: tag for name, tag in self._tags.items() if not tag.label.fixed}
         top, length = float(self._points[:, 2].max()), 0.3 * self.frame.unit
         if top - self.ground < LEAST_HEIGHT * self.frame.span:
             return
@@ -190,12 +197,15 @@ class World:
         for k, z in enumerate(marks):
             text = ("height " if z == marks[-1] else "") + f"{z:g} m".replace("-", "−")
             place = np.array([x + 1.2 * length, y, z])
-            self._scale.append(self._name(f"/north/height/{k}", text, place, "center-left"))
+            self._scale.append(self._name(f"/north/height/{k}", text, place, "center-left", fixed=True))
 
     def _line(self, name: str, segments: Floats, colour: str, width: float = LINE) -> Any:
         return self._scene.add_line_segments(
             name, segments.astype(np.float32), rgb(colour), thickness=width, thickness_units="screen"
         )
 
-    def _name(self, name: str, text: str, place: Floats, anchor: Any = "top-center") -> Any:
-        return self._scene.add_label(name, text, position=place, anchor=anchor, font_screen_scale=0.8)
+    def _name(self, name: str, text: str, place: Floats, anchor: Anchor = "top-center", fixed: bool = False) -> Any:
+        label = Label(name, text, place, anchor, 0.8, fixed)
+        node = self._scene.add_label(name, text, position=place, anchor=anchor, font_screen_scale=label.size)
+        self._tags[name] = Tag(label, node, np.zeros(3))
+        return node

@@ -7,7 +7,8 @@ bar shows seconds of the flight. Start reading at `record`.
 from __future__ import annotations
 
 import secrets
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -22,6 +23,7 @@ from backend.scenes.control.relay import open_server
 from backend.scenes.drawing.cameras import FIELD_OF_VIEW, pose
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.drawing.flights import Flights
+from backend.scenes.drawing.labels import Anchor, Label, Labels, Tag, View
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
 from backend.scenes.panel.tables import number
@@ -85,6 +87,8 @@ class _Stage:
         self._flights.stored()
         self._vectors = Vectors(server, setting, self._world, palette, self._flights)
         self._told = {drawn: self._separation_label(drawn) for drawn in self._flights.every if drawn.flight is not None}
+        self._view = View(*pose("overview", self._world.whole, None))
+        self._labels = Labels(self._tags, lambda: self._view)
         self.move(0.0)
         self._camera()
 
@@ -96,23 +100,34 @@ class _Stage:
         of = "flight time" if self._setting.clears else "the time of the trace"
         return f"The play bar shows {of} in seconds; dots every {self._flights.dots:g} s.{arrows}"
 
-    def _separation_label(self, drawn: Drawn) -> Any:
+    def _separation_label(self, drawn: Drawn) -> Tag:
         """The label at a vehicle with its current separation from the nearest obstacle."""
-        anchor: Any = "bottom-center" if drawn.style.layer else "top-center"
-        name = f"/flights/{drawn.style.key}/now"
-        return self._server.scene.add_label(name, drawn.style.title, anchor=anchor, font_screen_scale=0.75)
+        anchor: Anchor = "bottom-center" if drawn.style.layer else "top-center"
+        label = Label(f"/flights/{drawn.style.key}/now", drawn.style.title, np.zeros(3), anchor, 0.75)
+        node = self._server.scene.add_label(label.name, label.text, anchor=anchor, font_screen_scale=label.size)
+        return Tag(label, node, np.zeros(3))
+
+    def _tags(self, time: float) -> Iterator[Tag]:
+        """The labels of the scene at a time [s]; the first ones have precedence."""
+        yield from self._flights.tags(time)
+        yield from self._told.values()
+        yield from (self._vectors.tag,) if self._vectors.tag is not None else ()
+        yield from self._world.tags()
 
     def move(self, time: float) -> None:
         """Show this time [s]."""
         self._flights.moved(time)
         self._vectors.moved(time)
-        for drawn, told in self._told.items():
+        for drawn, told in list(self._told.items()):
             assert drawn.flight is not None
             position, _, separation = drawn.flight.at(time)
             ended = time > drawn.flight.time[-1] + 1e-9
-            told.text = drawn.style.title + (": ended" if ended else self._now(separation))
+            text = drawn.style.title + (": ended" if ended else self._now(separation))
             up = self._world.frame.unit * (1.1 if drawn.style.layer else -0.7)
-            told.position = position + np.array([0.0, 0.0, up])
+            place = position + np.array([0.0, 0.0, up])
+            told.node.text = text
+            self._told[drawn] = replace(told, label=replace(told.label, text=text, place=place))
+        self._labels.moved(time)
 
     def _now(self, separation: float) -> str:
         """The separation in a label; of a simulator it is not known over time."""
@@ -124,6 +139,6 @@ class _Stage:
         """Set the initial camera, which shows the whole scene."""
         initial: Any = self._server.initial_camera
         initial.fov = FIELD_OF_VIEW
-        initial.position, initial.look_at = pose("overview", self._world.whole, None)
+        initial.position, initial.look_at = self._view.eye, self._view.target
         span = self._world.frame.span
         initial.near, initial.far = min(0.005 * span, 0.5), 100 * span

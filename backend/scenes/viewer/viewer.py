@@ -23,6 +23,7 @@ from backend.scenes.base.schemas import LayersChange, ViewChange, ViewState
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.following import FRAME, Following
+from backend.scenes.drawing.labels import Labels, Tag
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
 from backend.scenes.live.live import Live
@@ -80,7 +81,8 @@ class Viewer:
             self._flights = Flights(server, setting, self._world, palette, progress)
             self._vectors = Vectors(server, setting, self._world, palette, self._flights)
             self._following = Following(server, self._world, self._flights, address.camera, self.wake)
-            self._parts: list[Part] = [self._flights, self._vectors, self._following]
+            self._labels = Labels(self._tags, lambda: self._following.view)
+            self._parts: list[Part] = [self._flights, self._vectors, self._following, self._labels]
             self._flights.moved(address.time or 0.0)
             self._flights.stored()
             self._replay = Replay(setting, self._flights, self._vectors, self)
@@ -111,6 +113,12 @@ class Viewer:
         self._replay.go_to(closest if address.time is None and closest is not None else address.time or 0.0)
         self._following.first(self._replay.time)
         self.changed()
+
+    def _tags(self, time: float) -> Iterator[Tag]:
+        """The labels of the scene at a time [s]; the first ones have precedence."""
+        yield from self._flights.tags(time)
+        yield from (self._vectors.tag,) if self._vectors.tag is not None else ()
+        yield from self._world.tags()
 
     @contextmanager
     def drawing(self) -> Iterator[None]:
@@ -272,6 +280,9 @@ class Viewer:
                 if playing and self._replay.playing and not self._stopped:  # may be paused by now
                     self._replay.advance(now - then)
             self._following.work(now)
+            if self._labels.due and not self._stopped:
+                with self.drawing():
+                    self._labels.arrange()
             if not self._progress.over and now - looked >= LOOK:
                 looked = now
                 self._look()

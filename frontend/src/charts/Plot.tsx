@@ -49,6 +49,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
     spec.yLog,
     spec.height,
     spec.sync,
+    spec.xSplits !== undefined,
     ...spec.lines.map((line) => `${line.key} ${line.colour} ${hidden.has(line.key)}`),
   ].join('|')
 

@@ -35,7 +35,7 @@ export function optionsFor(
     width,
     height: spec.height,
     // Ticks at the ends of an axis need room for their labels.
-    padding: [8, spec.xTicks ? 22 : 14, 0, 0],
+    padding: [8, spec.xSplits ? 34 : spec.xTicks ? 22 : 14, 0, 0],
     legend: { show: false },
     cursor: {
       y: false,
@@ -69,6 +69,9 @@ export function optionsFor(
   }
 }
 
+/** Ticks with longer labels than numbers have. */
+const splitsOf = (spec: PlotSpec, u: uPlot, low: number, high: number) => spec.xSplits?.(low, high, Math.max(2, u.width / 110)) ?? []
+
 function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
   const log = () => (side === 'x' ? read().xLog : read().yLog)
   return {
@@ -83,6 +86,7 @@ function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
     splits: (u, _, low, high) => {
       const spec = read()
       if (side === 'x' && spec.xTicks) return [...spec.xTicks]
+      if (side === 'x' && spec.xSplits) return splitsOf(spec, u, low, high).map(({ at }) => at)
       if (log()) return logTicks(low, high)
       const about = side === 'x' ? Math.max(3, u.width / 95) : (spec.yTicks ?? Math.max(3, u.height / 44))
       const ticks = linearTicks(low, high, about)
@@ -90,7 +94,13 @@ function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
       return ticks.length > 1 ? ticks : linearTicks(low, high, 2 * about)
     },
     filter: (_, splits) => splits,
-    values: (_, splits) => {
+    values: (u, splits) => {
+      const spec = read()
+      if (side === 'x' && spec.xSplits) {
+        const { min = 0, max = 1 } = u.scales.x ?? {}
+        const labels = new Map(splitsOf(spec, u, min, max).map(({ at, label }) => [at, label]))
+        return splits.map((tick) => labels.get(tick) ?? '')
+      }
       const decimals = tickDecimals(splits)
       return splits.map((tick) => (log() || (side === 'x' && read().xTicks) ? plain(tick) : fixed(tick, decimals)))
     },

@@ -1,6 +1,6 @@
 // Compares two to four runs: differences of their campaigns and results. The runs are in the address.
 import { IconArrowsExchange } from '@tabler/icons-react'
-import { useNavigate, useSearch } from '@tanstack/react-router'
+import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { type ReactNode, useMemo } from 'react'
 import { Loading } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
@@ -55,7 +55,8 @@ export function ComparePage() {
       {comparison.loading && <Loading what="the runs" />}
       {!comparison.loading && comparison.runs.length < 2 && (
         <p className="sec">
-          Choose two to {MOST} runs here, or mark them in the list of runs. A is drawn solid, the others dashed.
+          Choose 2 to {MOST} runs here, or mark them in the <Link to="/runs">list of runs</Link> and press “Compare”. A is
+          drawn solid, the others dashed.
         </p>
       )}
       {comparison.runs.length > 1 && (

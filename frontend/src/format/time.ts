@@ -40,3 +40,16 @@ export function age(seconds: number): string {
   if (whole < 172_800) return `${Math.floor(whole / 3600)} h`
   return `${Math.floor(whole / 86_400)} days`
 }
+
+/** RFC 3339 in the reader's own time zone, to the second: 2026-11-22T10:41:07+01:00. */
+export function rfc3339(time: number): string {
+  const date = new Date(Math.floor(time) * 1000)
+  const two = (value: number) => String(value).padStart(2, '0')
+  const away = -date.getTimezoneOffset()
+  const offset = `${away < 0 ? '-' : '+'}${two(Math.floor(Math.abs(away) / 60))}:${two(Math.abs(away) % 60)}`
+  const day = `${String(date.getFullYear()).padStart(4, '0')}-${two(date.getMonth() + 1)}-${two(date.getDate())}`
+  return `${day}T${two(date.getHours())}:${two(date.getMinutes())}:${two(date.getSeconds())}${offset}`
+}
+
+/** The name of the reader's time zone. */
+export const zone = (): string => Intl.DateTimeFormat().resolvedOptions().timeZone

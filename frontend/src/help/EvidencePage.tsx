@@ -17,8 +17,8 @@ const INTENDED: readonly [string, string][] = [
 const CAPS: readonly [string, string][] = [
   ['agreement', 'At most 0.2 of nominal minus worst counts as agreement, whatever the campaign asks for. Default 0.05.'],
   ['confidence', 'At least 0.9; a campaign with less is refused. Default 0.95.'],
-  ['target_probability', 'Without a target, the bound on P(violation) from a sample must be at most 5 %.'],
-  ['Excluded', 'At most 10 % of the draws of the sample, and of all evaluations.'],
+  ['target_probability', 'Without a target, the bound on P(violation) from a sample must be at most 5 %.'],
+  ['Excluded', 'At most 10 % of the draws of the sample, and of all evaluations.'],
   ['Least budget', '25 evaluations for each uncertain parameter for a global method, 3 for a local one.'],
 ]
 

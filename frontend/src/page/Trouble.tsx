@@ -22,7 +22,10 @@ interface TroubleProps {
 }
 
 export function Trouble({ error, retry, onward = true }: TroubleProps) {
-  const title = error instanceof Refusal ? error.title : 'This page could not be shown'
+  const refused = error instanceof Refusal ? error : null
+  const title = refused ? sentence(refused.title) : 'This page could not be shown'
+  // What does not exist, or was purged, is not there the next time either.
+  const again = refused && [404, 410].includes(refused.status) ? undefined : retry
   const detail = error instanceof Error ? error.message : String(error)
   return (
     <div className="card centre" role="alert">
@@ -30,13 +33,13 @@ export function Trouble({ error, retry, onward = true }: TroubleProps) {
       <h1>{title}</h1>
       <p className="wrap-any">{detail.charAt(0).toUpperCase() + detail.slice(1)}</p>
       <div className="acts">
-        {retry && (
-          <button type="button" className="btn p" onClick={retry}>
+        {again && (
+          <button type="button" className="btn p" onClick={again}>
             Try again
           </button>
         )}
         {onward && (
-          <Link to="/runs" className="btn">
+          <Link to="/runs" className={again ? 'btn' : 'btn p'}>
             All runs
           </Link>
         )}
@@ -44,6 +47,9 @@ export function Trouble({ error, retry, onward = true }: TroubleProps) {
     </div>
   )
 }
+
+/** "Not Found" of the protocol as a heading of ours. */
+const sentence = (title: string): string => title.charAt(0).toUpperCase() + title.slice(1).toLowerCase()
 
 export function NotFound() {
   return <Trouble error={new Refusal(404, 'Page not found', 'The address may be mistyped.')} />

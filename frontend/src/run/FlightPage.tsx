@@ -82,6 +82,12 @@ function Page({ run }: { run: RunDetail }) {
           </div>
         </div>
       </div>
+      {!live && data.traces.length === 0 && (
+        <p className="note" style={{ marginBottom: 'var(--gap)' }} role="status">
+          No {caseWord(data.campaign)} of this run is stored: it ended before its nominal case was stored. The view shows the
+          scenario; “What-if” simulates a case of it.
+        </p>
+      )}
       <div className="grid">
         <Flight data={data} view={view} whatIf={whatIf} className={whatIf.whatIf ? 'c8' : 'c12'} alone />
         <WhatIfCard data={data} state={whatIf} className="c4" />

@@ -124,9 +124,9 @@ function Figures({ data }: { data: RunData }) {
           note="of the running stage"
         />
         <Stat
-          name="Time left, at most"
+          name="Time left"
           value={run.remaining === null ? NONE : duration(run.remaining)}
-          note={`${duration(elapsed(run, now))} elapsed`}
+          note={`if all budgets are used; ${duration(elapsed(run, now))} elapsed`}
         />
       </div>
     </div>

@@ -71,8 +71,9 @@ function Standing({ run, now, span }: { run: RunSummary; now: number; span: numb
       </td>
     )
   if (run.state === 'failed' || run.state === 'cancelled' || run.state === 'done') {
-    const cancelled = run.state === 'cancelled' ? `Cancelled after ${count(run.evaluations)} evaluations` : ''
-    const why = run.error ?? run.reason ?? cancelled
+    const cancelled = run.state === 'cancelled' ? cancelledAfter(run) : ''
+    const said = run.error ?? run.reason ?? cancelled
+    const why = said.charAt(0).toUpperCase() + said.slice(1)
     return (
       <td colSpan={span} className="sec cut" title={why}>
         {why}
@@ -85,6 +86,9 @@ function Standing({ run, now, span }: { run: RunSummary; now: number; span: numb
     </td>
   )
 }
+
+const cancelledAfter = ({ evaluations }: RunSummary): string =>
+  evaluations === 0 ? 'Cancelled before its first evaluation' : `Cancelled after ${count(evaluations)} evaluations`
 
 /** Progress of the running stage: later stages seldom use their whole budget, so a fraction of the run would mislead. */
 function Working({ run, now }: { run: RunSummary; now: number }) {

@@ -1,26 +1,31 @@
 // The runs of a campaign in time: verdicts, worst margins, bounds, and where the code changed.
 import { queryOptions, useQuery } from '@tanstack/react-query'
-import { Link, useSearch } from '@tanstack/react-router'
+import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { clsx } from 'clsx'
+import { useMemo } from 'react'
 import { getTrend } from '../api/calls'
 import { facetsQuery } from '../api/queries'
 import { ChartCard } from '../charts/ChartCard'
-import type { At } from '../charts/outcomes'
 import { OutcomesChart } from '../charts/OutcomesChart'
 import type { Trend, TrendRun } from '../client'
 import { count } from '../format/numbers'
-import { moment } from '../format/time'
+import { rfc3339 } from '../format/time'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
-import { Card } from '../ui/Card'
+import { Card, Seg } from '../ui/Card'
 import { usePolling } from '../ui/usePolling'
+import { type Along, apart, axisOf } from './axis'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from './cells'
 import type { TrendSearch } from './search'
 import { changesOf } from './changes'
 import styles from './trends.module.css'
 
-const trendQuery = (search: TrendSearch) =>
-  queryOptions({ queryKey: ['trend', search], queryFn: () => getTrend(search), enabled: Boolean(search.campaign ?? search.name) })
+const trendQuery = ({ campaign, name }: TrendSearch) =>
+  queryOptions({
+    queryKey: ['trend', campaign, name],
+    queryFn: () => getTrend({ campaign, name }),
+    enabled: Boolean(campaign ?? name),
+  })
 
 export function TrendsPage() {
   const search = useSearch({ from: '/trends' })
@@ -75,22 +80,18 @@ function Campaigns() {
 
 function Shown({ trend }: { trend: Trend }) {
   const { runs, total } = trend
-  const points = runs.map((outcome, i): At => ({ x: i + 1, run: outcome.id, outcome }))
-  const at = (x: number) => runs[Math.round(x) - 1]
-  const axis = {
-    xTitle: 'Runs in the order of submission, the oldest first',
-    xTicks: ticksOf(runs.length),
-    rules: runs.flatMap((run, i) => (run.code_changed ? [{ x: i + 0.5, colour: '--link' }] : [])),
-    xText: (x: number) => {
-      const run = at(x)
-      return run ? `${run.id}, ${moment(run.finished ?? run.created)}` : ''
-    },
-  }
+  const search = useSearch({ from: '/trends' })
+  const navigate = useNavigate()
+  const usual: Along = apart(runs) ? 'time' : 'order'
+  const along = search.along ?? usual
+  const { points, axis } = useMemo(() => axisOf(runs, along), [runs, along])
+  const show = (next: Along) =>
+    void navigate({ to: '/trends', search: { ...search, along: next === usual ? undefined : next }, replace: true })
   const data = () => ({
     name: 'trend',
-    columns: ['run', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'confidence', 'campaign', 'code'],
+    columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'confidence', 'campaign', 'code'],
     rows: runs.map((run) => [
-      run.id, run.finished === null ? null : new Date(run.finished * 1000).toISOString(), run.state, run.verdict, run.seed,
+      run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, run.verdict, run.seed,
       run.margin, run.unit, run.upper_bound, run.confidence, run.campaign_digest, run.code,
     ]),
   })
@@ -124,7 +125,7 @@ function Shown({ trend }: { trend: Trend }) {
         <p className="sec">No run has this campaign.</p>
       ) : (
         <div className="grid">
-          <ChartCard title="Worst margin and P(violation) in time" note={changesOf(runs)} className="c12" run="trend" data={data}>
+          <ChartCard title={`Worst margin and P(violation) ${along === 'time' ? 'over time' : 'by run'}`} note={changesOf(runs)} className="c12" run="trend" data={data} right={<AlongSeg value={along} onChange={show} />}>
             <OutcomesChart points={points} axis={axis} sync="trend" name={({ run }) => run} />
           </ChartCard>
           <Card
@@ -142,10 +143,18 @@ function Shown({ trend }: { trend: Trend }) {
   )
 }
 
-/** Whole numbers, at most twelve. */
-function ticksOf(runs: number): number[] {
-  const step = Math.max(1, Math.ceil(runs / 12))
-  return Array.from({ length: Math.ceil(runs / step) }, (_, i) => 1 + i * step)
+function AlongSeg({ value, onChange }: { value: Along; onChange: (value: Along) => void }) {
+  return (
+    <Seg
+      label="Horizontal axis"
+      options={[
+        { value: 'time', label: 'Time' },
+        { value: 'order', label: 'Order' },
+      ]}
+      value={value}
+      onChange={onChange}
+    />
+  )
 }
 
 function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {

@@ -2,7 +2,7 @@
 import { Link } from '@tanstack/react-router'
 import type { Outcome } from '../client'
 import { decimalsFor, NONE, percent, signed } from '../format/numbers'
-import { moment, when } from '../format/time'
+import { rfc3339, when } from '../format/time'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 
 /** The verdict or the state of a run, as icon and word. */
@@ -43,7 +43,7 @@ export function CodeCell({ code }: { code: string | null | undefined }) {
 export function DateCell({ outcome }: { outcome: Outcome }) {
   const at = outcome.finished ?? outcome.created
   return (
-    <time className="sec nw" dateTime={new Date(at * 1000).toISOString()} title={moment(at)}>
+    <time className="sec nw" dateTime={rfc3339(at)} title={rfc3339(at)}>
       {outcome.finished === null && 'submitted '}
       {when(at)}
     </time>

@@ -1,5 +1,8 @@
 // Texts and the address of trends.
 import { expect, it } from 'vitest'
+import type { TrendRun } from '../client'
+import { rfc3339 } from '../format/time'
+import { apart, axisOf } from './axis'
 import { changesOf } from './changes'
 import { differenceOf } from './difference'
 import { readTrend } from './search'
@@ -25,4 +28,34 @@ it('reads the address', () => {
   expect(readTrend({ campaign: digest, name: 'x' })).toEqual({ campaign: digest })
   expect(readTrend({ campaign: 'x', name: 'y' })).toEqual({ name: 'y' })
   expect(readTrend({ campaign: 3 })).toEqual({})
+  expect(readTrend({ name: 'y', along: 'order' })).toEqual({ name: 'y', along: 'order' })
+  expect(readTrend({ name: 'y', along: 'sideways' })).toEqual({ name: 'y' })
+})
+
+const at = (...times: number[]) =>
+  times.map((created, i) => ({ id: `R-${i}`, created, finished: created + 5, code_changed: i === 1 })) as unknown as TrendRun[]
+
+it('shows time where most runs are apart', () => {
+  const day = 86_400
+  expect(apart(at(0, day, 2 * day, 3 * day))).toBe(true)
+  expect(apart(at(0, 1, 2, 3, 4, 5, 400 * day))).toBe(false)
+  expect([apart(at()), apart(at(7)), apart(at(7, 7))]).toEqual([false, false, false])
+})
+
+it('places runs by the time of submission or by number, with the change of the code between two', () => {
+  const runs = at(100, 300, 400)
+  const time = axisOf(runs, 'time')
+  expect(time.points.map(({ x }) => x)).toEqual([100, 300, 400])
+  expect(time.axis.rules?.map(({ x }) => x)).toEqual([200])
+  expect(time.axis.xText(300)).toBe(`R-1, submitted ${rfc3339(300)}`)
+  const order = axisOf(runs, 'order')
+  expect([order.points.map(({ x }) => x), order.axis.rules?.map(({ x }) => x), order.axis.xText(2)]).toEqual([
+    [1, 2, 3], [1.5], `R-1, submitted ${rfc3339(300)}`,
+  ])
+})
+
+it('writes times as RFC 3339 with the offset of the zone', () => {
+  const written = rfc3339(1_795_000_000.9)
+  expect(written).toMatch(/^2026-11-18T\d\d:\d\d:40[+-]\d\d:\d\d$/)
+  expect(Date.parse(written) / 1000).toBe(1_795_000_000)
 })

@@ -1,9 +1,11 @@
 // The shipped campaigns as cards to choose from; with filters by tag and words.
 import { IconChevronDown, IconSearch } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import type { KeyboardEvent } from 'react'
 import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../../client'
-import { count, plain } from '../../format/numbers'
+import { count, decimalsApart, fixed, plain } from '../../format/numbers'
+import { unitText } from '../../format/units'
 import { Sign } from '../../ui/Sign'
 import { PlanView } from '../plan/PlanView'
 import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
@@ -50,7 +52,7 @@ export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose
           />
         ))}
       </div>
-      {found.length === 0 && <p className="sec">No campaign in the library matches.</p>}
+      {found.length === 0 ? <p className="sec">No campaign in the library matches.</p> : <Legend shown={shown} />}
       {shown.length < found.length && (
         <button type="button" className="btn s" onClick={() => onShelf({ ...shelf, whole: true })}>
           <IconChevronDown className="i s" aria-hidden /> Show {count(found.length - shown.length)} more
@@ -108,6 +110,38 @@ function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
   )
 }
 
+/** What the pictures show, as far as the shown ones have it. */
+function Legend({ shown }: { shown: readonly LibraryCampaign[] }) {
+  const flights = shown.flatMap(({ nominal }) => nominal ?? [])
+  if (flights.length === 0) return null
+  return (
+    <p className={clsx(styles.legend, 'micro mut')}>
+      <span>
+        <Key colour="--c-nom" /> Nominal path, simulated
+      </span>
+      {flights.some(({ tracks }) => tracks.length > 0) && (
+        <span>
+          <Key colour="--c-obs" dash="5 3" /> Path of an obstacle
+        </span>
+      )}
+      <span>
+        <Key colour="--c-crit" dash="3 2" /> Required distance at the closest approach
+      </span>
+      <span>
+        <Key colour="--ink" /> Closest approach
+      </span>
+    </p>
+  )
+}
+
+function Key({ colour, dash }: { colour: string; dash?: string }) {
+  return (
+    <svg width={18} height={8} aria-hidden>
+      <path d="M0 4h18" stroke={`var(${colour})`} strokeWidth={1.8} strokeDasharray={dash} fill="none" />
+    </svg>
+  )
+}
+
 /** Description and source of the chosen campaign. */
 function About({ campaign }: { campaign: Campaign }) {
   return (
@@ -136,6 +170,11 @@ interface CardProps {
 function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps) {
   const campaign = asCampaign(item.document)
   const criterion = catalogue?.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
+  const { nominal } = item
+  const threshold = Number(campaign.criterion.threshold)
+  const high = criterion?.worse === 'high'
+  const value = nominal?.value ?? null
+  const clear = value === null || (high ? value < threshold : value > threshold)
   return (
     <button
       type="button"
@@ -148,7 +187,7 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
       onKeyDown={onKey}
     >
       <span className="pic">
-        <PlanView campaign={campaign} catalogue={catalogue} />
+        <PlanView campaign={campaign} catalogue={catalogue} flight={nominal} clear={clear} />
       </span>
       <span className={styles.tx}>
         <span className={styles.hd}>
@@ -159,12 +198,25 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
         <span className="kv">
           <span className="mut">Criterion</span>
           <span className="num">
-            <Sign text={criterion?.quantity || 'value'} /> &gt; {plain(Number(campaign.criterion.threshold))}{' '}
-            {criterion?.unit}
+            <Sign text={criterion?.quantity || 'value'} /> {high ? '<' : '>'} {plain(threshold)} {unitText(criterion?.unit ?? '')}
           </span>
+          {value !== null && (
+            <>
+              <span className="mut">Nominal</span>
+              <span className={clear ? 'num' : 'num bad-t'}>
+                {fixed(value, decimalsApart([value, threshold]))} {unitText(criterion?.unit ?? '')}
+                {!clear && ', violates'}
+              </span>
+            </>
+          )}
           <span className="mut">Uncertain parameters</span>
           <span className="num">{Object.keys(campaign.uncertain).length}</span>
         </span>
+        {nominal && nominal.status !== 'ok' && (
+          <span className="small bad-t">
+            The nominal case is {nominal.status}: {nominal.reason || 'the reason is unknown'}.
+          </span>
+        )}
         {item.problems[0] && <span className="small bad-t">{item.problems[0].message}</span>}
       </span>
     </button>

@@ -1,27 +1,36 @@
-// A scenario seen from above, from its document alone: start with heading, goal or course, obstacles and the paths of
-// moving ones. Nothing is simulated. The geometry is in plan.ts.
+// A scenario seen from above: start with heading, goal or course, obstacles with the required distance, and its stored
+// nominal flight, whose moving obstacles are where they are at the closest approach. Without a flight it is drawn from
+// the document alone. The geometry is in plan.ts.
 import type { Campaign } from '../../api/campaign'
-import type { Catalogue } from '../../client'
+import type { Catalogue, DrawnFlight } from '../../client'
 import { Free } from './Free'
-import { extentOf, fit, type Place, type PlanBody, planOf, reachOf, type Window } from './plan'
+import { type Nominal, nominalOf } from './nominal'
+import { extentOf, fit, type Place, type Plan, type PlanBody, planOf, reachOf, type Window } from './plan'
 import { useWidth } from '../../ui/useWidth'
 import { degrees } from './ways'
 
 interface PlanViewProps {
   campaign: Campaign
   catalogue: Catalogue | undefined
+  flight?: DrawnFlight | null
+  /** Whether the flight keeps the required distance. */
+  clear?: boolean
   height?: number
 }
 
 /** Until the width of its place is known [px]. */
 const FIRST = 280
 
-export function PlanView({ campaign, catalogue, height = 140 }: PlanViewProps) {
+export function PlanView({ campaign, catalogue, flight, clear = true, height = 140 }: PlanViewProps) {
   const plan = planOf(campaign, catalogue)
-  const reach = reachOf(campaign)
+  const reach = distanceOf(campaign, catalogue)
+  const nominal = flight ? nominalOf(flight, plan.axes) : null
   const [holder, width] = useWidth(FIRST)
-  const view = fit(extentOf(plan, reach), width, height, { x: 24, y: 18 })
-  const moving = plan.bodies.filter((body) => body.track.length > 1).length
+  const bodies = plan.bodies.map((body, i) => placed(body, i, nominal))
+  const flown = nominal ? [...nominal.path, ...[...nominal.tracks.values()].flat()] : []
+  // A course beyond the end of its flight is not drawn.
+  const shown = { ...plan, bodies, way: nominal && !plan.goal ? [] : plan.way }
+  const view = fit([...extentOf(shown, reach), ...flown], width, height, { x: 24, y: 18 })
   const { start, goal } = plan
   const length = 0.1 * height
   return (
@@ -32,20 +41,22 @@ export function PlanView({ campaign, catalogue, height = 140 }: PlanViewProps) {
         height={height}
         style={{ display: 'block' }}
         role="img"
-        aria-label={`Plan of ${campaign.name}: start, ${goal ? 'goal' : 'course'} and ${plan.bodies.length} obstacles, ${moving} of them moving`}
+        aria-label={labelOf(campaign.name, plan, nominal !== null)}
       >
         <Grid view={view} width={width} height={height} />
         <path
-          d={line(plan.way, view)}
+          d={line(shown.way, view)}
           fill="none"
           stroke="var(--c-nom)"
           strokeDasharray={goal ? '2 4' : undefined}
           strokeWidth={1.3}
+          opacity={nominal ? 0.6 : 1}
         />
-        {!goal && <Head way={plan.way} view={view} colour="var(--c-nom)" />}
-        {plan.bodies.map((body, i) => (
+        {!goal && <Head way={shown.way} view={view} colour="var(--c-nom)" />}
+        {bodies.map((body, i) => (
           <Body key={i} body={body} reach={reach} surface={plan.surface} view={view} />
         ))}
+        {nominal && <Flown nominal={nominal} clear={clear} view={view} />}
         <g transform={`translate(${view.x(start)} ${view.y(start)}) rotate(${degrees(-plan.heading)})`}>
           <path
             d={`M${length} 0 L${-0.6 * length} ${0.55 * length} L${-0.3 * length} 0 L${-0.6 * length} ${-0.55 * length}Z`}
@@ -67,7 +78,49 @@ export function PlanView({ campaign, catalogue, height = 140 }: PlanViewProps) {
   )
 }
 
-/** An obstacle with its safety radius at the start; a moving one with its path and direction. */
+/** The required distance where the criterion is one [m]. */
+function distanceOf(campaign: Campaign, catalogue: Catalogue | undefined): number {
+  const criterion = catalogue?.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
+  const kept = !criterion || (criterion.unit === 'm' && criterion.of !== 'goal' && criterion.of !== 'flight')
+  return kept ? reachOf(campaign) : 0
+}
+
+/** An obstacle on its simulated path, where it is at the closest approach. */
+function placed(body: PlanBody, i: number, nominal: Nominal | null): PlanBody {
+  const [at, track] = [nominal?.moment.get(i), nominal?.tracks.get(i)]
+  return at && track ? { ...body, at: { ...body.at, ...at }, track: track.map((p) => ({ up: 0, t: 0, ...p })) } : body
+}
+
+function labelOf(name: string, { goal, bodies }: Plan, flown: boolean): string {
+  const moving = bodies.filter((body) => body.track.length > 1).length
+  const obstacles = `${bodies.length} ${bodies.length === 1 ? 'obstacle' : 'obstacles'}`
+  return `${flown ? 'Nominal flight' : 'Plan'} of ${name} from above: start, ${goal ? 'goal' : 'course'} and ${obstacles}, ${moving} of them moving`
+}
+
+/** The path, its end, and the distance at the closest approach. */
+function Flown({ nominal, clear, view }: { nominal: Nominal; clear: boolean; view: Window }) {
+  const { path, closest } = nominal
+  const end = path.at(-1)
+  const colour = clear ? 'var(--ink)' : 'var(--c-worst)'
+  return (
+    <g>
+      <path d={line(path, view)} fill="none" stroke="var(--c-nom)" strokeWidth={2} strokeLinejoin="round" />
+      {end && <circle cx={view.x(end)} cy={view.y(end)} r={2.4} fill="var(--c-nom)" />}
+      {closest && (
+        <>
+          <path
+            d={line([closest.at, closest.other], view)}
+            stroke={colour}
+            strokeWidth={1.4}
+          />
+          <circle cx={view.x(closest.at)} cy={view.y(closest.at)} r={2.8} fill={colour} />
+        </>
+      )}
+    </g>
+  )
+}
+
+/** An obstacle with the required distance; a moving one with its path and direction. */
 function Body({ body, reach, surface, view }: { body: PlanBody; reach: number; surface: boolean; view: Window }) {
   const { at, radius, rectangle, track } = body
   const [x, y] = [view.x(at), view.y(at)]

@@ -78,7 +78,7 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
               inert={known.phase !== 'open'}
             />
           )}
-          {draws ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable what={hasScenario(data.campaign) ? 'flight' : 'case'} />}
+          {draws ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable what={hasScenario(data.campaign) ? 'flight' : 'case'} alone={alone} />}
         </div>
         <PlayBar data={data} view={view} shown={known.shown} whatIf={whatIf} />
       </div>
@@ -108,6 +108,6 @@ function keysOf(card: Element | null | undefined, view: View): (() => void) | un
 function flights({ chosen, finding, nominalTrace, findingTrace }: RunData, whatIf: boolean): string {
   const noise = noiseOf(finding ? findingTrace : nominalTrace)
   const which =
-    !finding ? 'Nominal alone' : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`
+    !finding ? (nominalTrace ? 'Nominal alone' : 'Scenario') : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`
   return [which, ...(noise ? [noise] : []), ...(whatIf ? ['what-if'] : [])].join(', ')
 }

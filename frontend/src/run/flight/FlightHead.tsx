@@ -9,6 +9,7 @@ import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { useEffect, useState } from 'react'
 import { caseWord, hasScenario } from '../../api/campaign'
+import { isLive } from '../../api/queries'
 import type { ViewState } from '../../client'
 import { RecordingMenu } from '../../exports/Recording'
 import { fixed } from '../../format/numbers'
@@ -95,9 +96,11 @@ function linkTo(run: string, shown: ViewState, address: ChosenSearch, alone: boo
 /** Selects the flight shown with the nominal one. */
 function Choice({ data }: { data: RunData }) {
   const [, change] = useAddress(data.run.id)
-  const labels = data.findings.length > 0 ? data.findings.map(({ label }) => label) : [data.chosen]
+  // Of an active run, the worst case that it will find is chosen before there is one.
+  const found = data.findings.map(({ label }) => label)
+  const labels = found.length === 0 && isLive(data.run) ? [data.chosen] : found
   return (
-    <select aria-label={caseWord(data.campaign) === 'flight' ? 'Flight shown' : 'Case shown'} value={data.chosen} onChange={(event) => change({ finding: event.target.value })}>
+    <select aria-label={caseWord(data.campaign) === 'flight' ? 'Flight shown' : 'Case shown'} value={labels.includes(data.chosen) ? data.chosen : NOMINAL} onChange={(event) => change({ finding: event.target.value })}>
       {[...new Set([...labels, NOMINAL])].map((label) => (
         <option key={label} value={label}>
           {label === NOMINAL ? 'Nominal alone' : label === 'F1' ? 'Worst (F1)' : label}

@@ -41,14 +41,14 @@ export function FlightNotice({ known: { phase, said }, onRetry }: Props) {
 }
 
 /** Shown in place of the view in a browser that cannot draw it. */
-export function NotDrawable({ what }: { what: 'flight' | 'case' }) {
+export function NotDrawable({ what, alone }: { what: 'flight' | 'case'; alone: boolean }) {
   return (
     <div className={runStyles.poster} role="status">
       <span className={runStyles.failed}>
         <IconPlugConnectedX className="i" aria-hidden />
         <span>
           No 3D view: this browser has no 3D graphics (WebGL 2). Enable them and reload the page. All numbers of the
-          {` ${what} `}are also on this page.
+          {` ${what} `}are {alone ? 'on the page of the run' : 'also on this page'}.
         </span>
       </span>
     </div>

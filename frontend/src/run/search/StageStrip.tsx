@@ -97,7 +97,7 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
     figures: ended
       ? `${count(flown)} done`
       : begun
-        ? `${count(flown)} of ${count(planned)}`
+        ? ofPlanned(kind.kind, flown, planned)
         : isLive(run)
           ? 'waiting'
           : 'not started',
@@ -105,6 +105,12 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
     text: textOf(run, kind, stages),
     share,
   }
+}
+
+/** The budget of validation is an estimate: how many worst cases there are is not known in advance. */
+function ofPlanned(kind: string, flown: number, planned: number): string {
+  if (flown > planned) return `${count(flown)} done`
+  return `${count(flown)} of ${kind === 'validate' ? 'about ' : ''}${count(planned)}`
 }
 
 /** A stage that ended by its own rule is complete, even with budget left. */

@@ -67,7 +67,7 @@ def run(
         campaign, store, verdict, cites = execute_continued(onward, budget, data, database, execute)
     else:
         assert file is not None
-        campaign, store, verdict = _fresh(file, execute, allow_code)
+        campaign, store, verdict = _fresh(file, _announcing(execute, data, database, quiet=as_json), allow_code)
         cites = None
     result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {}) | code.stated(campaign)
     if out is not None:
@@ -110,6 +110,17 @@ def _fresh(file: Path, execute: Execute, allow_code: bool) -> tuple[Campaign, Me
         return campaign, store, execute(campaign, store, lambda: False)
     except CampaignUnusable as error:
         raise CampaignError(str(file), error.problems) from None
+
+
+def _announcing(execute: Execute, data: Path, database: str, quiet: bool) -> Execute:
+    """Announce what the campaign is expected to take, unless quiet, then execute it."""
+    from worker.cli._announce import announce
+
+    def announced(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
+        announce(campaign, data, database)
+        return execute(campaign, store, cancelled)
+
+    return execute if quiet else announced
 
 
 def _report_unusable() -> None:

@@ -47,9 +47,10 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
 
 
 class Evaluated(NamedTuple):
-    """One stored evaluation: its index, its bit-identical parameters, {path: value}, and its cost if it has one."""
+    """One stored evaluation: its index in its stage, its bit-identical parameters, {path: value}, and its cost if it
+    has one."""
 
-    index: int
+    position: int
     parameters: dict[str, float]
     cost: float | None
 

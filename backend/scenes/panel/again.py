@@ -45,8 +45,10 @@ class Tally(Protocol):
 class Again(Protocol):
     """Evaluates again: so many at a time before they are drawn, until `patience` [s] is over."""
 
-    together: int
-    patience: float
+    @property
+    def together(self) -> int: ...
+    @property
+    def patience(self) -> float: ...
 
     def answer(self, values: Mapping[str, float], noise: Noise) -> JsonObject:
         """The response of the process; raises `LiveError`."""

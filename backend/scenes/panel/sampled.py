@@ -151,6 +151,7 @@ def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, 
         first = evaluations.drawn_first(reader, run_id, stage.position, most)
         drew = own.get(stage.position, 0)
         return name, [
-            _Drawn(one.parameters, Noise(draw=one.index) if one.index < drew else STATED, one.cost) for one in first
+            _Drawn(one.parameters, Noise(draw=one.position) if one.position < drew else STATED, one.cost)
+            for one in first
         ]
     return "", []

@@ -27,9 +27,9 @@ SHORT = 0.002
 """[s]"""
 UNASKED = "its process wrote an answer that nothing had asked for: earlier results may be those of other points"
 NEVER = "; it has never answered: does it flush its standard output after every answer?"
-SETTLED, PAUSE = 20, 0.005
-"""A process of JSON lines gets its first requests one by one, so long after the last answer [s]: an answer too many,
-which would be taken for that of the next request, arrives meanwhile."""
+PAUSE = 0.02
+"""Time from the first answer of a process of JSON lines to its second request [s]: an answer too many, which would be
+taken for that of the second request, arrives meanwhile."""
 FAILED_STARTS = 3
 """After so many starts in a row that failed, what waits is answered with the reason."""
 
@@ -235,7 +235,7 @@ class SlotPool:
         self._mean += 0.1 * (duration - self._mean)
         slot.served += 1
         self._answered = True
-        if slot.lines and slot.served <= SETTLED:
+        if slot.lines and slot.served == 1:
             slot.rests = now + PAUSE
         job = slot.waiting.popleft()
         slot.since = now

@@ -23,6 +23,7 @@ from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.stages.plan import plan
 from worker.catalogue.installed import methods
+from worker.cli._failures import lines as failures
 from worker.runs.store import MemoryStore
 from worker.stages.parts.base import Tally
 
@@ -83,7 +84,7 @@ def print_report(
         for line in _how_found(store):
             console.print(Text(line), soft_wrap=not console.is_terminal)
     console.print(_checks(verdict))
-    for line in _again(store):
+    for line in [*failures(store), *_again(store)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)
     sign, word, colour = VERDICTS[verdict.verdict]
     console.print(Text(f"{sign} {word}", style=f"bold {colour}"))

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from worker.runs.store import MemoryStore
     from worker.stages.parts.store import Store
 
+MOST_FAILURES = 200
+"""Distinct reasons of failed evaluations in a result."""
+
 Execute: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Verdict]"
 
 
@@ -135,6 +138,7 @@ def _report_unusable() -> None:
 def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObject:
     """The content of `--json` and result.json."""
     from campaigns.results import ValidateResult, verdicts
+    from worker.cli._failures import failures
 
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
     validated = store.stages[-1].result
@@ -153,6 +157,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObj
         "checks": [check.model_dump() for check in verdicts.described(verdict.checks, failed)],
         "statistics": parts["statistics"],
         "findings": [finding.model_dump() for finding in store.findings],
+        **({"failures": [one.document for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
         "digest": campaign.digest,
         "seed": campaign.seed,
         "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")}

@@ -14,7 +14,7 @@ from backend.db.measurements import Stored
 from campaigns.asked.load import load_file
 from campaigns.results.base import FAILED, OK
 from tests.simulators.adversaries import Call, adversary, never
-from worker.catalogue.installed import catalogue
+from worker.catalogue.installed import catalogue, simulators
 from worker.cli import WRONG_INPUT, invoke
 from worker.cli._announce import announce
 from worker.cli.check_simulator import NOT_AS_IT_IS
@@ -141,3 +141,36 @@ def test_a_database_that_cannot_be_used_is_reported_before_anything_is_evaluated
     with adversary():
         assert invoke(["check-simulator", "adversary", *given]) == WRONG_INPUT
     assert "evaluations" not in capsys.readouterr().out
+
+
+def test_more_parameters_than_a_campaign_may_vary_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also in a folder whose name has spaces and letters beyond ASCII."""
+    folder = tmp_path / "my räume" / "many"
+    folder.mkdir(parents=True)
+    program = "import json, sys\nfor s in sys.stdin: print(json.dumps({'results': {'d': len(s)}}), flush=True)"
+    (folder / "the program.py").write_text(program, encoding="utf-8")
+    described = {
+        "name": "many",
+        "command": ["{python}", "{folder}/the program.py"],
+        "parameters": {f"p{k}": {"nominal": 0.5, "low": 0, "high": 1} for k in range(200)},
+        "results": {"d": {}},
+    }
+    (folder / "simulator.yaml").write_text(json.dumps(described), encoding="utf-8")
+    (folder.parent / "named.py").write_text(
+        'import clearance\n@clearance.simulator(parameters={"µ": (0.0, 1.0)})\ndef größe(µ): return µ', encoding="utf-8"
+    )
+    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(folder.parent))
+    for known in (simulators, catalogue):
+        known.cache_clear()
+    try:
+        invoke(["check-simulator", "many", "--points", "2"])
+        shown = capsys.readouterr().out
+        assert "varied: 64 of 200 parameters" in shown
+        assert "6 of 6 evaluations of 2 points have a value of d" in shown
+        assert invoke(["check-simulator", "named"]) == WRONG_INPUT
+        assert "named.py: " in capsys.readouterr().err, "a file that is skipped is reported with its reason"
+    finally:
+        for known in (simulators, catalogue):
+            known.cache_clear()

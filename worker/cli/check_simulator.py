@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from campaigns.results.nominal import Measured
     from worker.stages.parts.store import Columns
 
+MOST_UNCERTAIN = 64
+"""Uncertain parameters of a campaign."""
 NOT_AS_IT_IS = 1
 """Exit code of a simulator that fails at some points or does not repeat."""
 
@@ -49,6 +51,11 @@ def check_simulator(
             pass  # one that cannot be used is reported before anything is evaluated
     measured, columns, digest = _evaluated(campaign, points)
     _declared(entry)
+    if len(entry.parameters) > len(campaign.uncertain):
+        typer.echo(
+            f"  varied: {len(campaign.uncertain)} of {len(entry.parameters)} parameters, the first with finite limits "
+            f"and at most as many as a campaign may vary, {MOST_UNCERTAIN}; the others stayed nominal"
+        )
     values = sum(columns.status == OK)
     lost = noise.reasons(columns)
     decides = campaign.criterion.result
@@ -73,12 +80,13 @@ def check_simulator(
 def _entry(name: str) -> SimulatorEntry:
     from campaigns.checked import said
     from worker.catalogue.descriptor import unusable
+    from worker.catalogue.files import unusable_files
     from worker.catalogue.installed import catalogue
 
     known = catalogue()
     entry = known.simulator(name)
     if entry is None:
-        for problem in unusable():
+        for problem in [*unusable(), *unusable_files()]:
             typer.echo(problem, err=True)
         names = [s.name for s in known.simulators]
         raise WrongInputError(f"no simulator {name!r} in this installation; {said.known(name, names)}")
@@ -112,7 +120,7 @@ def _campaign(entry: SimulatorEntry, result: str) -> Campaign:
         {
             "name": "check-simulator",
             "simulator": {"name": entry.name},
-            "uncertain": dict(list(ranges.items())[:64]),
+            "uncertain": dict(list(ranges.items())[:MOST_UNCERTAIN]),
             "criterion": {"result": result, "threshold": 0.0},
             "stages": {"sensitivity": None, "search": [{"method": "direct", "evaluations": 1}]},
         }

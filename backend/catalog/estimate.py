@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 import sqlalchemy as sa
 
-from backend.catalog import costs
 from backend.catalog.schemas import Estimate, EstimatedStage
+from backend.db import costs
 from backend.db.tables import Run, Stage
 from campaigns import Campaign, Catalogue
 from campaigns.checked.expected import boundary, expected
@@ -78,14 +77,12 @@ def _earlier(reader: sa.Connection, digest: str) -> _Earlier | None:
 def _simulated(
     reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, evaluations: int
 ) -> tuple[float | None, str]:
-    """The time on as many slots as the newest run of the simulator had, which the sentence names."""
+    """The time on as many slots as the newest measurement of the simulator had, which the sentence names."""
     assert campaign.simulator is not None
     name, calls = campaign.simulator.name, campaign.simulator.calls
     entry = catalogue.simulator(name)
     cost = None if entry is None else costs.newest(reader, entry, catalogue.digests.get(name))[0]
     if cost is None:
-        measure = f"`clearance check-simulator {name}` measures an evaluation, and so does the first stage of a run"
-        return None, f"The time is not known yet: {measure}."
-    each, at_once = cost.of(calls)
-    slots = "1 slot" if cost.slots == 1 else f"{cost.slots} slots"
-    return math.ceil(evaluations / at_once) * each, f"{cost.sentence(calls)}, on {slots}."
+        measure = f"`clearance check-simulator {name} --data DIR` measures an evaluation for the service of that folder"
+        return None, f"The time is not known yet: {measure}, and so does the first stage of a run."
+    return cost.lasts(evaluations, calls)

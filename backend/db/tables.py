@@ -18,6 +18,7 @@ from backend.db.tables_access import Token as Token
 from backend.db.tables_installed import CatalogueDocument as CatalogueDocument
 from backend.db.tables_installed import CatalogueSnapshot as CatalogueSnapshot
 from backend.db.tables_installed import CodeVersion as CodeVersion
+from backend.db.tables_installed import SimulatorMeasurement as SimulatorMeasurement
 from backend.db.tables_labels import RunBaseline as RunBaseline
 from backend.db.tables_labels import RunLabel as RunLabel
 from backend.db.tables_sweeps import Sweep as Sweep

@@ -1,4 +1,4 @@
-"""The tables of catalogues and code versions. Import them from `backend.db.tables`."""
+"""The tables of catalogues, code versions and measurements of simulators. Import them from `backend.db.tables`."""
 
 from __future__ import annotations
 
@@ -40,3 +40,18 @@ class CodeVersion(Base):
     modules: orm.Mapped[JsonObject]
     """{module: digest}; see `campaigns.versions`."""
     created: orm.Mapped[float]
+
+
+class SimulatorMeasurement(Base):
+    """What `clearance check-simulator` measured of a simulator; the newest of each declaration and files."""
+
+    __tablename__ = "simulator_measurements"
+    simulator: orm.Mapped[str] = orm.mapped_column(sa.String(160), primary_key=True)
+    """Its name with the digest of its declaration, as a run needs it; see `SimulatorEntry.version`."""
+    digest: orm.Mapped[str] = orm.mapped_column(sa.String(128), primary_key=True)
+    """Of its files, when it was opened."""
+    measured: orm.Mapped[float]
+    """When [s since 1970]."""
+    host: orm.Mapped[str] = orm.mapped_column(sa.String(120))
+    result: orm.Mapped[JsonObject]
+    """See `campaigns.results.nominal.Measured`."""

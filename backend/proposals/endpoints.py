@@ -25,5 +25,5 @@ def propose_searches(
     patience: Annotated[float, Query(gt=0, le=LONGEST, description="Time for all searches [s].")] = 3600.0,
     calls: Annotated[int, Query(ge=1, le=1000, description="Calls of the simulator for each evaluation.")] = 1,
 ) -> Proposal:
-    """Propose search methods and budgets for a simulator, from what its evaluations took in the newest run of it."""
+    """Propose search methods and budgets for a simulator, from what its evaluations took when last measured."""
     return service.proposal(reader, name, parameters, patience, calls)

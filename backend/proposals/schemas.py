@@ -7,15 +7,22 @@ from campaigns.documents import JsonObject
 
 
 class MeasuredCost(Schema):
-    """What one call of a simulator took, as the first stage of a run measured it."""
+    """What one call of a simulator took, as the first stage of a run or `clearance check-simulator` measured it."""
 
-    run: str
-    """The newest run that measured it with the same declaration and files of the simulator."""
+    run: str | None
+    """The run, if it is the newest measurement with the same declaration and files of the simulator; null if that is
+    one of `clearance check-simulator`."""
+    source: str
+    """Where the time is known from: the run, or the command with its machine and time."""
+    at: float | None
+    """When it was measured [s since 1970], of a run when that began; null if it is not known."""
+    host: str
+    """The machine on which the command ran; empty for a run."""
     seconds: float
     """[s], with `slots` calls side by side."""
     slots: int
     evaluations: int
-    """Of that stage."""
+    """Of the measurement."""
     failed: int
 
 
@@ -34,9 +41,9 @@ class Proposal(Schema):
     """
 
     measured: MeasuredCost | None
-    """None if no run has measured the simulator as it is now."""
+    """None if the simulator as it is now was never measured."""
     known: str
-    """What is known of the time of an evaluation, a sentence: from which run, or why nothing is."""
+    """What is known of the time of an evaluation, a sentence: where from, or why nothing is."""
     sentence: str
     """How many evaluations fit and what is proposed, or why nothing is; empty if nothing was measured."""
     searches: list[ProposedSearch]

@@ -1,4 +1,4 @@
-"""What an evaluation of a simulator took in the newest run of it, and what to search with. Start at `proposal`."""
+"""What an evaluation of a simulator took when it was last measured, and what to search with. Start at `proposal`."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ from dataclasses import asdict
 
 import sqlalchemy as sa
 
-from backend.catalog import costs
 from backend.catalog.service import required
+from backend.db import costs
 from backend.http.errors import not_found
 from backend.proposals.schemas import MeasuredCost, Proposal, ProposedSearch
 from campaigns.asked.proposal import Cost, lasting
 
-UNKNOWN = "The time of an evaluation is not measured yet: the first stage of a run measures it"
+UNKNOWN = (
+    "The time of an evaluation is not measured yet: the first stage of a run measures it, and so does "
+    "`clearance check-simulator {name} --data DIR` for the service of that folder"
+)
 
 
 def proposal(reader: sa.Connection, name: str, parameters: int, patience: float, calls: int) -> Proposal:
@@ -23,11 +26,11 @@ def proposal(reader: sa.Connection, name: str, parameters: int, patience: float,
         raise not_found("simulator called", name)
     cost, others = costs.newest(reader, entry, catalogue.digests.get(name))
     if cost is None:
-        known = f"{UNKNOWN}. Its files have changed since {_took(others)}" if others else UNKNOWN
+        known = UNKNOWN.format(name=name) + (f". {_others(others)}" if others else "")
         return Proposal(measured=None, known=f"{known}.", sentence="", searches=[], seconds=None)
     found = cost.proposed(parameters, patience, calls)
     return Proposal(
-        measured=MeasuredCost(**asdict(cost)),
+        measured=MeasuredCost(**asdict(cost), source=cost.source),
         known=f"{cost.sentence(calls)}.",
         sentence=f"{found.sentence}.",
         searches=[ProposedSearch(**asdict(search)) for search in found.searches],
@@ -35,5 +38,8 @@ def proposal(reader: sa.Connection, name: str, parameters: int, patience: float,
     )
 
 
-def _took(cost: Cost) -> str:
-    return f"{cost.run}, in which one call took {lasting(cost.seconds)}"
+def _others(cost: Cost) -> str:
+    took = f"{cost.source}, in which one call took {lasting(cost.seconds)}"
+    if cost.run is not None:
+        return f"Its files have changed since {took}"
+    return f"Its files are not those of {took}; a worker publishes the digest of its files when it starts"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import sqlalchemy as sa
@@ -46,17 +46,27 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
     return found
 
 
-def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) -> list[tuple[int, dict[str, float]]]:
-    """Index and bit-identical parameters, {path: value}, of a stage's first `most` non-excluded evaluations."""
+class Evaluated(NamedTuple):
+    """One stored evaluation: its index in its stage, its bit-identical parameters, {path: value}, and its cost if it
+    has one."""
+
+    position: int
+    parameters: dict[str, float]
+    cost: float | None
+
+
+def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) -> list[Evaluated]:
+    """A stage's first `most` non-excluded evaluations."""
     asked = campaign(reader, run_id)
     of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
-    found: list[tuple[int, dict[str, float]]] = []
+    found: list[Evaluated] = []
     for row in reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first)):
         columns = as_columns(row)
         evaluated = np.flatnonzero(columns.status != EXCLUDED)[: most - len(found)]
         values = in_units(columns.points[evaluated], list(asked.uncertain), bounds(asked, described(reader, run_id)))
         rows = [dict(zip(values, one, strict=True)) for one in zip(*values.values(), strict=True)]
-        found += zip((row.first + evaluated).tolist(), rows, strict=True)
+        costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)[evaluated]
+        found += map(Evaluated, (row.first + evaluated).tolist(), rows, _known(costs))
         if len(found) >= most:
             break
     return found

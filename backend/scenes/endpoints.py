@@ -149,4 +149,6 @@ def _build(server: viser.ViserServer, socket: WebSocket, run_id: int, address: A
         fixed = setting.load(reader, run_id)
         progress = Progress(fixed, run_id, address.flight)
         progress.look(reader)
-    return Viewer(server, state.engine, state.live, fixed, progress, address)
+    # What a simulator evaluates on demand, it evaluates in a process of its own.
+    live = state.live if fixed.clears else state.cases
+    return Viewer(server, state.engine, live, fixed, progress, address)

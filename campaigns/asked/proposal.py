@@ -7,6 +7,7 @@ for a simulator that a run has measured at `Cost`.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -51,22 +52,34 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Cost:
-    """What one call of a simulator took [s], as a run measured it, with `slots` of them side by side.
+    """What one call of a simulator took [s], with `slots` of them side by side.
 
-    run: its name; evaluations: of its first stage, of which `failed` failed.
+    run: the name of the run whose first stage measured it; None if `clearance check-simulator` did, on the machine
+    `host`; at: when [s since 1970], if known; evaluations: of the measurement, of which `failed` failed.
     """
 
-    run: str
+    run: str | None
     seconds: float
     slots: int
     evaluations: int
     failed: int = 0
+    at: float | None = None
+    host: str = ""
+
+    @property
+    def source(self) -> str:
+        """Where the time is known from: R-0012, or the command with its machine and time."""
+        if self.run is not None:
+            return self.run
+        on = f" on {self.host}" if self.host else ""
+        when = "" if self.at is None else time.strftime(", %Y-%m-%d %H:%M UTC", time.gmtime(self.at))
+        return f"clearance check-simulator{on}{when}"
 
     def sentence(self, calls: int = 1) -> str:
         """One evaluation took 0.42 s (R-0012, 15 evaluations)."""
         failed = f", {self.failed} of them failed" if self.failed else ""
         what = "evaluation" if calls == 1 else "call"
-        text = f"One {what} took {lasting(self.seconds)} ({self.run}, {self.evaluations} evaluations{failed})"
+        text = f"One {what} took {lasting(self.seconds)} ({self.source}, {self.evaluations} evaluations{failed})"
         if calls == 1:
             return text
         return f"{text}; an evaluation of {calls} calls takes about {lasting(self.of(calls)[0])}"
@@ -76,8 +89,14 @@ class Cost:
         at_once = max(self.slots // calls, 1)
         return self.seconds * math.ceil(calls * at_once / self.slots), at_once
 
+    def lasts(self, evaluations: int, calls: int = 1) -> tuple[float, str]:
+        """Time of so many evaluations on the slots of the measurement [s], and where it is known from."""
+        each, at_once = self.of(calls)
+        slots = "1 slot" if self.slots == 1 else f"{self.slots} slots"
+        return math.ceil(evaluations / at_once) * each, f"{self.sentence(calls)}, on {slots}."
+
     def proposed(self, parameters: int, patience: float, calls: int = 1) -> Proposal:
-        """What to search with within `patience` [s] on the slots of that run; raises ValueError as `proposed` does."""
+        """What to search with within `patience` [s] on its slots; raises ValueError as `proposed` does."""
         if calls < 1:
             raise ValueError(f"invalid number of calls {calls}: give at least 1")
         seconds, at_once = self.of(calls)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import httpx
 import numpy as np
 
-from backend.db.records import Columns, Trace
+from backend.db.records import Columns, StagePlan, Trace
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from tests import results
 from tests.api.catalogue import CATALOGUE
@@ -58,13 +58,15 @@ def declared(
     traces: Callable[[str], Trace] = trace,
     found: bool = True,
     searched: Columns | None = None,
+    plan: Sequence[StagePlan] = PLAN,
 ) -> str:
-    """A finished run with the traces of the nominal case and of one finding; searched: its evaluations."""
+    """A finished run with the traces of the nominal case and of one finding; searched: its evaluations; plan: its
+    stages, of which the third one is the search."""
     catalogue = CATALOGUE.model_copy(update={"simulators": [ENTRY]})
     service.publish(catalogue.model_dump(mode="json"))
     answer = client.post("/api/v1/runs", json={"campaign": CAMPAIGN})
     assert answer.status_code == 201, answer.text
-    work = Work(service, PLAN, [ENTRY.version])
+    work = Work(service, plan, [ENTRY.version])
     work.nominal(traces("nominal"))
     if found:
         work.store.begin(2)

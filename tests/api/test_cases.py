@@ -9,13 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 
 from backend.cases.service import process
+from backend.db.records import Columns, StagePlan
 from backend.scenes.live.live import Live
 from tests.api.answers import problem
 from tests.api.declaring import SCENE, declared
 from tests.api.document import conforms
+from tests.api.finished import PLAN
 from tests.api.server import Service
 from tests.api.submitting import submit
 from tests.api.viewing import KEY, frames_until, steer, viewing
@@ -76,6 +79,38 @@ def test_a_case_is_evaluated_drawn_and_not_stored(evaluating: Service) -> None:
         assert found["data"]["x"] == [0.0, 2.0]
         assert asked(client, run).json()["data"] == {}
         assert evaluating.rows() == before
+
+
+RANDOM = [*PLAN[:2], StagePlan("search", "monte_carlo", 3)]
+
+
+def sample(*cost: float) -> Columns:
+    """A random sample at a wind of 0.5, 1 and 2 m/s, with these costs."""
+    points = np.array([[0.125], [0.25], [0.5]])[: len(cost)]
+    return Columns(points, np.array(cost)[:, None], np.zeros(len(cost), np.uint8), np.ones(len(cost)), {})
+
+
+def test_the_sample_is_evaluated_again_drawn_and_compared_with_what_is_stored(evaluating: Service) -> None:
+    with evaluating.signed_in() as client:
+        run = declared(evaluating, client, searched=sample(0.5, 1.0, 7.0), plan=RANDOM)
+        before = evaluating.rows()
+        with viewing(evaluating, client, f"/view/{run}/key/{KEY}") as connection:
+            frames_until(connection, b"Search")
+            assert steer(client, run, layers={"sampled": True})["layers"]["sampled"] is True
+            said = b"the first 3 of the sample of Monte Carlo, each evaluated again by one call."
+            frames_until(connection, b"/flights/sampled/2", said, b"1 result differs from the stored one.")
+            assert steer(client, run, layers={"sampled": False})["layers"]["sampled"] is False
+        assert evaluating.rows() == before, "nothing of it is stored"
+
+
+def test_a_sample_that_cannot_be_evaluated_here_is_no_line_but_a_sentence(evaluating: Service) -> None:
+    with evaluating.signed_in() as client:
+        points = Columns(np.array([[0.75]]), np.array([[3.0]]), np.zeros(1, np.uint8), np.ones(1), {})
+        run = declared(evaluating, client, searched=points, plan=RANDOM)
+        with viewing(evaluating, client, f"/view/{run}/key/{KEY}") as connection:
+            frames_until(connection, b"Search")
+            steer(client, run, layers={"sampled": True})
+            assert b"/flights/sampled/0" not in frames_until(connection, b"there is no such simulator")
 
 
 def test_what_cannot_be_evaluated_is_refused_in_words(evaluating: Service) -> None:

@@ -64,7 +64,7 @@ def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
     with bare.signed_in() as client:
         told = estimate(client, package.campaign())
         assert told["seconds"] is None
-        assert "`clearance check-simulator two_basins`" in told["time_said"]
+        assert "`clearance check-simulator two_basins --data DIR`" in told["time_said"]
         run(bare, "aa", measured(call_seconds=0.5, slots=2))
         told = estimate(client, package.campaign(seed=99))
         assert told["time_said"] == "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import httpx
@@ -37,12 +38,17 @@ def client(bare: Service) -> Any:
 def test_the_newest_run_of_the_same_files_is_named(bare: Service, client: httpx.Client) -> None:
     unknown = asked(client)
     assert (unknown["measured"], unknown["searches"], unknown["sentence"]) == (None, [], "")
-    assert unknown["known"] == ("The time of an evaluation is not measured yet: the first stage of a run measures it.")
+    assert unknown["known"] == (
+        "The time of an evaluation is not measured yet: the first stage of a run measures it, and so does "
+        "`clearance check-simulator two_basins --data DIR` for the service of that folder."
+    )
     run(bare, "aa", None)  # of a version that did not measure it
     assert asked(client)["measured"] is None
     run(bare, "aa", measured())
     found = asked(client)
-    assert found["measured"] == {"run": "R-0002", "seconds": 0.42, "slots": 2, "evaluations": 15, "failed": 0}
+    assert found["measured"].pop("at") == pytest.approx(time.time(), abs=60)
+    counts = {"seconds": 0.42, "slots": 2, "evaluations": 15, "failed": 0}
+    assert found["measured"] == {"run": "R-0002", "source": "R-0002", "host": ""} | counts
     assert found["known"] == "One evaluation took 420 ms (R-0002, 15 evaluations)."
     assert found["sentence"] == (
         "In 60 min on 2 slots: about 17,000 evaluations. "

@@ -57,7 +57,7 @@ def test_a_stored_evaluation_is_compared_with_a_flight_under_its_own_noise(simul
             progress.look(reader)
             _, sampled = _sample(reader, run, setting)
     noise = [one.noise for one in sorted(cloud.drawn, key=lambda one: one.index)]
-    assert noise == [noise for _, noise in sampled] == [Noise(draw=0), Noise(draw=1), STATED]
+    assert noise == [one.noise for one in sampled] == [Noise(draw=0), Noise(draw=1), STATED]
     assert progress.seeds == {"F1": int(seeds[0])}
     for one in cloud.drawn:
         again = simulating.app.state.live.simulate(setting.document, setting.digest, one.parameters, 100, one.noise)

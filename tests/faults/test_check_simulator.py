@@ -2,12 +2,30 @@
 
 from __future__ import annotations
 
+import json
+import socket
+from pathlib import Path
+
 import pytest
 
+from backend.db import measurements
+from backend.db.engine import connect, default_url, read
+from backend.db.measurements import Stored
+from campaigns.asked.load import load_file
 from campaigns.results.base import FAILED, OK
 from tests.simulators.adversaries import Call, adversary, never
+from worker.catalogue.installed import catalogue, simulators
 from worker.cli import WRONG_INPUT, invoke
+from worker.cli._announce import announce
 from worker.cli.check_simulator import NOT_AS_IT_IS
+
+CAMPAIGN = {
+    "name": "Adversary",
+    "simulator": {"name": "adversary"},
+    "uncertain": {"simulator.a": {"low": 0.0, "high": 1.0}},
+    "criterion": {"result": "d", "threshold": 0.0},
+    "stages": {"search": [{"method": "direct", "evaluations": 50}]},
+}
 
 
 def test_one_that_can_be_used_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
@@ -72,3 +90,87 @@ def test_what_does_not_fit_is_refused(given: list[str], said: str, capsys: pytes
     with adversary():
         assert invoke(["check-simulator", *given]) == WRONG_INPUT
     assert said in capsys.readouterr().err
+
+
+def stored(folder: Path) -> list[Stored]:
+    entry = catalogue().simulator("adversary")
+    assert entry is not None
+    engine = connect(default_url(folder))
+    try:
+        with read(engine) as reader:
+            return measurements.stored(reader, entry)
+    finally:
+        engine.dispose()
+
+
+def test_with_data_the_measurement_is_stored_and_announced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A run without the database announces nothing, and creates none."""
+    data = tmp_path / "new" / "data"
+    campaign = tmp_path / "campaign.yaml"
+    campaign.write_text(json.dumps(CAMPAIGN), encoding="utf-8")
+    with adversary("noise"):
+        assert announced(campaign, data, capsys) == ""
+        assert not data.exists()
+        assert invoke(["check-simulator", "adversary", "--data", str(data)]) == NOT_AS_IT_IS
+        assert f"stored for the estimates of the launch page and of clearance run: {data}" in capsys.readouterr().out
+        (found,) = stored(data)
+        assert (found.host, found.measured.evaluations) == (socket.gethostname(), 15)
+        assert (found.measured.spread or 0.0) > 0.0
+        text = announced(campaign, data, capsys)
+    assert "evaluations, " in text
+    assert "One evaluation took " in text
+    assert "(clearance check-simulator on " in text
+
+
+def announced(campaign: Path, data: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    announce(load_file(campaign), data, "")
+    return capsys.readouterr().err
+
+
+def test_without_a_value_nothing_is_stored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with adversary("none", never):
+        assert invoke(["check-simulator", "adversary", "--data", str(tmp_path)]) == NOT_AS_IT_IS
+        assert "nothing is stored for estimates: no value" in capsys.readouterr().out
+        assert stored(tmp_path) == []
+
+
+@pytest.mark.parametrize("given", [["--database", "mysql://x"], ["--data", "/proc/1/none"]])
+def test_a_database_that_cannot_be_used_is_reported_before_anything_is_evaluated(
+    given: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with adversary():
+        assert invoke(["check-simulator", "adversary", *given]) == WRONG_INPUT
+    assert "evaluations" not in capsys.readouterr().out
+
+
+def test_more_parameters_than_a_campaign_may_vary_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also in a folder whose name has spaces and letters beyond ASCII."""
+    folder = tmp_path / "my räume" / "many"
+    folder.mkdir(parents=True)
+    program = "import json, sys\nfor s in sys.stdin: print(json.dumps({'results': {'d': len(s)}}), flush=True)"
+    (folder / "the program.py").write_text(program, encoding="utf-8")
+    described = {
+        "name": "many",
+        "command": ["{python}", "{folder}/the program.py"],
+        "parameters": {f"p{k}": {"nominal": 0.5, "low": 0, "high": 1} for k in range(200)},
+        "results": {"d": {}},
+    }
+    (folder / "simulator.yaml").write_text(json.dumps(described), encoding="utf-8")
+    (folder.parent / "named.py").write_text(
+        'import clearance\n@clearance.simulator(parameters={"µ": (0.0, 1.0)})\ndef größe(µ): return µ', encoding="utf-8"
+    )
+    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(folder.parent))
+    for known in (simulators, catalogue):
+        known.cache_clear()
+    try:
+        invoke(["check-simulator", "many", "--points", "2"])
+        shown = capsys.readouterr().out
+        assert "varied: 64 of 200 parameters" in shown
+        assert "6 of 6 evaluations of 2 points have a value of d" in shown
+        assert invoke(["check-simulator", "named"]) == WRONG_INPUT
+        assert "named.py: " in capsys.readouterr().err, "a file that is skipped is reported with its reason"
+    finally:
+        for known in (simulators, catalogue):
+            known.cache_clear()

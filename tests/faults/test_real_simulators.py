@@ -132,15 +132,22 @@ def test_a_start_that_is_no_encounter_is_a_failure_with_a_sentence(jsbsim: Comma
 
 
 @pytest.mark.parametrize(
-    ("name", "file"), [("jsbsim_intruder", "jsbsim_flight.py"), ("bluesky_mvp", "bluesky_conflict.py")]
+    ("name", "file", "stated"),
+    [
+        ("jsbsim_intruder", "jsbsim_flight.py", "VERSION"),
+        ("bluesky_mvp", "bluesky_conflict.py", "VERSION"),
+        ("bluesky_mvp", "bluesky_conflict.py", "OPENAP"),
+    ],
 )
-def test_another_version_of_the_package_is_refused_with_a_sentence(tmp_path: Path, name: str, file: str) -> None:
+def test_another_version_of_the_package_is_refused_with_a_sentence(
+    tmp_path: Path, name: str, file: str, stated: str
+) -> None:
     """The version is part of the folder, so of the digest, so of what a verdict holds for."""
     if find_spec({"jsbsim_intruder": "jsbsim", "bluesky_mvp": "bluesky"}[name]) is None:
         pytest.skip(f"the package of {name} is not installed")
     folder = shutil.copytree(EXAMPLES / name, tmp_path / name)
     text = (folder / file).read_text()
-    lines = ['VERSION = "0.0"' if line.startswith("VERSION = ") else line for line in text.splitlines()]
+    lines = [f'{stated} = "0.0"' if line.startswith(f"{stated} = ") else line for line in text.splitlines()]
     (folder / file).write_text("\n".join(lines))
     simulator = opened(folder)
     try:

@@ -11,7 +11,7 @@ from pydantic import Field, field_validator
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import SimulatorEntry
-from worker.catalogue.folder import digest_of
+from worker.catalogue.folder import digest_of, files_of
 
 FILE = "simulator.yaml"
 
@@ -67,6 +67,11 @@ class Described(ABC):
     def covers(self) -> str:
         """What the digest is of, if that is not its folder."""
         return ""
+
+    @property
+    def covered(self) -> list[Path]:
+        """The files that the digest covers."""
+        return files_of(self.folder)
 
     @property
     def digest(self) -> str:

@@ -24,6 +24,7 @@ from worker.catalogue.fmu_model import Unusable
 from worker.catalogue.scene import scene_of
 
 FOLDERS = "CLEARANCE_SIMULATORS"
+NAMES = "give lower-case letters from a to z, digits and underscores, beginning with a letter"
 
 
 class DescribedParameter(Strict):
@@ -179,8 +180,10 @@ def read(folder: Path) -> Described:
         raise BadDescriptor(f"{file}: {' '.join(str(error).split())}") from None
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"]) or "the file"
+        place = ".".join(str(part) for part in first["loc"] if part != "[key]") or "the file"
         message = first["msg"].removeprefix("Value error, ")
+        if first.get("ctx", {}).get("pattern") == "^[a-z][a-z0-9_]*$":
+            message = f"{first['input']!r:.60} is not a name: {NAMES}"
         raise BadDescriptor(f"{file}: {place}: {message}") from None
     except Unusable as error:
         raise BadDescriptor(f"{file}: {error}") from None

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+
+
+def files_of(folder: Path) -> list[Path]:
+    """The files that the digest of a folder covers."""
+    return sorted(p for p in folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts)
 
 
 def digest_of(folder: Path) -> str:
     """SHA-256 over all files of a folder, by relative path and content."""
     sink = hashlib.sha256()
-    for path in sorted(p for p in folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
+    for path in files_of(folder):
         content = path.read_bytes()
         sink.update(f"{path.relative_to(folder)}\0{len(content)}\0".encode())
         sink.update(content)
@@ -20,26 +25,40 @@ def digest_of(folder: Path) -> str:
 
 def digest_of_place(place: Mapping[str, str]) -> str:
     """SHA-256 over the file of a function and the other Python files of its folder, or over its package."""
+    folder = _folder_of(place)
+    if folder is not None:
+        sink = hashlib.sha256()
+        for name, path in _python_files(folder, ""):
+            content = path.read_bytes()
+            sink.update(f"{name}\0{len(content)}\0".encode())
+            sink.update(content)
+        return sink.hexdigest()
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files_of_place(place))).hexdigest()
+
+
+def files_of_place(place: Mapping[str, str]) -> list[Path]:
+    """The files that the digest of a place covers."""
+    folder = _folder_of(place)
+    if folder is not None:
+        return [path for _, path in _python_files(folder, "")]
+    spec = importlib.util.find_spec(place["module"].partition(".")[0])
+    return [Path(spec.origin)] if spec and spec.origin else []
+
+
+def _folder_of(place: Mapping[str, str]) -> Path | None:
+    """The folder of a file, or of a package; None for a module that is a single file."""
     if "file" in place:
-        return _over(Path(place["file"]).parent, packages=True)
+        return Path(place["file"]).parent
     spec = importlib.util.find_spec(place["module"].partition(".")[0])
     if spec is not None and spec.submodule_search_locations:
-        return _over(Path(next(iter(spec.submodule_search_locations))), packages=True)
-    return hashlib.sha256(Path(spec.origin).read_bytes() if spec and spec.origin else b"").hexdigest()
+        return Path(next(iter(spec.submodule_search_locations)))
+    return None
 
 
-def _over(folder: Path, packages: bool) -> str:
-    """The Python files of a folder, and of the packages in it."""
-    sink = hashlib.sha256()
-
-    def add(folder: Path, prefix: str) -> None:
-        for path in sorted(folder.iterdir()):
-            if path.suffix == ".py" and path.is_file():
-                content = path.read_bytes()
-                sink.update(f"{prefix}{path.name}\0{len(content)}\0".encode())
-                sink.update(content)
-            elif packages and (path / "__init__.py").is_file():
-                add(path, f"{prefix}{path.name}/")
-
-    add(folder, "")
-    return sink.hexdigest()
+def _python_files(folder: Path, prefix: str) -> Iterator[tuple[str, Path]]:
+    """The Python files of a folder, and of the packages in it, by relative name."""
+    for path in sorted(folder.iterdir()):
+        if path.suffix == ".py" and path.is_file():
+            yield f"{prefix}{path.name}", path
+        elif (path / "__init__.py").is_file():
+            yield from _python_files(path, f"{prefix}{path.name}/")

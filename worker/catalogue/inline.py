@@ -50,6 +50,10 @@ class InlineProgram(DescribedProgram):
         return [Path(name) for name in named if name.startswith("/") and isfile(name) and os.access(name, os.R_OK)]
 
     @property
+    def covered(self) -> list[Path]:
+        return self.files
+
+    @property
     def digest(self) -> str:
         """SHA-256 over the descriptor and the files that its command names: its folder may contain anything."""
         document = json.dumps(self.descriptor.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))

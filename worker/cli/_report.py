@@ -25,6 +25,7 @@ from campaigns.stages.plan import plan
 from worker.catalogue.installed import methods
 from worker.cli import _since
 from worker.cli._ended import changes
+from worker.cli._failures import lines as failures
 from worker.runs.store import MemoryStore
 from worker.stages.parts.base import Tally
 
@@ -88,7 +89,7 @@ def print_report(
         for line in _how_found(store):
             console.print(Text(line), soft_wrap=not console.is_terminal)
     console.print(_checks(verdict))
-    for line in _again(store):
+    for line in [*failures(store), *_again(store)]:
         console.print(Text(line), soft_wrap=not console.is_terminal)
     if note:
         console.print(Text(note), soft_wrap=not console.is_terminal)

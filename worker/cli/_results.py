@@ -113,7 +113,7 @@ def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None
         writer = csv.writer(file)
         beside = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in criteria(problem)[1:]]
         paths = [r.path for r in problem.ranges]
-        writer.writerow(["stage", "kind", "method", "index", "status", "cost", *beside, *paths])
+        writer.writerow(["stage", "kind", "method", "index", "status", "cost", *beside, *paths, "reason"])
         for position, record in enumerate(store.stages):
             columns = store.evaluations(position)
             if columns is None:
@@ -124,7 +124,7 @@ def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None
             for i, (status, value) in enumerate(zip(columns.status.tolist(), results.tolist(), strict=True)):
                 costs = [repr(v) if status == OK else "" for v in value]
                 row = [position, plan.kind, plan.method or "", i, STATUS[status], *costs]
-                writer.writerow([*row, *map(repr, values[i].tolist())])
+                writer.writerow([*row, *map(repr, values[i].tolist()), columns.reasons.get(i, "")])
 
 
 def _write_trace(path: Path, trace: Trace) -> None:

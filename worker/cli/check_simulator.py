@@ -1,15 +1,18 @@
 """`clearance check-simulator NAME`: evaluates a simulator at a few points, without a campaign.
 
-The exit code is 0 only if it can be used as it is: every evaluation has a value, and results repeat bit by bit.
+The exit code is 0 only if it can be used as it is: every evaluation has a value, and results repeat bit by bit. With
+`--data` the measurement is stored for the estimates of the service and of `clearance run`.
 """
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from worker.cli import WrongInputError
+from worker.cli._where import DATA, Database, opened
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -17,6 +20,8 @@ if TYPE_CHECKING:
     from campaigns.results.nominal import Measured
     from worker.stages.parts.store import Columns
 
+MOST_UNCERTAIN = 64
+"""Uncertain parameters of a campaign."""
 NOT_AS_IT_IS = 1
 """Exit code of a simulator that fails at some points or does not repeat."""
 
@@ -28,6 +33,12 @@ def check_simulator(
                           min=2, max=1000)
     ] = 5,
     result: Annotated[str, typer.Option(help="The result to compare; the first one that may decide if omitted.")] = "",
+    data: Annotated[
+        Path | None,
+        typer.Option(help="Store the measurement in the database of this folder, for estimates.",
+                     envvar="CLEARANCE_DATA", file_okay=False),
+    ] = None,
+    database: Database = "",
 ) -> None:  # fmt: skip
     """Evaluate a simulator at a few points: failures, time, and whether its results repeat."""
     from campaigns.results.base import OK
@@ -35,8 +46,16 @@ def check_simulator(
 
     entry = _entry(name)
     campaign = _campaign(entry, _decides(entry, result))
-    measured, columns = _evaluated(campaign, points)
+    if data is not None or database:
+        with opened(data or DATA, database, create=True):
+            pass  # one that cannot be used is reported before anything is evaluated
+    measured, columns, digest = _evaluated(campaign, points)
     _declared(entry)
+    if len(entry.parameters) > len(campaign.uncertain):
+        typer.echo(
+            f"  varied: {len(campaign.uncertain)} of {len(entry.parameters)} parameters, the first with finite limits "
+            f"and at most as many as a campaign may vary, {MOST_UNCERTAIN}; the others stayed nominal"
+        )
     values = sum(columns.status == OK)
     lost = noise.reasons(columns)
     decides = campaign.criterion.result
@@ -52,6 +71,8 @@ def check_simulator(
     _advise(measured, bool(values), unit)
     if values:
         _propose(measured, len(campaign.uncertain))
+    if data is not None or database:
+        _store(data or DATA, database, entry, digest, measured if values else None)
     if values < measured.evaluations or not measured.repeats:
         raise typer.Exit(NOT_AS_IT_IS)
 
@@ -59,12 +80,13 @@ def check_simulator(
 def _entry(name: str) -> SimulatorEntry:
     from campaigns.checked import said
     from worker.catalogue.descriptor import unusable
+    from worker.catalogue.files import unusable_files
     from worker.catalogue.installed import catalogue
 
     known = catalogue()
     entry = known.simulator(name)
     if entry is None:
-        for problem in unusable():
+        for problem in [*unusable(), *unusable_files()]:
             typer.echo(problem, err=True)
         names = [s.name for s in known.simulators]
         raise WrongInputError(f"no simulator {name!r} in this installation; {said.known(name, names)}")
@@ -98,16 +120,17 @@ def _campaign(entry: SimulatorEntry, result: str) -> Campaign:
         {
             "name": "check-simulator",
             "simulator": {"name": entry.name},
-            "uncertain": dict(list(ranges.items())[:64]),
+            "uncertain": dict(list(ranges.items())[:MOST_UNCERTAIN]),
             "criterion": {"result": result, "threshold": 0.0},
             "stages": {"sensitivity": None, "search": [{"method": "direct", "evaluations": 1}]},
         }
     )
 
 
-def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns]:
+def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns, str]:
+    """What was measured, the evaluations, and the digest of what was evaluated."""
     from campaigns import CampaignError
-    from worker.opening import opened
+    from worker.opening import opened as simulators
     from worker.problem.evaluate import InProcess
     from worker.runs.store import MemoryStore
     from worker.stages.parts import noise
@@ -115,7 +138,7 @@ def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns]:
     from worker.systems.base import CampaignUnusable
 
     try:
-        problem = opened.problem(campaign)
+        problem = simulators.problem(campaign)
     except CampaignUnusable as error:
         raise CampaignError(
             f"the simulator {campaign.simulator.name if campaign.simulator else ''}", error.problems
@@ -128,7 +151,7 @@ def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns]:
             Context(campaign, problem, evaluate, MemoryStore()), 0, noise.measuring(problem, chosen), 2**62
         ).columns
         assert columns is not None
-        return noise.measured(columns, points, problem), columns
+        return noise.measured(columns, points, problem), columns, problem.system.digest
     finally:
         evaluate.close()
         problem.system.close()
@@ -140,6 +163,19 @@ def _declared(entry: SimulatorEntry) -> None:
         typer.echo(f"  parameter {p.name}: nominal {p.default:g}, {p.low:g} to {p.high:g} {p.unit}".rstrip())
     for r in entry.results:
         typer.echo(f"  result {r.name} [{r.unit or '1'}], worse when {r.worse}")
+
+
+def _store(data: Path, database: str, entry: SimulatorEntry, digest: str, measured: Measured | None) -> None:
+    """Store the measurement for estimates; None: no evaluation had a value."""
+    from backend.db import measurements
+
+    if measured is None or measured.call_seconds is None:
+        typer.echo("nothing is stored for estimates: " + ("no value" if measured is None else "no time was measured"))
+        return
+    with opened(data, database, create=True) as writer:
+        measurements.store(writer, entry, digest, measured)
+    where = "the database of --database" if database else f"{data.absolute() / 'clearance.sqlite3'}"
+    typer.echo(f"stored for the estimates of the launch page and of clearance run: {where}")
 
 
 def _propose(measured: Measured, parameters: int) -> None:

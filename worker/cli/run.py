@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from worker.runs.store import MemoryStore
     from worker.stages.parts.store import Store
 
+MOST_FAILURES = 200
+"""Distinct reasons of failed evaluations in a result."""
+
 Execute: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Verdict]"
 
 
@@ -78,7 +81,7 @@ def run(
     else:
         assert file is not None
         asked, note = _asked(file, allow_code, given.baseline, data, database)
-        campaign, store, verdict = _fresh(file, asked, execute)
+        campaign, store, verdict = _fresh(file, asked, _announcing(execute, data, database, quiet=as_json))
         cites = None
     result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {}) | code.stated(campaign)
     result |= ({"labels": given.labels} if given.labels else {}) | ({"baseline": note} if note else {})
@@ -153,6 +156,17 @@ def _fresh(file: Path, campaign: Campaign, execute: Execute) -> tuple[Campaign, 
         raise CampaignError(str(file), error.problems) from None
 
 
+def _announcing(execute: Execute, data: Path, database: str, quiet: bool) -> Execute:
+    """Announce what the campaign is expected to take, unless quiet, then execute it."""
+    from worker.cli._announce import announce
+
+    def announced(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
+        announce(campaign, data, database)
+        return execute(campaign, store, cancelled)
+
+    return execute if quiet else announced
+
+
 def _report_unusable() -> None:
     """Report the simulators that were skipped: one of them may be the one that the campaign names."""
     from worker.catalogue.descriptor import unusable
@@ -165,6 +179,7 @@ def _report_unusable() -> None:
 def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObject:
     """The content of `--json` and result.json."""
     from campaigns.results import ValidateResult, verdicts
+    from worker.cli._failures import failures
 
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
     validated = store.stages[-1].result
@@ -184,6 +199,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObj
         "statistics": parts["statistics"],
         **({"regression": parts["regression"]} if "regression" in parts else {}),
         "findings": [finding.model_dump() for finding in store.findings],
+        **({"failures": [one.document for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
         "digest": campaign.digest,
         "seed": campaign.seed,
         "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")}

@@ -1,12 +1,14 @@
 """Draws flights of the run's random sample as thin lines, to show the findings among typical flights.
 
-These are the first of the sample in order, not a selection, each simulated again with its stored parameters.
+These are the first of the sample in order, not a selection, each simulated again with its stored parameters; those of a
+simulator are evaluated again, and their results compared with the stored ones.
 """
 
 from __future__ import annotations
 
 import itertools
-from typing import Any
+import time
+from typing import Any, NamedTuple
 
 import numpy as np
 import sqlalchemy as sa
@@ -25,13 +27,10 @@ from backend.scenes.drawing import shapes
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import tables
+from backend.scenes.panel.again import of_run
 
 MOST = 36
 """Maximum number of flights."""
-ROWS = 200
-"""Maximum number of points of a line."""
-TOGETHER = 6
-"""Number of flights drawn per batch."""
 ROOT = "/flights/sampled"
 
 
@@ -81,30 +80,31 @@ class Sampled(Part):
     def _fly(self) -> None:
         with read(self._engine) as reader:
             stage, drawn = _sample(reader, number(self._setting.run), self._setting)
+            again = of_run(reader, self._live, self._setting)
         if not drawn:
             self._note.content = tables.note("No random sample is stored: it comes from certify or from Monte Carlo.")
             return
         self._forget()
-        failed = 0
-        for begin in range(0, len(drawn), TOGETHER):
+        told, until = again.tally(stage, len(drawn)), time.monotonic() + again.patience
+        for begin in range(0, len(drawn), again.together):
             simulated = []
-            for values, noise in drawn[begin : begin + TOGETHER]:
+            for one in drawn[begin : begin + again.together]:
                 if self._stopped or not self.on:
                     return
                 try:
-                    answer = self._live.simulate(self._setting.document, self._setting.digest, values, ROWS, noise)
+                    answer = again.answer(one.values, one.noise)
                 except LiveError as error:
                     self._note.content = tables.note(str(error), strong=True)
                     return
-                failed += answer["status"] != "ok"
                 flight = from_live(answer)
+                told.count(answer, one.cost, flight is not None)
                 simulated += [] if flight is None else [shapes.polyline(flight.position)]
             self._add(simulated)
+            if time.monotonic() > until:
+                break
         self._whole = True
-        lost = f" {failed} of them failed, and end at the failure." if failed else ""
-        words = f"Thin: the first {len(drawn)} flights of the sample of {stage}, as drawn.{lost}"
         with self._driver.drawing():
-            self._note.content = tables.note(words)
+            self._note.content = tables.note(told.words())
 
     def _forget(self) -> None:
         with self._driver.drawing():
@@ -128,7 +128,15 @@ class Sampled(Part):
         )
 
 
-def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[tuple[dict[str, float], Noise]]]:
+class _Drawn(NamedTuple):
+    """One stored evaluation of the sample: its parameters, its noise, and its cost if it has one."""
+
+    values: dict[str, float]
+    noise: Noise
+    cost: float | None
+
+
+def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[_Drawn]]:
     """The stage with a random sample, certify preferred to a search, and its first flights."""
     own = draws(reader, run_id, setting.document)
     query = sa.select(Stage.position, Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.evaluations > 0)
@@ -142,5 +150,8 @@ def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, 
         name = "the certify stage" if stage.kind == "certify" else "Monte Carlo"
         first = evaluations.drawn_first(reader, run_id, stage.position, most)
         drew = own.get(stage.position, 0)
-        return name, [(values, Noise(draw=index) if index < drew else STATED) for index, values in first]
+        return name, [
+            _Drawn(one.parameters, Noise(draw=one.position) if one.position < drew else STATED, one.cost)
+            for one in first
+        ]
     return "", []

@@ -47,34 +47,33 @@ class Panel:
         tabs = gui.add_tab_group()
         with tabs.add_tab("Values"):
             values = ValuesTab(gui, setting, flights, vectors)
+            self._sampled = Sampled(server, engine, live, setting, palette, driver)
             if setting.clears:
-                self._sampled = Sampled(server, engine, live, setting, palette, driver)
                 self._field = FieldSlice(server, setting, world, palette, flights, live, driver)
         with tabs.add_tab("Space"):
             self._cloud = CloudTab(server, engine, live, setting, world, progress, following, driver, take)
         with tabs.add_tab("Search"):
             convergence = ConvergenceTab(gui, setting, palette, progress.curves)
         self._simulates = setting.clears
-        """Only scenarios are simulated on demand, which the layers sampled and field need."""
-        further = [self._sampled, self._field] if setting.clears else []
+        """Only scenarios have an avoider, whose field is a layer."""
+        further = [self._sampled, self._field] if setting.clears else [self._sampled]
         self.parts: list[Part] = [values, *further, self._cloud, convergence]
 
     def have(self, layers: LayersChange) -> None:
         """Change the layers; raises `UnknownParameterError` for an unknown axis, or if they are not available."""
-        if not self._simulates and (layers.sampled or layers.field):
-            text = "this run evaluates a simulator: the layers sampled and field, which simulate, are not available"
+        if not self._simulates and layers.field:
+            text = "this run evaluates a simulator, whose avoider is not known: the layer field is not available"
             raise UnknownParameterError(text)
         self._cloud.have(layers.space, layers.axes)
-        if not self._simulates:
-            return
         self._sampled.have(layers.sampled)
-        self._field.have(layers.field)
+        if self._simulates:
+            self._field.have(layers.field)
 
     @property
     def layers(self) -> dict[str, Any]:
         """The visible layers."""
         return {
-            "sampled": self._simulates and self._sampled.on,
+            "sampled": self._sampled.on,
             "field": self._simulates and self._field.on,
             "space": self._cloud.on,
             "axes": self._cloud.along,

@@ -11,7 +11,7 @@ import json
 import math
 import sys
 from collections.abc import Mapping
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,9 @@ from bluesky.stack.cmdparser import Command
 
 VERSION = "1.1.1"
 """Of BlueSky. It is part of this file, and so of the simulator's digest: another version gives other numbers."""
+OPENAP = "2.6.2"
+"""Of its model of aircraft performance, likewise. Without it BlueSky takes another model, with a line in its output."""
+TYPE = "A320"
 MEETS, ENDS, STEP = 180.0, 300.0, 1.0
 """Time at which the tracks cross, and of the end; step of BlueSky [s]."""
 ALTITUDE, RADIUS = 9144.0, 6371000.0
@@ -42,11 +45,17 @@ class NoNavigationData(navdatabase.Navdatabase):
         pass
 
 
-def initialised() -> None:
-    """BlueSky in this process; what it prints goes to the standard error stream."""
+def initialised() -> str:
+    """BlueSky in this process, whose output goes to the standard error stream; why it cannot be used, or empty."""
+    from bluesky.traffic.performance.perfbase import PerfBase
+    from openap import prop
+
     navdatabase.Navdatabase = NoNavigationData
     tools.init = lambda: None  # it reads the magnetic variation, which BlueSky reads again where it is needed
+    prop.available_aircraft = lambda use_synonym=False: [TYPE.lower()]  # reading those of all types takes seconds
     bluesky.init(mode="sim", detached=True, workdir=Path.cwd())
+    loaded = PerfBase.selected().__name__
+    return "" if loaded == "OpenAP" else f"BlueSky has loaded the performance model {loaded}, not OpenAP"
 
 
 def commanded(*lines: str) -> None:
@@ -63,7 +72,7 @@ def placed(p: Mapping[str, float]) -> None:
     traffic = bluesky.traf
     course = math.radians(p["crossing_angle"])
     for name, heading, speed in zip(NAMES, (0.0, p["crossing_angle"]), (p["speed_own"], p["speed_other"]), strict=True):
-        traffic.cre(name, "A320", 0.0, 0.0, heading % 360.0, ALTITUDE, speed)
+        traffic.cre(name, TYPE, 0.0, 0.0, heading % 360.0, ALTITUDE, speed)
     own, other = traffic.tas.tolist()
     east = p["offset"] - other * MEETS * math.sin(course)
     north = own * MEETS - other * MEETS * math.cos(course)
@@ -131,13 +140,17 @@ def separation(p: Mapping[str, float], trace: list[dict[str, float]] | None = No
 
 def unsuitable() -> str:
     """Why this installation cannot be used; empty if it can."""
-    installed = version("bluesky-simulator")
-    if installed == VERSION:
-        return ""
-    return (
-        f"bluesky-simulator {installed} is installed, and this example is written for {VERSION}: install that version, "
-        f"or change VERSION in {__file__}"
-    )
+    for package, expected, name in (("bluesky-simulator", VERSION, "VERSION"), ("openap", OPENAP, "OPENAP")):
+        try:
+            installed = version(package)
+        except PackageNotFoundError:
+            return f"the package {package} is not installed: install version {expected}"
+        if installed != expected:
+            return (
+                f"{package} {installed} is installed, and this example is written for {expected}: install that "
+                f"version, or change {name} in {__file__}"
+            )
+    return ""
 
 
 def answered(line: str) -> dict[str, Any]:
@@ -154,8 +167,7 @@ def answered(line: str) -> dict[str, Any]:
 if __name__ == "__main__":
     wrong = unsuitable()
     with contextlib.redirect_stdout(sys.stderr):
-        if not wrong:
-            initialised()
+        wrong = wrong or initialised()
     for line in sys.stdin:
         with contextlib.redirect_stdout(sys.stderr):
             answer = {"error": wrong} if wrong else answered(line)

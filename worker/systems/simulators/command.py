@@ -47,12 +47,12 @@ class CommandSimulator(Spread):
         self._spread_over(None if self.given else chosen())
 
     def fresh(self) -> CommandSimulator:
-        return CommandSimulator(self.described, self.opening, True, self._halvings)
+        return self._made(CommandSimulator(self.described, self.opening, True, self._halvings))
 
     def halved(self) -> CommandSimulator | None:
         if self.step is None:
             return None
-        return CommandSimulator(self.described, self.opening, True, self._halvings + 1)
+        return self._made(CommandSimulator(self.described, self.opening, True, self._halvings + 1))
 
     @cached_property
     def digest(self) -> str:
@@ -68,6 +68,10 @@ class CommandSimulator(Spread):
         shown = line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
         what = say(scope.what, f", run by a command that the campaign file gives, {shown}")
         return Scope(what, scope.settings, f"{scope.version} {self.described.covers}")
+
+    @property
+    def _covered(self) -> list[Path]:
+        return self.described.covered
 
     @property
     def _slots_here(self) -> int:

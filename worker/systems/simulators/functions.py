@@ -19,6 +19,7 @@ from campaigns.claims.say import say
 from campaigns.results.base import FAILED, OK
 from campaigns.results.scene import Scene
 from worker.catalogue.columns import Column
+from worker.catalogue.folder import files_of_place
 from worker.catalogue.function import Settings
 from worker.catalogue.simulator import Opening
 from worker.search.base import Batch
@@ -199,7 +200,12 @@ class Isolated(_OfFunction, Spread):
         self._spread_over(chosen())
 
     def fresh(self) -> Isolated:
-        return Isolated(self.place, self.entry, self.opening, self.of, self.files_digest, True, self.columns)
+        given = self.entry, self.opening, self.of, self.files_digest
+        return self._made(Isolated(self.place, *given, True, self.columns))
+
+    @property
+    def _covered(self) -> list[Path]:
+        return files_of_place(self.place)
 
     @property
     def _slots_here(self) -> int:

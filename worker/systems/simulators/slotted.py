@@ -26,11 +26,13 @@ from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.pool import SlotPool
 from worker.systems.simulators.slots.program import Program
+from worker.systems.simulators.unchanged import Unchanged
 
 if TYPE_CHECKING:
     from worker.systems.simulators.cluster.pool import DaskPool
 
 One = TypeVar("One")
+Made = TypeVar("Made", bound="Slotted")
 
 
 class Slotted(Simulated):
@@ -38,6 +40,8 @@ class Slotted(Simulated):
 
     _pool: SlotPool | DaskPool | None = None
     _work: tempfile.TemporaryDirectory[str] | None = None
+    _unchanged: Unchanged | None = None
+    """Its files as this run opened it; that of the simulator from which a fresh one was made."""
     most_slots: int | None = None
     """Fewer processes side by side than `slots`, set before the first evaluation."""
     most_seconds: float | None = None
@@ -65,7 +69,28 @@ class Slotted(Simulated):
         names = [p.path.removeprefix("simulator.") for p in self.parameters]
         return dict(zip(names, vector[: len(names)].tolist(), strict=True))
 
+    @property
+    def _covered(self) -> Sequence[Path]:
+        """The files that its digest covers."""
+        return ()
+
+    def _changed(self) -> str:
+        """Why nothing more is evaluated: its files are no longer those of its digest; empty if they are."""
+        if self._unchanged is None:
+            self._unchanged = Unchanged(self._covered)
+        return self._unchanged.changed()
+
+    def _made(self, other: Made) -> Made:
+        """Another simulator that was made of this one, with the same files."""
+        self._changed()
+        other._unchanged = self._unchanged
+        return other
+
     def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
+        if changed := self._changed():
+            ended: Future[Evaluated] = Future()
+            ended.set_result(Evaluated(np.array([np.nan]), FAILED, changed))
+            return ended
         return gathered([self._opened().submit({"parameters": self._request(vector)})], self._evaluated)
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:

@@ -15,7 +15,7 @@ const CAMPAIGN = {
 const CATALOGUE = { methods: [{ name: 'direct' }, { name: 'lq_cma_es' }, { name: 'turbo' }] } as unknown as Catalogue
 
 const PROPOSAL: Proposal = {
-  measured: { run: 'R-0012', seconds: 0.42, slots: 2, evaluations: 15, failed: 0 },
+  measured: { run: 'R-0012', source: 'R-0012', at: 1, host: '', seconds: 0.42, slots: 2, evaluations: 15, failed: 0 },
   known: '', sentence: '', seconds: 60,
   searches: [
     { method: 'turbo', evaluations: 100, options: { batch: 2 } },

@@ -136,12 +136,11 @@ function nearest({ nominalTrace, findingTrace, chosen }: RunData) {
 /** The layers and their titles. */
 type Layer = Exclude<keyof LayersChange, 'trail' | 'axes'>
 
-/** Layers that are simulated on demand, of a scenario alone. */
-const SIMULATED: [Layer, string][] = [
-  ['sampled', 'Sampled flights'],
-  ['field', 'Field of the avoider'],
-  ['space', 'Parameter space instead'],
-]
+/** Layers of the sample and the search. A simulator has no avoider that is known, and so no field. */
+function further(flies: boolean, word: string): [Layer, string][] {
+  const field: [Layer, string][] = flies ? [['field', 'Field of the avoider']] : []
+  return [['sampled', `Sampled ${word}s`], ...field, ['space', 'Parameter space instead']]
+}
 
 function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
   const flies = hasScenario(data.campaign)
@@ -152,7 +151,7 @@ function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
     ...(shown.what_if ? ([['what_if', `What-if ${word}`]] as [Layer, string][]) : []),
     ['velocity', 'Velocity'],
     ['relative', 'Relative velocity'],
-    ...(flies ? SIMULATED : []),
+    ...further(flies, word),
   ]
   return (
     <Menu name="Shown" said={null} on={false} icon={<IconStack2 className="i mut" aria-hidden />} above>

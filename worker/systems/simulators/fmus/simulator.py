@@ -62,7 +62,7 @@ class FmuSimulator(CommandSimulator):
         self.settings = Settings(step=described.step)
 
     def fresh(self) -> FmuSimulator:
-        return FmuSimulator(self.described, self.opening, self.reuse, fresh=True)
+        return self._made(FmuSimulator(self.described, self.opening, self.reuse, fresh=True))
 
     @property
     def scope(self) -> Scope:

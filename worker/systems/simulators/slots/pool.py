@@ -25,6 +25,11 @@ AHEAD = 8
 """So many evaluations wait in a slot's pipe while they are shorter than `SHORT`: otherwise the pipe dominates."""
 SHORT = 0.002
 """[s]"""
+UNASKED = "its process wrote an answer that nothing had asked for: earlier results may be those of other points"
+NEVER = "; it has never answered: does it flush its standard output after every answer?"
+PAUSE = 0.02
+"""Time from the first answer of a process of JSON lines to its second request [s]: an answer too many, which would be
+taken for that of the second request, arrives meanwhile."""
 FAILED_STARTS = 3
 """After so many starts in a row that failed, what waits is answered with the reason."""
 
@@ -48,6 +53,8 @@ class SlotPool:
         self._waiting: deque[int] = deque()
         self._lock = threading.Lock()
         self._failed_starts = 0
+        self._answered = self._unasked = False
+        """Whether any process has answered, and whether one did while nothing waited for an answer."""
         self._mean = 1.0
         self._stop = False
         self._ended = "cancelled"
@@ -129,6 +136,8 @@ class SlotPool:
     def _turn(self) -> None:
         """Fill vacant slots if there is work, hand out, replace what is due, wait for the next event, handle it."""
         if self._waiting:
+            if self._unasked:
+                self._fail_next()
             while self._vacant:
                 self._start(self._vacant.pop())
         for slot in list(self._slots):
@@ -144,6 +153,8 @@ class SlotPool:
         if replaced and self._waiting:
             return  # a process of JSON lines is ready at once, without an event to wait for
         due = [s.due for s in self._slots if s.due is not None]
+        if self._waiting:
+            due += [s.rests for s in self._slots if s.rests > now]
         wait = None if not due else max(0.0, min(due) - time.monotonic())
         for key, _ in self._selector.select(wait):
             if key.data is None:
@@ -154,7 +165,7 @@ class SlotPool:
     def _hand_out(self, slot: Slot) -> None:
         depth = AHEAD if self._mean < SHORT else 1
         recycle = self.limits.recycle
-        while slot.ready and not slot.retire and len(slot.waiting) < depth:
+        while slot.ready and not slot.retire and len(slot.waiting) < depth and slot.rests <= time.monotonic():
             with self._lock:
                 job = self._waiting.popleft() if self._waiting else None
             if job is None:
@@ -187,18 +198,45 @@ class SlotPool:
         except (ValueError, RecursionError) as error:
             self._replace(slot, f"its answer is not JSON: {error}")
             return False
+        if slot.lines and (wrong := self._astray(slot, messages)):
+            self._replace(slot, wrong)
+            return False
         for message in messages:
             if not slot.ready:
                 slot.ready, slot.since, self._failed_starts = True, time.monotonic(), 0
             elif slot.waiting:
                 self._answer(slot, message)
+                if slot.lines and not _is_answer(message):  # the answer itself may follow, and is not the next one's
+                    self._replace(slot, "retired")
+                    return False
         return True
+
+    def _astray(self, slot: Slot, messages: Sequence[object]) -> str:
+        """Why these objects of a process of JSON lines cannot be the answers that are waited for; empty if they can."""
+        if not slot.waiting:
+            self._unasked |= any(map(_is_answer, messages))
+            return UNASKED if self._unasked else ""
+        if len(messages) <= len(slot.waiting):
+            return ""
+        asked = len(slot.waiting)
+        return f"it wrote {len(messages)} JSON objects in answer to {asked} {'request' if asked == 1 else 'requests'}"
+
+    def _fail_next(self) -> None:
+        """An answer too many is seen only while nothing waits: what waits next fails, so that it is reported."""
+        with self._lock:
+            job = self._waiting.popleft() if self._waiting else None
+        if job is not None:
+            self._unasked = False
+            self._finish(job, Outcome("wrong answer", None, UNASKED))
 
     def _answer(self, slot: Slot, message: object) -> None:
         now = time.monotonic()
         duration = now - slot.since
         self._mean += 0.1 * (duration - self._mean)
         slot.served += 1
+        self._answered = True
+        if slot.lines and slot.served == 1:
+            slot.rests = now + PAUSE
         job = slot.waiting.popleft()
         slot.since = now
         fields = message if isinstance(message, dict) else {}
@@ -220,7 +258,7 @@ class SlotPool:
         jobs = list(slot.waiting)
         if not slot.ready:
             self._failed_start(slot, code, why)
-        elif jobs and not (why == "died" and slot.begun is not None and slot.begun <= slot.served):
+        elif jobs and why != "retired" and not (why == "died" and slot.begun is not None and slot.begun <= slot.served):
             self._finish(jobs.pop(0), self._blame(slot, code, why))
         with self._lock:
             self._waiting.extendleft(reversed(jobs))
@@ -234,6 +272,8 @@ class SlotPool:
         duration = time.monotonic() - slot.since
         if why == "late":
             reason = f"no answer within {self.limits.timeout:g} s"
+            if slot.lines and not self._answered:
+                reason += NEVER
             return Outcome("timeout", None, reason, slot.last_words(), duration)
         kind, reason = ("crash", _death(code)) if why == "died" else ("wrong answer", why)
         return Outcome(kind, None, reason, slot.last_words(), duration)  # type: ignore[arg-type]
@@ -282,6 +322,11 @@ class SlotPool:
             done = self._jobs.pop(job, None)
         if done is not None and done.future.set_running_or_notify_cancel():
             done.future.set_result(outcome)
+
+
+def _is_answer(message: object) -> bool:
+    """Whether an object has what an answer has."""
+    return isinstance(message, dict) and ("results" in message or "error" in message)
 
 
 def _death(code: int) -> str:

@@ -41,6 +41,8 @@ class Slot:
         self.since = time.monotonic()
         """When the oldest of them began, or the process."""
         self.served = 0
+        self.rests = 0.0
+        """Until when it gets no further request, by the monotonic clock [s]."""
         self.ready = self.lines
         self.retire = False
         self.ended: set[int] = set()
@@ -153,11 +155,19 @@ class Slot:
             os.killpg(self.process.pid, signal.SIGKILL)
         code = self.process.wait()
         self.read_output()
+        _sweep(self.tag)
+        held = {os.readlink(f"/proc/self/fd/{pipe}") for pipe in (self.reads, self.logs) if not self._at_end(pipe)}
         for descriptor in (self.reads, self.writes, self.logs, self.death):
             os.close(descriptor)
         self.ended.update((self.reads, self.logs))
-        _sweep(self.tag)
+        if held:
+            _kill_writers(held)
         return code
+
+    def _at_end(self, pipe: int) -> bool:
+        """Whether nothing can be written to a pipe any more."""
+        self._chunks(pipe)
+        return pipe in self.ended
 
     def _chunks(self, descriptor: int) -> list[bytes]:
         """What a pipe has now, 16 chunks at most."""
@@ -188,6 +198,33 @@ def _sweep(tag: str) -> None:
         for entry in found:
             with contextlib.suppress(OSError):
                 os.kill(int(entry), signal.SIGKILL)
+
+
+def _kill_writers(pipes: set[str]) -> None:
+    """Kill what still can write to these pipes: it was started by the process, and has cleared its environment."""
+    for entry in filter(str.isdigit, os.listdir("/proc")):
+        if int(entry) != os.getpid() and any(_writes(entry, number, pipes) for number in _descriptors(entry)):
+            with contextlib.suppress(OSError):
+                os.kill(int(entry), signal.SIGKILL)
+
+
+def _descriptors(entry: str) -> list[str]:
+    try:
+        return os.listdir(f"/proc/{entry}/fd")
+    except OSError:
+        return []
+
+
+def _writes(entry: str, number: str, pipes: set[str]) -> bool:
+    """A process that this one has just forked may have the end for reading until it becomes its program."""
+    try:
+        if os.readlink(f"/proc/{entry}/fd/{number}") not in pipes:
+            return False
+        told = Path(f"/proc/{entry}/fdinfo/{number}").read_text(encoding="ascii")
+    except OSError:
+        return False
+    flags = next((line.split()[1] for line in told.splitlines() if line.startswith("flags:")), "0")
+    return int(flags, 8) & os.O_ACCMODE != os.O_RDONLY
 
 
 def _carries(entry: str, sought: bytes) -> bool:

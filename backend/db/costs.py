@@ -1,0 +1,90 @@
+"""What an evaluation of a simulator took, as runs or `clearance check-simulator` measured it. Start at `newest`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import sqlalchemy as sa
+
+from backend.db import measurements, workers
+from backend.db.tables import Run, Stage
+from campaigns.asked.proposal import Cost
+from campaigns.catalogue import SimulatorEntry
+from campaigns.results import NominalResult
+from campaigns.results.nominal import Measured
+from campaigns.runs import run_name
+from campaigns.versions import Versions
+
+RECENT_RUNS = 50
+"""Number of recent runs of the simulator among which the newest measurement is searched."""
+
+
+@dataclass(frozen=True)
+class _Measurement:
+    at: float
+    digest: str | None
+    """Of the simulator's files then; None if it was not recorded."""
+    cost: Cost
+
+
+def newest(reader: sa.Connection, entry: SimulatorEntry, digest: str | None) -> tuple[Cost | None, Cost | None]:
+    """The newest measurement of the simulator as it is now, and else the newest one of other files of it.
+
+    digest: of its files as they were published; None if it is not known. A run that began after that has seen newer
+    files; what `clearance check-simulator` has measured may be files of another folder, so that only its digest counts.
+    """
+    since = workers.published(reader) or 0.0
+    found = [
+        _first(_of_runs(reader, entry), digest, since),
+        _first(_of_checks(reader, entry), digest, float("inf")),
+    ]
+    fitting = [fits for fits, _ in found if fits is not None]
+    if fitting:
+        return max(fitting, key=lambda one: one.at).cost, None
+    others = [other for _, other in found if other is not None]
+    return None, max(others, key=lambda one: one.at).cost if others else None
+
+
+def _first(
+    found: Iterator[_Measurement], digest: str | None, since: float
+) -> tuple[_Measurement | None, _Measurement | None]:
+    """The first one of these files or newer than `since`, and else the first one."""
+    other = None
+    for one in found:
+        if digest is None or one.digest == digest or one.at > since:
+            return one, None
+        other = other or one
+    return None, other
+
+
+def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurement]:
+    """The measurements by runs of the simulator with this declaration, the newest first."""
+    nominal = sa.and_(Stage.run_id == Run.id, Stage.kind == "nominal", Stage.state == "done")
+    asked = (
+        sa.select(Run.id, Run.started, Run.flown, Stage.result)
+        .join(Stage, nominal)
+        .where(Run.needs == entry.version, Run.removed.is_(None))
+        .order_by(Run.id.desc())
+        .limit(RECENT_RUNS)
+    )
+    for run_id, started, flown, result in reader.execute(asked):
+        measured = NominalResult.model_validate(result).measured
+        cost = None if measured is None else _cost(measured, run_name(run_id), started)
+        if cost is not None:
+            yield _Measurement(started or 0.0, Versions.of(flown).simulator, cost)
+
+
+def _of_checks(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurement]:
+    """The measurements by `clearance check-simulator` of the simulator with this declaration, the newest first."""
+    for one in measurements.stored(reader, entry):
+        cost = _cost(one.measured, None, one.at, one.host)
+        if cost is not None:
+            yield _Measurement(one.at, one.digest, cost)
+
+
+def _cost(measured: Measured, run: str | None, at: float | None, host: str = "") -> Cost | None:
+    """None if it has no time of a call."""
+    if not (measured.call_seconds and measured.slots):
+        return None
+    return Cost(run, measured.call_seconds, measured.slots, measured.evaluations, measured.failed, at, host)

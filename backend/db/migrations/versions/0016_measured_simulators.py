@@ -1,0 +1,31 @@
+"""what `clearance check-simulator` measured of simulators
+
+Revision ID: 0016
+Revises: 0015
+"""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0016"
+down_revision = "0015"
+branch_labels = None
+depends_on = None
+
+
+def upgrade() -> None:
+    op.create_table(
+        "simulator_measurements",
+        sa.Column("simulator", sa.String(160), nullable=False),
+        sa.Column("digest", sa.String(128), nullable=False),
+        sa.Column("measured", sa.Double(), nullable=False),
+        sa.Column("host", sa.String(120), nullable=False),
+        sa.Column("result", sa.JSON(), nullable=False),
+        sa.PrimaryKeyConstraint("simulator", "digest"),
+    )
+
+
+def downgrade() -> None:
+    op.drop_table("simulator_measurements")

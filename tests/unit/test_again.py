@@ -1,0 +1,33 @@
+"""The sentence on a sample that was evaluated again names what could not be drawn, and what differs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from backend.scenes.panel.again import _Cases
+
+
+def answer(cost: float | None = 1.0, digest: str = "d", reason: str = "", untraced: str = "") -> dict[str, Any]:
+    return {"cost": cost, "digest": digest, "reason": reason, "untraced": untraced}
+
+
+@pytest.mark.parametrize(
+    ("size", "answers", "expected"),
+    [
+        (1, [(answer(), 1.0, True)], "by one call. All results equal the stored ones."),
+        (5, [(answer(), 1.0, True)], "the first 1 of the sample of certify, as many as were evaluated within 60 s,"),
+        (1, [(answer(2.0), 1.0, True)], "1 result differs from the stored one."),
+        (1, [(answer(None, reason="it crashed."), None, False)], "1 of them cannot be drawn: it crashed. All"),
+        (1, [(answer(None, reason="it crashed"), 1.0, False)], "it crashed. 1 result differs"),
+        (1, [(answer(untraced="its trace lacks x"), 1.0, False)], "cannot be drawn: its trace lacks x."),
+        (1, [(answer(), 1.0, False)], "cannot be drawn: its trace has no positions."),
+        (1, [(answer(digest="e"), 1.0, True)], "The files of the simulator have changed since the run."),
+    ],
+)
+def test_the_sentence(size: int, answers: list[tuple[dict[str, Any], float | None, bool]], expected: str) -> None:
+    told = _Cases("certify", size, "d")
+    for given in answers:
+        told.count(*given)
+    assert expected in told.words()

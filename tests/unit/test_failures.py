@@ -1,0 +1,44 @@
+"""The reasons why evaluations failed are counted without the output of the simulator, and shown with one example."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from worker.cli._failures import MOST, failures, lines
+from worker.runs.store import MemoryStore
+from worker.stages.parts.store import Columns, StagePlan, StageRecord
+
+
+def store(*stages: tuple[list[int], dict[int, str]]) -> MemoryStore:
+    """Stages with these statuses and reasons."""
+    chunks = {}
+    for k, (status, reasons) in enumerate(stages):
+        n = len(status)
+        chunks[k] = [Columns(np.zeros((n, 1)), np.zeros((n, 1)), np.array(status, np.uint8), np.zeros(n), reasons)]
+    return MemoryStore(stages=[StageRecord(StagePlan("search", "direct", 9)) for _ in stages], chunks=chunks)
+
+
+def test_what_failed_is_counted_by_reason_and_status() -> None:
+    crash = "its process was killed by SIGSEGV"
+    found = failures(
+        store(
+            ([OK, FAILED, EXCLUDED], {1: f"{crash}; its last output: working on 3", 2: "it starts inside"}),
+            ([TIMEOUT, FAILED, FAILED, OK], {0: "no answer within 5 s", 1: crash, 3: "succeeded when tried again: x"}),
+        )
+    )
+    assert [(f.evaluations, f.status, f.stage, f.index, f.reason) for f in found] == [
+        (2, "failed", 0, 1, crash),
+        (1, "timeout", 1, 0, "no answer within 5 s"),
+        (1, "failed", 1, 2, "no reason was stored"),
+    ]
+    assert found[0].output == "working on 3"
+
+
+def test_lines_for_the_terminal() -> None:
+    assert lines(store(([OK, OK], {}))) == []
+    one = lines(store(([FAILED], {0: "it crashed; its last output: a\nb"})))
+    assert one[1:] == ["  1 failed (0:0): it crashed; its last output: a b"]
+    many = lines(store(([FAILED] * 20, {k: f"reason {k}" for k in range(20)})))
+    assert len(many) == 1 + MOST + 1
+    assert many[-1].startswith(f"  and {20 - MOST} further reasons")

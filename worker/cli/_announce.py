@@ -1,0 +1,71 @@
+"""What a run of a simulator is expected to take, announced by `clearance run` where an evaluation has been measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from worker.cli._where import existing_url_of
+
+if TYPE_CHECKING:
+    from campaigns import Campaign
+    from campaigns.asked.proposal import Cost
+
+PATIENCE = "2"
+"""Time to wait for a database server [s]: the estimate is an aid, and a run needs no database."""
+
+
+def announce(campaign: Campaign, data: Path, database: str) -> None:
+    """Print the usual number of evaluations and their time on standard error, and where the time is known from.
+
+    Nothing is printed of a scenario, or if the database has no measurement of the simulator as it is now.
+    """
+    from campaigns.asked.proposal import lasting
+    from campaigns.checked.expected import expected
+
+    cost = _measured(campaign, data, database)
+    if cost is None or campaign.simulator is None:
+        return
+    evaluations = sum(stage.evaluations for stage in expected(campaign))
+    seconds, known = cost.lasts(evaluations, campaign.simulator.calls)
+    typer.echo(f"About {evaluations:,} evaluations, {lasting(seconds)}; an estimate. {known}", err=True)
+
+
+def _measured(campaign: Campaign, data: Path, database: str) -> Cost | None:
+    import sqlalchemy as sa
+
+    from backend.db import costs
+    from backend.db.engine import connect, read
+    from worker.catalogue.digests import with_digests
+    from worker.catalogue.installed import catalogue
+    from worker.cli import WrongInputError
+
+    if campaign.simulator is None:
+        return None
+    name = campaign.simulator.name
+    known = with_digests(catalogue())
+    entry = known.simulator(name)
+    if entry is None:
+        return None
+    try:
+        engine = connect(_patient(existing_url_of(data, database)))
+    except WrongInputError:  # there is no database, which a run does not need
+        return None
+    try:
+        with read(engine) as reader:
+            return costs.newest(reader, entry, known.digests.get(name))[0]
+    except sa.exc.SQLAlchemyError:  # such as a database of another version, which a run does not migrate
+        return None
+    finally:
+        engine.dispose()
+
+
+def _patient(url: str) -> str:
+    import sqlalchemy as sa
+
+    parsed = sa.make_url(url)
+    if parsed.get_backend_name() == "sqlite":
+        return url
+    return parsed.update_query_dict({"connect_timeout": PATIENCE}).render_as_string(hide_password=False)

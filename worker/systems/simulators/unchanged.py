@@ -1,0 +1,68 @@
+"""Whether the files of a simulator are still those whose digest a run states. Start reading at `Unchanged`."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+PAUSE = 0.5
+"""Time between two looks at the files [s], and at least so many times what a look takes: `LEISURE`."""
+LEISURE = 50.0
+
+Mark = tuple[int, int, int]
+"""What shows without reading a file that it may have changed: time of the change, size, inode."""
+
+
+class Unchanged:
+    """These files as they are when this is made; files that appear later are no part of it. Safe for threads."""
+
+    def __init__(self, files: Sequence[Path]) -> None:
+        self._files = {path: (_mark(path), _content(path)) for path in files}
+        self._lock = threading.Lock()
+        self._next = time.monotonic() + PAUSE
+        self._changed = ""
+
+    def changed(self) -> str:
+        """A sentence that names the first file that has changed or is gone; empty if there is none.
+
+        The files are looked at now and then. A file that has changed once stays so.
+        """
+        if time.monotonic() >= self._next:
+            with self._lock:
+                began = time.monotonic()
+                if began >= self._next and not self._changed:
+                    self._changed = self._looked()
+                    took = time.monotonic() - began
+                    self._next = time.monotonic() + max(PAUSE, LEISURE * took)
+        return self._changed
+
+    def _looked(self) -> str:
+        for path, (mark, content) in self._files.items():
+            now = _mark(path)
+            if now == mark:
+                continue
+            if _content(path) != content:
+                return f"{path.name} has changed since this run opened it; start the run again"
+            self._files[path] = (now, content)
+        return ""
+
+
+def _mark(path: Path) -> Mark | None:
+    """None for a file that is gone."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+def _content(path: Path) -> str | None:
+    """The digest of a file; None if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return None

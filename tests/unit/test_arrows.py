@@ -91,7 +91,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.verdicts": ("worker.stages", "worker.problem", "worker.systems.base", "campaigns"),
     "worker.runs": (
         *("worker.verdicts", "worker.stages", "worker.opening", "worker.problem", "worker.systems.base"),
-        *("worker.search", "worker.catalogue", "worker.components.own", "campaigns"),
+        *("worker.search", "worker.catalogue", "worker.components.own", "worker.kernels.folder", "campaigns"),
     ),
     "worker.processes": (
         *("worker.runs", "worker.stages", "worker.opening", "worker.systems", "worker.catalogue"),

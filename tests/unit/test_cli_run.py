@@ -288,11 +288,8 @@ def test_interrupted_is_130(file: Write, tmp_path: Path) -> None:
             stdout=subprocess.PIPE, stderr=sink, env={**os.environ, "FORCE_COLOR": "1", "TTY_INTERACTIVE": "1"},
         )  # fmt: skip
     # The bars appear once the campaign is running.
-    until = time.monotonic() + PATIENCE
-    while b"Monte Carlo" not in errors.read_bytes():
-        assert process.poll() is None, errors.read_text()
-        assert time.monotonic() < until
-        os.sched_yield()
+    until(lambda: b"Monte Carlo" in errors.read_bytes() or process.poll() is not None, "it is running", PATIENCE)
+    assert process.poll() is None, errors.read_text()
     process.send_signal(signal.SIGINT)
     out, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == INTERRUPTED == 130

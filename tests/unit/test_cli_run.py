@@ -9,7 +9,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ import pytest
 
 from campaigns import Campaign, load_file
 from tests.audited import audited_summary
+from tests.faults.processes import until
 from tests.unit.cases import campaign, document, searching
 from worker.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
 from worker.opening import opened

@@ -300,6 +300,12 @@ def _parameter_entry(p: Declared) -> ParameterEntry:
     )
 
 
+@cache
+def _schema(options: type) -> dict[str, Any]:
+    """The options of a method as data; the catalogue is put together again where a simulator is added."""
+    return TypeAdapter(options).json_schema()
+
+
 def _method_entry(method: Method) -> MethodEntry:
     return MethodEntry(
         name=method.name,
@@ -310,6 +316,6 @@ def _method_entry(method: Method) -> MethodEntry:
         source=method.source,
         evaluations=method.evaluations,
         starts=method.starts,
-        options=TypeAdapter(method.options).json_schema(),
+        options=_schema(method.options),
         look=None if method.look is None else MethodLook.model_validate(asdict(method.look)),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import json
 import os
@@ -57,14 +58,14 @@ def test_the_meaning_of_a_text_is_computed_once(tmp_path: Path, monkeypatch: pyt
     expected = {name: meaning.meaning(content) for name, content in files.items()}
     assert meaning.meanings(files) == expected
     [file] = (tmp_path / "meanings").iterdir()
-    computed: list[bytes] = []
-    real = meaning.meaning
-    monkeypatch.setattr(meaning, "meaning", lambda content: computed.append(content) or real(content))
+    parsed: list[bytes] = []
+    parse = ast.parse
+    monkeypatch.setattr(ast, "parse", lambda content: parsed.append(content) or parse(content))
     assert meaning.meanings(files) == expected
-    assert computed == []
+    assert parsed == []
     edited = files | {"other": MODULE.replace(b"1.0", b"2.5")}
     assert meaning.meanings(edited)["other"] not in expected.values()
-    assert computed == [edited["other"]]
+    assert parsed == [edited["other"]]
     for damaged in (b"{", b"[]", b'{"%s": "x"}' % b"0" * 64, b"\xff"):
         file.write_bytes(damaged)
         assert meaning.meanings(files) == expected
@@ -72,6 +73,18 @@ def test_the_meaning_of_a_text_is_computed_once(tmp_path: Path, monkeypatch: pyt
     file.mkdir()  # it cannot be written
     assert meaning.meanings(files) == expected
     assert list(file.parent.iterdir()) == [file]
+
+
+def test_other_code_computes_the_meaning_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CLEARANCE_KERNEL_CACHE", str(tmp_path))
+    before = meaning.meanings({"one": MODULE})
+
+    def tokens(node: ast.AST, tokens: list[str]) -> None:
+        tokens.append(ast.dump(node))
+
+    monkeypatch.setattr(meaning, "_tokens", tokens)
+    assert meaning.meanings({"one": MODULE}) != before
+    assert len(list((tmp_path / "meanings").iterdir())) == 2
 
 
 def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:

@@ -63,8 +63,12 @@ def _tokens(node: Any, tokens: list[str]) -> None:
 
 
 def _file() -> Path:
-    """Where this installation stores them; an edit of this file makes another one."""
-    key = hashlib.sha256(f"{sys.version} {Path(__file__).parent} ".encode() + Path(__file__).read_bytes())
+    """Where this installation stores them; other code computes other digests, and stores them elsewhere.
+
+    The code is that which runs: the text of this file may have been edited since.
+    """
+    codes = [(code.co_code, code.co_names, code.co_consts) for code in (meaning.__code__, _tokens.__code__)]
+    key = hashlib.sha256(f"{sys.version} {Path(__file__).parent} {codes}".encode())
     return cache_folder() / "meanings" / f"{key.hexdigest()[:32]}.json"
 
 

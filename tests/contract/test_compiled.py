@@ -11,7 +11,7 @@ import pytest
 from campaigns import check
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
-from tests.contract.flights import as_in_plain_python, no_number_shows, unbreakable
+from tests.contract.flights import as_in_plain_python, in_any_order, no_number_shows, unbreakable
 from tests.contract.scenes import own, problem, published, scene, together
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Component
@@ -57,6 +57,7 @@ def test_they_can_be_simulated_together(among: Components) -> None:
 @EACH
 def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(among: Components, component: Component) -> None:
     unbreakable(problem(*among), own(component, among), 384)
+    in_any_order(problem(*among), own(component, among), 96)
 
 
 @EACH
@@ -75,5 +76,6 @@ def test_alone_it_never_crashes_and_agrees_with_plain_python(component: Componen
     batch, reasons = problem(component).evaluate(np.array([[0.0], [0.5], [1.0]]))
     assert batch.status.tolist() == [OK] * 3, reasons
     unbreakable(problem(component), own(component), 384)
+    in_any_order(problem(component), own(component), 96)
     no_number_shows(problem(component), own(component))
     as_in_plain_python(problem(component), problem(component, compiled=False), own(component), 16)

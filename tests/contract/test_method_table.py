@@ -85,8 +85,14 @@ def test_further_criteria_are_left_to_methods_for_several(method: Method) -> Non
 
 
 @pytest.mark.parametrize("method", [m for m in methods().values() if m.extend is not None], ids=lambda m: m.name)
-@pytest.mark.parametrize("name", ["Branin", "Hartman 6", "excluded region"])
-@pytest.mark.parametrize("budget", [150, 1000])
+@pytest.mark.parametrize(
+    ("name", "budget"),
+    [
+        *(("Branin", 150), ("Hartman 6", 150), ("excluded region", 1000)),
+        *(pytest.param(*at_night, marks=pytest.mark.nightly) for at_night in
+          (("Branin", 1000), ("Hartman 6", 1000), ("excluded region", 150))),
+    ],
+)  # fmt: skip
 def test_one_that_can_go_on_begins_with_the_same_points(method: Method, name: str, budget: int) -> None:
     f, more = on_unit_cube(name, 5), at_most(method, 700)
     budget = at_most(method, budget)

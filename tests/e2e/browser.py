@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -84,6 +85,18 @@ class Visit:
         """Open an address of the service."""
         self.page.goto(self.address + path)
 
+    def move(self, path: str) -> None:
+        """Go to a page of another path within the application, as a link does, and return once it is there.
+
+        To load the application again takes a second of processor time; for the same path with another query it is.
+        """
+        here = urlsplit(self.page.url)
+        if f"{here.scheme}://{here.netloc}" != self.address or here.path == urlsplit(path).path:
+            self.go(path)
+            return
+        self.page.evaluate("path => { document.title = ''; history.pushState(null, '', path) }", path)
+        expect(self.page).to_have_title(re.compile("Clearance"))  # set by the page that comes
+
     def stay(self, path: str) -> Page:
         """Go to an address; a page that is already there, with any query, is not reloaded."""
         if urlsplit(self.page.url).path != path:
@@ -151,12 +164,17 @@ def draws(view: FrameLocator | Page) -> bool:
 
 
 @contextmanager
-def visiting(browser: Browser, address: str, *, views: bool = True) -> Iterator[Visit]:
+def visiting(browser: Browser, address: str, *, views: bool = True, moving: bool = False) -> Iterator[Visit]:
     """A new browser profile at 1440 x 900; fails at the end if the browser reported errors.
 
-    views: whether 3D views are drawn, as far as the browser draws; otherwise see `blank`.
+    views: whether 3D views are drawn, as far as the browser draws; otherwise see `blank`. moving: whether pages may
+    scroll and turn smoothly, which takes a sixth of their processor time.
     """
-    context = browser.new_context(viewport={"width": 1440, "height": 900}, color_scheme="light")
+    context = browser.new_context(
+        viewport={"width": 1440, "height": 900},
+        color_scheme="light",
+        reduced_motion="no-preference" if moving else "reduce",
+    )
     context.set_default_timeout(PATIENCE)
     if not views:
         blank(context)

@@ -9,6 +9,7 @@ from typing import Any
 
 from backend.db.engine import default_url, migrate
 from backend.scenes.base.schemas import Layers, ViewState
+from backend.scenes.live.live import Live
 from backend.settings import Settings
 from tests.api.server import Service
 
@@ -58,9 +59,11 @@ def opened(data: Path) -> Iterator[Service]:
     settings = Settings(data=data, pages=Settings.load().pages)
     assert (settings.pages / "index.html").is_file(), "the pages are not built: make install"
     service = Service(settings)
+    service.app.state.live = live = Live(first_limit=120.0)  # it waits while a cold cache compiles
     service.start()
     try:
         yield service
     finally:
+        live.close()
         if service.running:
             service.stop()

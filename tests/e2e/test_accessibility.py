@@ -50,7 +50,6 @@ PAGES = {
     "help-verdicts": ("/help", "role=heading[name=Verdicts]"),
     "help-components": ("/help/components", "#vehicle-unicycle"),
     "api": ("/docs", "#list_runs"),
-    "no-such-page": ("/no/such/page", "main"),
 }
 """Each with its address and what is seen once it is there."""
 PARTS = {
@@ -76,7 +75,6 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 def visit(service: Service, browser: Browser) -> Iterator[Visit]:
     """A browser that is signed in and brings axe along; the pages' policy stays as it is."""
     with visiting(browser, service.url) as visit:
-        visit.page.emulate_media(reduced_motion="reduce")
         visit.page.add_init_script(path=AXE)
         # The 3D view is another project's page, and takes seconds to draw without a graphics card.
         visit.page.route("**/view/**", lambda route: route.fulfill(body="", content_type="text/html"))
@@ -139,9 +137,9 @@ def clean(page: Page, within: Sequence[str] = ()) -> None:
     assert violations(page, COLOURS, within) == [], other
 
 
-def seen(visit: Visit, path: str, mark: str) -> None:
-    """Open a page, and wait until it is there."""
-    visit.go(path)
+def seen(visit: Visit, path: str, mark: str, load: bool = True) -> None:
+    """Open a page, and wait until it is there; load: the whole application again."""
+    (visit.go if load else visit.move)(path)
     expect(visit.page.locator(mark).first).to_be_visible()
     expect(visit.page.get_by_role("button", name="Session of")).to_be_visible()
 
@@ -161,10 +159,17 @@ def test_the_empty_list_is_accessible(visit: Visit) -> None:
 
 @pytest.mark.parametrize("name", PAGES)
 def test_the_page_is_accessible(visit: Visit, filled: Service, name: str) -> None:
-    seen(visit, *PAGES[name])
+    seen(visit, *PAGES[name], load=False)
     if name in PARTS:
         assert visit.page.evaluate(SHORTEN, PARTS[name]) > 10
         expect(visit.page.locator("main section.card[id]")).to_have_count(len(PARTS[name]))
+    clean(visit.page)
+    if name in PARTS:
+        visit.page.goto("about:blank")  # what was taken out is missed by the application
+
+
+def test_the_page_of_an_unknown_address_is_accessible(visit: Visit, filled: Service) -> None:
+    seen(visit, "/no/such/page", "main")
     clean(visit.page)
 
 

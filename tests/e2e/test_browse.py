@@ -98,7 +98,7 @@ def test_the_list_is_narrowed_and_ordered_by_the_address(signed_in: Visit) -> No
 
 def test_name_tags_pin_and_notes_are_stored(signed_in: Visit) -> None:
     page = signed_in.page
-    signed_in.go(f"/runs/{BOX}")
+    signed_in.move(f"/runs/{BOX}")
     page.get_by_role("button", name="Change name and tags").click()
     dialog = page.get_by_role("dialog")
     dialog.get_by_label("Name").fill("Release 2.4, full box")
@@ -260,7 +260,7 @@ def test_selected_runs_are_cancelled_together(signed_in: Visit) -> None:
 
 def test_the_keys_are_listed_and_work(signed_in: Visit) -> None:
     page = signed_in.page
-    signed_in.go(f"/runs/{BOX}")
+    signed_in.move(f"/runs/{BOX}")
     expect(page.get_by_role("heading", name="Findings")).to_be_visible()
     page.keyboard.press("?")
     dialog = page.get_by_role("dialog", name="Keys")
@@ -284,7 +284,7 @@ def test_the_keys_are_listed_and_work(signed_in: Visit) -> None:
 
 def test_anything_is_found_and_gone_to(signed_in: Visit) -> None:
     page = signed_in.page
-    signed_in.go("/help")
+    signed_in.move("/help")
     expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
     page.keyboard.press("Control+k")
     dialog = page.get_by_role("dialog", name="Search or jump to")
@@ -321,7 +321,7 @@ def test_a_notification_is_shown_when_a_run_ends(signed_in: Visit, stored: Servi
 
 def test_help_explains_methods_verdicts_and_components(signed_in: Visit) -> None:
     page = signed_in.page
-    signed_in.go(f"/runs/{BOX}")
+    signed_in.move(f"/runs/{BOX}")
     page.get_by_role("link", name="What this means").click()
     expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
     looks(signed_in, "help-verdicts")

@@ -43,7 +43,6 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "help-components": ("/help/components", ["#vehicle-unicycle", "#simulator-two_basins"]),
     "help-evidence": ("/help/evidence", ["main table"]),
     "api": ("/docs", ["#list_runs"]),
-    "no-such-page": ("/no/such/page", ["text=Page not found"]),
 }
 """Each with its address and what is drawn once it is scrolled to."""
 GUIDES = (
@@ -87,7 +86,6 @@ def beyond(visit: Visit) -> list[str]:
 def visit(stored: Service, browser: Browser) -> Iterator[Visit]:
     """A telephone that is signed in."""
     with visiting(browser, stored.url, views=False) as visit:
-        visit.page.emulate_media(reduced_motion="reduce")
         # The 3D view is another project's page, which takes seconds to start; it has a test of its own.
         visit.page.route("**/view/**", lambda route: route.fulfill(body="", content_type="text/html"))
         visit.page.route("**/views/**", lambda route: route.fulfill(json=VIEW))
@@ -97,8 +95,13 @@ def visit(stored: Service, browser: Browser) -> Iterator[Visit]:
 
 
 def fits(visit: Visit, path: str, marks: list[str]) -> None:
+    """Nothing of a page within the application is beyond the window."""
+    visit.move(path)
+    drawn(visit, marks)
+
+
+def drawn(visit: Visit, marks: list[str]) -> None:
     """Nothing is beyond the window, once everything that comes into sight is drawn."""
-    visit.go(path)
     for mark in marks:
         place = visit.page.locator(mark).first
         expect(place).to_be_attached()
@@ -126,6 +129,7 @@ def test_it_sees_what_is_too_wide(visit: Visit) -> None:
     assert [line.partition(" ")[0] for line in found] == ["P.wide"]
     visit.page.locator("main").evaluate("main => { main.style.overflow = 'hidden' }")
     assert beyond(visit) == found, "what is cut off is seen, too"
+    visit.page.goto("about:blank")  # what was taken out is missed by the application
 
 
 def test_every_main_page_is_one_tap_away(visit: Visit) -> None:
@@ -142,6 +146,11 @@ def test_every_main_page_is_one_tap_away(visit: Visit) -> None:
 @pytest.mark.parametrize("name", PAGES)
 def test_the_page_fits(visit: Visit, name: str) -> None:
     fits(visit, *PAGES[name])
+
+
+def test_the_page_of_an_unknown_address_fits(visit: Visit) -> None:
+    visit.go("/no/such/page")
+    drawn(visit, ["text=Page not found"])
 
 
 @pytest.mark.parametrize("name", GUIDES)

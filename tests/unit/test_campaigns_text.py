@@ -103,15 +103,27 @@ PLACES = [
 ]  # fmt: skip
 
 
-@settings(max_examples=400, deadline=None, derandomize=True)
-@given(st.sampled_from(PLACES), PLAIN)
-def test_whatever_stands_somewhere_there_is_a_campaign_or_a_campaign_error(place: str, value: Any) -> None:
+def read_or_refused(place: str, value: Any) -> None:
+    """The campaign with this value somewhere is read, the same in every form, or refused."""
     try:
         found = load_document(document(**{place: value}))
     except CampaignError as error:
         str(error).encode()  # it can be printed
     else:
         assert load_text(to_yaml(found)).digest == load_text(found.canonical()).digest == found.digest
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(st.sampled_from(PLACES), PLAIN)
+def test_whatever_stands_somewhere_there_is_a_campaign_or_a_campaign_error(place: str, value: Any) -> None:
+    read_or_refused(place, value)
+
+
+@pytest.mark.nightly
+@settings(max_examples=1000, deadline=None, derandomize=True)
+@given(st.sampled_from(PLACES), PLAIN)
+def test_many_values_somewhere(place: str, value: Any) -> None:
+    read_or_refused(place, value)
 
 
 @settings(max_examples=300, deadline=None, derandomize=True)

@@ -9,7 +9,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ import pytest
 
 from campaigns import Campaign, load_file
 from tests.audited import audited_summary
+from tests.faults.processes import until
 from tests.unit.cases import campaign, document, searching
 from worker.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
 from worker.opening import opened
@@ -288,11 +288,8 @@ def test_interrupted_is_130(file: Write, tmp_path: Path) -> None:
             stdout=subprocess.PIPE, stderr=sink, env={**os.environ, "FORCE_COLOR": "1", "TTY_INTERACTIVE": "1"},
         )  # fmt: skip
     # The bars appear once the campaign is running.
-    until = time.monotonic() + PATIENCE
-    while b"Monte Carlo" not in errors.read_bytes():
-        assert process.poll() is None, errors.read_text()
-        assert time.monotonic() < until
-        os.sched_yield()
+    until(lambda: b"Monte Carlo" in errors.read_bytes() or process.poll() is not None, "it is running", PATIENCE)
+    assert process.poll() is None, errors.read_text()
     process.send_signal(signal.SIGINT)
     out, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == INTERRUPTED == 130

@@ -24,6 +24,8 @@ from worker.systems.base import Floats
 
 GLOBAL = [m.name for m in methods().values() if m.kind == "global"]
 BUDGET = 3000
+BUDGETS = {"turbo": 1000, "lq_cma_es": 1000}
+"""Of methods whose own time is milliseconds per evaluation."""
 WELL = 0.005
 """Squared width of a well: 5 % of the box is below half its depth."""
 OPTIONS: dict[str, dict[str, int]] = {"nlopt_global": {"population": 300}}
@@ -60,7 +62,7 @@ def found_by(campaign: Campaign, function: Function, budget: int = 10**6) -> tup
 
 @pytest.mark.parametrize("method", GLOBAL)
 def test_two_symmetric_failures_are_exactly_two_findings(method: str) -> None:
-    asked = {"method": method, "evaluations": BUDGET, "options": OPTIONS.get(method, {})}
+    asked = {"method": method, "evaluations": BUDGETS.get(method, BUDGET), "options": OPTIONS.get(method, {})}
     made, found, driven = found_by(searching(asked), two_failures)
     assert driven.stop == "rule"
     assert len(found.basins) == 2

@@ -54,10 +54,13 @@ def commands() -> list[list[str]]:
     return [shlex.split(match[1]) for match in called if match]
 
 
-def test_the_campaign_can_be_run() -> None:
+@pytest.mark.parametrize("horizon", [5.0, pytest.param(15.0, marks=pytest.mark.nightly)])
+def test_the_campaign_can_be_run(horizon: float) -> None:
+    """By day until the obstacle is passed."""
     campaign = load_text(block("yaml", "first-campaign.md"), "first-campaign.md")
     assert check(campaign, catalogue()) == []
-    problem = Problem(campaign, compiled=False)
+    scenario = campaign.given_scenario.model_copy(update={"horizon": horizon})
+    problem = Problem(campaign.model_copy(update={"scenario": scenario}), compiled=False)
     corners = np.zeros(problem.dimension), np.ones(problem.dimension)
     batch, reasons = problem.evaluate(np.array([problem.nominal_point, *corners]))
     assert reasons == {}

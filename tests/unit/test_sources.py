@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import json
 import os
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.unit.cases import document
-from worker.runs import sources
+from worker.runs import meaning, sources
 
 MODULE = b'"""Text."""\nX = 1.0\n\n\ndef f(x):\n    """Help."""\n    return x * X\n'
 
@@ -48,7 +49,42 @@ def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 )
 def test_code_is_what_can_change_a_number(edit: tuple[bytes, bytes], same: bool) -> None:
     assert edit[0] in MODULE
-    assert (sources._meaning(MODULE) == sources._meaning(MODULE.replace(*edit))) == same
+    assert (meaning.meaning(MODULE) == meaning.meaning(MODULE.replace(*edit))) == same
+
+
+def test_the_meaning_of_a_text_is_computed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CLEARANCE_KERNEL_CACHE", str(tmp_path))
+    files = {"one": MODULE, "other": MODULE.replace(b"1.0", b"1.5"), "again": MODULE}
+    expected = {name: meaning.meaning(content) for name, content in files.items()}
+    assert meaning.meanings(files) == expected
+    [file] = (tmp_path / "meanings").iterdir()
+    parsed: list[bytes] = []
+    parse = ast.parse
+    monkeypatch.setattr(ast, "parse", lambda content: parsed.append(content) or parse(content))
+    assert meaning.meanings(files) == expected
+    assert parsed == []
+    edited = files | {"other": MODULE.replace(b"1.0", b"2.5")}
+    assert meaning.meanings(edited)["other"] not in expected.values()
+    assert parsed == [edited["other"]]
+    for damaged in (b"{", b"[]", b'{"%s": "x"}' % b"0" * 64, b"\xff"):
+        file.write_bytes(damaged)
+        assert meaning.meanings(files) == expected
+    file.unlink()
+    file.mkdir()  # it cannot be written
+    assert meaning.meanings(files) == expected
+    assert list(file.parent.iterdir()) == [file]
+
+
+def test_other_code_computes_the_meaning_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CLEARANCE_KERNEL_CACHE", str(tmp_path))
+    before = meaning.meanings({"one": MODULE})
+
+    def tokens(node: ast.AST, tokens: list[str]) -> None:
+        tokens.append(ast.dump(node))
+
+    monkeypatch.setattr(meaning, "_tokens", tokens)
+    assert meaning.meanings({"one": MODULE}) != before
+    assert len(list((tmp_path / "meanings").iterdir())) == 2
 
 
 def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:

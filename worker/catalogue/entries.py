@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import asdict
+from functools import cache
 from types import ModuleType
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import TypeAdapter
 
@@ -94,6 +95,12 @@ def _parameter_entry(p: Declared) -> ParameterEntry:
     )
 
 
+@cache
+def _schema(options: type) -> dict[str, Any]:
+    """The options of a method as data; the catalogue is put together again where a simulator is added."""
+    return TypeAdapter(options).json_schema()
+
+
 def method_entry(method: Method, module: ModuleType) -> MethodEntry:
     """A search method as data, with the JSON schema of its options."""
     return MethodEntry(
@@ -105,6 +112,6 @@ def method_entry(method: Method, module: ModuleType) -> MethodEntry:
         source=method.source,
         evaluations=method.evaluations,
         starts=method.starts,
-        options=TypeAdapter(method.options).json_schema(),
+        options=_schema(method.options),
         look=None if method.look is None else MethodLook.model_validate(asdict(method.look)),
     )

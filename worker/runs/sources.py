@@ -6,7 +6,6 @@ load shows. Packages that add components or methods by entry points are covered 
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import importlib.util
 import os
@@ -17,7 +16,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from worker.components.own import folders, listed
 
@@ -90,53 +89,29 @@ def stale() -> bool:
 def code() -> Code:
     """The loaded code that can change a number, without documentation."""
     from campaigns.versions import Code
+    from worker.runs.meaning import meanings
 
-    modules = {
-        name: _meaning(content)
-        for name, content in sorted(LOADED.files.items())
-        if not any(name == apart or name.startswith(f"{apart}.") for apart in (*APART, OWN))
-    }
+    modules = meanings(
+        {
+            name: content
+            for name, content in sorted(LOADED.files.items())
+            if not any(name == apart or name.startswith(f"{apart}.") for apart in (*APART, OWN))
+        }
+    )
     whole = "".join(f"{name}:{digest};" for name, digest in modules.items())
     return Code(hashlib.sha256(whole.encode()).hexdigest(), modules)
 
 
 def own(modules: Iterable[str]) -> dict[str, str]:
     """The digests of these modules of the operator, without documentation, by file: `my_robot.py`."""
-    return {f"{name.rpartition('.')[2]}.py": _meaning(LOADED.files[name]) for name in modules if name in LOADED.files}
+    from worker.runs.meaning import meaning
+
+    return {f"{name.rpartition('.')[2]}.py": meaning(LOADED.files[name]) for name in modules if name in LOADED.files}
 
 
 def own_modules() -> list[str]:
     """The modules of the operator as they were loaded."""
     return [name for name in LOADED.files if name.startswith(f"{OWN}.") and name != OWN]
-
-
-def _meaning(content: bytes) -> str:
-    """A digest of a module by its syntax tree; of a compiled module, by its bytes. 16 hexadecimal digits."""
-    tokens: list[str] = []
-    try:
-        _tokens(ast.parse(content), tokens)
-    except (SyntaxError, ValueError):
-        return hashlib.sha256(content).hexdigest()[:16]
-    return hashlib.sha256("\0".join(tokens).encode("utf-8", "surrogatepass")).hexdigest()[:16]
-
-
-def _tokens(node: Any, tokens: list[str]) -> None:
-    """A syntax tree without positions, comments and strings that stand alone; the same in every version of Python."""
-    if isinstance(node, ast.AST):
-        tokens.append(type(node).__name__)
-        for name in node._fields:
-            value = getattr(node, name, None)
-            if value is not None and value != [] and name != "ctx":
-                tokens.append(name)
-                _tokens(value, tokens)
-        tokens.append(")")
-    elif isinstance(node, list):
-        for item in node:
-            if not (isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant)):
-                _tokens(item, tokens)
-        tokens.append("]")
-    else:
-        tokens.append(repr(node))
 
 
 def _ours() -> Iterator[tuple[str, Path]]:

@@ -86,16 +86,17 @@ class Visit:
         self.page.goto(self.address + path)
 
     def move(self, path: str) -> None:
-        """Go to a page of another path within the application, as a link does, and return once it is there.
+        """Go to another page within the application, as a link does, and return once its title is set.
 
-        To load the application again takes a second of processor time; for the same path with another query it is.
+        Loading the whole application takes a second of processor time. It is loaded if the page is of another address,
+        or if only the query changes, which no title shows.
         """
         here = urlsplit(self.page.url)
         if f"{here.scheme}://{here.netloc}" != self.address or here.path == urlsplit(path).path:
             self.go(path)
             return
         self.page.evaluate("path => { document.title = ''; history.pushState(null, '', path) }", path)
-        expect(self.page).to_have_title(re.compile("Clearance"))  # set by the page that comes
+        expect(self.page).to_have_title(re.compile("Clearance"))
 
     def stay(self, path: str) -> Page:
         """Go to an address; a page that is already there, with any query, is not reloaded."""
@@ -167,8 +168,8 @@ def draws(view: FrameLocator | Page) -> bool:
 def visiting(browser: Browser, address: str, *, views: bool = True, moving: bool = False) -> Iterator[Visit]:
     """A new browser profile at 1440 x 900; fails at the end if the browser reported errors.
 
-    views: whether 3D views are drawn, as far as the browser draws; otherwise see `blank`. moving: whether pages may
-    scroll and turn smoothly, which takes a sixth of their processor time.
+    views: whether 3D views are drawn, as far as the browser draws; otherwise see `blank`. moving: whether pages are
+    animated, which takes a sixth of their processor time.
     """
     context = browser.new_context(
         viewport={"width": 1440, "height": 900},

@@ -165,7 +165,7 @@ def test_the_page_is_accessible(visit: Visit, filled: Service, name: str) -> Non
         expect(visit.page.locator("main section.card[id]")).to_have_count(len(PARTS[name]))
     clean(visit.page)
     if name in PARTS:
-        visit.page.goto("about:blank")  # what was taken out is missed by the application
+        visit.page.goto("about:blank")  # the application fails where its own elements are gone
 
 
 def test_the_page_of_an_unknown_address_is_accessible(visit: Visit, filled: Service) -> None:

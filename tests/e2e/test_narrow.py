@@ -129,7 +129,7 @@ def test_it_sees_what_is_too_wide(visit: Visit) -> None:
     assert [line.partition(" ")[0] for line in found] == ["P.wide"]
     visit.page.locator("main").evaluate("main => { main.style.overflow = 'hidden' }")
     assert beyond(visit) == found, "what is cut off is seen, too"
-    visit.page.goto("about:blank")  # what was taken out is missed by the application
+    visit.page.goto("about:blank")  # the application fails where its own elements are gone
 
 
 def test_every_main_page_is_one_tap_away(visit: Visit) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
@@ -14,11 +16,27 @@ import yaml
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
-from tests.api.test_submit import Command, command, file
 from tests.faults.processes import CLEARANCE, REPOSITORY
 from worker.cli import INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
 
-__all__ = ["command", "file"]
+Command = Callable[..., "Future[int]"]
+
+
+@pytest.fixture
+def command(service: Service, monkeypatch: pytest.MonkeyPatch) -> Iterator[Command]:
+    """The command line in a thread, with the service's address and a token in its environment."""
+    monkeypatch.setenv("CLEARANCE_SERVICE", service.url)
+    monkeypatch.setenv("CLEARANCE_TOKEN", service.token())
+    pool = ThreadPoolExecutor(1)
+    yield lambda *arguments: pool.submit(invoke, [arguments[0], "--patience", "5", *map(str, arguments[1:])])
+    pool.shutdown(wait=False)  # what a failed test leaves waiting ends with the service
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "campaign.yaml"
+    path.write_text(yaml.safe_dump(campaign()))
+    return path
 
 
 def ended(service: Service, command: Command, *arguments: str, verdict: str = "cleared", run: int = 1) -> int:

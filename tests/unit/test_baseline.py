@@ -23,7 +23,6 @@ from tests.problems import Problem
 from tests.unit.cases import campaign, searching
 from tests.unit.records import DIRECT, NOISE, SHORT, SQP, Folder
 from tests.unit.searching import Function, batch
-from tests.unit.test_findings import two_failures
 from worker.audit import judge
 from worker.catalogue.installed import catalogue
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
@@ -55,6 +54,15 @@ def context(made: Campaign, function: Function) -> Context:
     cost = float(function(problem.nominal_point[None, :])[0])
     found.results[0] = NominalResult(cost=cost, margin=cost - problem.threshold, status="ok")
     return found
+
+
+WELLS = ([0.23, 0.31], [0.77, 0.69])
+
+
+def two_wells(points: Floats) -> Floats:
+    """1 but for two wells, whose bottoms violate."""
+    wells = sum(np.exp(-((points - place) ** 2).sum(axis=1) / 0.005) for place in WELLS)
+    return np.asarray(1.0 - 0.7 * wells + 0.05 * ((points - 0.5) ** 2).sum(axis=1))
 
 
 def flat(points: Floats) -> Floats:
@@ -137,10 +145,9 @@ def test_a_resumed_stage_evaluates_nothing_again() -> None:
 
 
 def test_every_case_is_followed_to_its_basin() -> None:
-    wells = ([0.23, 0.31], [0.77, 0.69])
     problem = Problem(campaign())
-    near = [problem.named(np.array(w) + 0.02) for w in (*wells, wells[0])]
-    made = context(asked(*({"parameters": parameters} for parameters in near)), two_failures)
+    near = [problem.named(np.array(w) + 0.02) for w in (*WELLS, WELLS[0])]
+    made = context(asked(*({"parameters": parameters} for parameters in near)), two_wells)
     ran(made)
     found = findings.Found()
     drive(made, 2, findings.search(made, 2, found), 10**5, repeats=True)
@@ -150,8 +157,8 @@ def test_every_case_is_followed_to_its_basin() -> None:
     first, second, third = _since(made, [], found, labels)
     assert first is not None
     assert second is not None
-    assert np.allclose(where[first], wells[0], atol=0.01)
-    assert np.allclose(where[second], wells[1], atol=0.01)
+    assert np.allclose(where[first], WELLS[0], atol=0.01)
+    assert np.allclose(where[second], WELLS[1], atol=0.01)
     assert third == first
 
 
@@ -160,7 +167,7 @@ def test_more_cases_than_candidates_are_all_followed() -> None:
     many = [
         {"parameters": problem.named(np.array([x, y]))} for x in np.linspace(0, 1, 10) for y in np.linspace(0, 1, 9)
     ]
-    made = context(asked(*many), two_failures)
+    made = context(asked(*many), two_wells)
     ran(made)
     gathered = findings.gather(made, 2)
     assert len(gathered) == len(many) > findings.ALL

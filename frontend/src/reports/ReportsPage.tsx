@@ -60,7 +60,17 @@ export function ReportsPage() {
           )
         }
       >
-        {items.length === 0 && <p className="sec">{q ? 'No report matches.' : 'No run has ended yet.'}</p>}
+        {items.length === 0 && (
+          <p className="sec">
+            {q ? (
+              'No report matches.'
+            ) : (
+              <>
+                No run has ended yet. See the <Link to="/runs">list of runs</Link>, or <Link to="/launch">launch one</Link>.
+              </>
+            )}
+          </p>
+        )}
         {items.length > 0 && <Table items={items} />}
       </Card>
     </>

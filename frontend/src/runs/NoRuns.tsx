@@ -20,7 +20,7 @@ export function NoRuns() {
             <div className={styles.emptypic}>
               <PlanView campaign={asCampaign(first.document)} catalogue={catalogue} flight={first.nominal} height={168} />
             </div>
-            <figcaption className="micro mut">{asCampaign(first.document).name}, {first.nominal ? 'its nominal flight ' : ''}seen from above</figcaption>
+            <figcaption className="micro mut">{asCampaign(first.document).name}, {first.nominal ? 'nominal case ' : ''}seen from above</figcaption>
           </figure>
         )}
         <h2 style={{ fontSize: 17, marginTop: 8 }}>No runs yet</h2>

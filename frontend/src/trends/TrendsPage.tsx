@@ -50,7 +50,11 @@ function Campaigns() {
       </div>
       <Card title="Campaigns" note="By name, those with the most runs first" flush={Boolean(data?.campaigns.length)}>
         {error && <p className="ferr">{error.message}</p>}
-        {data?.campaigns.length === 0 && <p className="sec">There are no runs yet.</p>}
+        {data?.campaigns.length === 0 && (
+          <p className="sec">
+            There are no runs yet. <Link to="/launch">Launch one</Link>.
+          </p>
+        )}
         {data && data.campaigns.length > 0 && (
           <table>
             <thead>

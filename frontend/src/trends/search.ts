@@ -12,7 +12,7 @@ export interface TrendSearch {
 
 export function readTrend(search: Record<string, unknown>): TrendSearch {
   const { campaign, name } = search
-  const along = search.along === 'time' || search.along === 'order' ? { along: search.along } : {}
+  const along: Pick<TrendSearch, 'along'> = search.along === 'time' || search.along === 'order' ? { along: search.along } : {}
   if (typeof campaign === 'string' && /^[0-9a-f]{64}$/.test(campaign)) return { campaign, ...along }
   return typeof name === 'string' && name ? { name: name.slice(0, 120), ...along } : {}
 }

@@ -94,7 +94,7 @@ function placed(body: PlanBody, i: number, nominal: Nominal | null): PlanBody {
 function labelOf(name: string, { goal, bodies }: Plan, flown: boolean): string {
   const moving = bodies.filter((body) => body.track.length > 1).length
   const obstacles = `${bodies.length} ${bodies.length === 1 ? 'obstacle' : 'obstacles'}`
-  return `${flown ? 'Nominal flight' : 'Plan'} of ${name} from above: start, ${goal ? 'goal' : 'course'} and ${obstacles}, ${moving} of them moving`
+  return `${flown ? 'Nominal case' : 'Plan'} of ${name} from above: start, ${goal ? 'goal' : 'course'} and ${obstacles}, ${moving} of them moving`
 }
 
 /** The path, its end, and the distance at the closest approach. */

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from tests.api.finished import PLAN
 from tests.api.server import Service
 from tests.api.submitting import submit
 from tests.api.viewing import KEY, frames_until, steer, viewing
+from tests.faults.processes import until
 
 STAND_IN = """
 import json, sys, time
@@ -192,6 +194,9 @@ def test_the_real_process_evaluates_the_operators_code(
         assert found["data"]["x"] == [0.0, 2.5]
         assert found["trace"]["scene"]["frame"] == "z_up"
         assert 0.0 < found["seconds"] < 5.0
+        program.write_text(PROGRAM.replace("else wind", "else wind + 1").replace("(wind, col", "(wind + 1, col"))
+        edited = partial(asked, client, run, parameters={"simulator.wind": 2.5})
+        until(lambda: edited().json()["cost"] == 3.5, "the edited program is evaluated", 60)
     child = bare.app.state.cases._child._process
     (place,) = Path(tempfile.gettempdir()).glob(f"clearance-cases-{child.pid}-*")
     assert place.is_dir()

@@ -151,7 +151,7 @@ def _lines(systems: Systems) -> Iterator[bytes]:
 
 def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
     """The simulator of a campaign, opened with one slot; raises CampaignUnusable and CampaignError."""
-    if campaign.digest in systems:
+    if campaign.digest in systems and not _changed(systems[campaign.digest].system):
         return systems[campaign.digest]
     close(systems)
     if why := missing(campaign, version):
@@ -162,6 +162,12 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
         inner.most_slots, inner.most_seconds = 1, LONGEST
     systems[campaign.digest] = Opened(system, campaign.criterion.threshold)
     return systems[campaign.digest]
+
+
+def _changed(system: System) -> bool:
+    """Whether its files are no longer those that were opened."""
+    inner = system.inner if isinstance(system, Called) else system
+    return isinstance(inner, Slotted) and bool(inner.changed())
 
 
 def missing(campaign: Campaign, version: str) -> str:

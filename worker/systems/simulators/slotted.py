@@ -74,7 +74,7 @@ class Slotted(Simulated):
         """The files that its digest covers."""
         return ()
 
-    def _changed(self) -> str:
+    def changed(self) -> str:
         """Why nothing more is evaluated: its files are no longer those of its digest; empty if they are."""
         if self._unchanged is None:
             self._unchanged = Unchanged(self._covered)
@@ -82,12 +82,12 @@ class Slotted(Simulated):
 
     def _made(self, other: Made) -> Made:
         """Another simulator that was made of this one, with the same files."""
-        self._changed()
+        self.changed()
         other._unchanged = self._unchanged
         return other
 
     def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
-        if changed := self._changed():
+        if changed := self.changed():
             ended: Future[Evaluated] = Future()
             ended.set_result(Evaluated(np.array([np.nan]), FAILED, changed))
             return ended
@@ -111,6 +111,8 @@ class Slotted(Simulated):
         if not columns:
             return None
         vector = self._vector(values)
+        if changed := self.changed():
+            raise NoResult(changed, timeout=False)
         outcome = self._opened().submit({"parameters": self._request(vector), "trace": True}).result()
         value, reason = self._read(outcome)
         if reason:

@@ -13,9 +13,10 @@ from pydantic import AfterValidator, Field
 from campaigns.asked.scenario import MAX_SEED
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, Name, Number, Path, Strict
 
-FailOn = Literal["violation", "new_violation", "new", "worse"]
-"""violation: the verdict is violated; new_violation: a finding violates that the baseline lacks or that did not violate
-in it; new: the baseline lacks a finding; worse: a finding of the baseline is worse."""
+FailOn = Literal["violation", "new_violation", "new", "worse", "not_compared"]
+"""violation: the verdict is violated, or a violation of the baseline is not compared; new_violation: a finding violates
+that the baseline lacks or that did not violate in it; new: the baseline lacks a finding; worse: a finding of the
+baseline is worse; not_compared: a finding of the baseline could not be evaluated or has no value."""
 
 DEFAULT: list[FailOn] = ["violation", "new_violation"]
 

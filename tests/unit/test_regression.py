@@ -136,6 +136,29 @@ def test_a_new_finding_and_one_without_a_value_are_named() -> None:
     assert found.counts() == {Standing.NEW: 1, Standing.SAME: 1, Standing.NOT_COMPARED: 1}
 
 
+@pytest.mark.parametrize(
+    ("before", "fail_on", "fails"),
+    [
+        (0.40, None, True),
+        (0.50, None, True),
+        (0.84, None, False),
+        (0.40, ["new_violation", "new", "worse"], False),
+        (0.84, ["not_compared"], True),
+        (0.40, ["violation"], True),
+    ],
+)
+def test_what_is_not_compared_does_not_hide_a_known_violation(
+    before: float, fail_on: list[str] | None, fails: bool
+) -> None:
+    """The author of a change may otherwise exclude the worst case by other bounds."""
+    policy = {} if fail_on is None else {"regression": {"fail_on": fail_on}}
+    found = compared((before, 0.9), (None, 0.9), (0.9,), (None, "F1"), **policy)
+    assert [(c.before, c.standing, c.fails) for c in found.cases if c.standing is Standing.NOT_COMPARED] == [
+        ("F1", Standing.NOT_COMPARED, fails)
+    ]
+    assert found.ok is not fails
+
+
 def test_of_several_findings_of_the_baseline_in_one_basin_the_lowest_stands_for_it() -> None:
     same = compared((0.40, 0.84), (0.40, 0.84), (0.40,), ("F1", "F1"))
     assert [(c.before, c.standing, c.newly_violating) for c in same.cases] == [
@@ -214,7 +237,7 @@ def test_without_a_baseline_nothing_is_stored_and_the_digests_stay() -> None:
 @pytest.mark.parametrize(
     ("policy", "said"),
     [
-        ({"fail_on": ["worst"]}, "'violation', 'new_violation', 'new' or 'worse'"),
+        ({"fail_on": ["worst"]}, "'violation', 'new_violation', 'new', 'worse' or 'not_compared'"),
         ({"tolerance": -1}, "greater than or equal to 0"),
         ({"tolerance": "5 %"}, "expected a number"),
         ({"fail": ["new"]}, "unknown key"),

@@ -95,5 +95,7 @@ def _tolerance(run: Run, before: float, label: str | None) -> float:
 
 
 def _fails(asked: list[Any], case: Tree) -> bool:
+    if case["standing"] == "not compared":
+        return "not_compared" in asked or ("violation" in asked and case["margin_before"] <= 0)
     kinds = {case["standing"], *(["new_violation"] if case["newly_violating"] else [])}
     return bool(kinds & {"new", "worse", "new_violation"} & set(asked))

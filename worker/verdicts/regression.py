@@ -134,6 +134,9 @@ def _tolerance(problem: Problem, evidence: Evidence, before: BaselineCase, there
 
 def _fails(policy: Policy, case: FindingChange) -> bool:
     asked = policy.fail_on
+    if case.standing is Standing.NOT_COMPARED:  # other bounds or names must not hide a violation that was known
+        known = case.margin_before is not None and case.margin_before <= 0
+        return "not_compared" in asked or ("violation" in asked and known)
     return (
         ("new_violation" in asked and case.newly_violating)
         or ("new" in asked and case.standing is Standing.NEW)

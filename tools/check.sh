@@ -4,6 +4,7 @@
 
 source "$(dirname "$0")/common.sh"
 source tools/node.sh
+source tools/beside.sh
 
 # They compile a closed loop, fly or search a lot, or start processes: most of the processor time of the two folders.
 SLOW=(
@@ -51,18 +52,6 @@ STARTING=(
     tests/unit/test_arrows.py::test_what_a_process_loads
 )
 
-logs="$(mktemp -d)"
-names=()
-running=()
-trap 'kill "${running[@]}" 2>/dev/null || true; rm -rf "$logs"' EXIT
-
-# begin NAME COMMAND... : runs it beside the others; what it says is shown when all have ended.
-begin() {
-    names+=("$1")
-    "${@:2}" >"$logs/$1" 2>&1 &
-    running+=("$!")
-}
-
 frontend_types() {
     cd frontend
     npm run --silent client
@@ -76,11 +65,4 @@ begin tsc frontend_types
 begin pytest "$VENV/bin/pytest" -q -n 2 --dist loadfile tests/unit tests/contract "${SLOW[@]/#/--ignore=}" \
     "${STARTING[@]/#/--deselect=}" "$@"
 
-failed=()
-for i in "${!names[@]}"; do
-    wait "${running[$i]}" || failed+=("${names[$i]}")
-    say "== ${names[$i]}"
-    cat "$logs/${names[$i]}" >&2
-done
-running=()
-[ "${#failed[@]}" = 0 ] || fail "failed: ${failed[*]}"
+ended

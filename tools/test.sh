@@ -3,16 +3,25 @@
 
 source "$(dirname "$0")/common.sh"
 source tools/node.sh
+source tools/beside.sh
 
 step() {
     say "== $*"
     "$@"
 }
 
+pages() {
+    cd frontend
+    npm run --silent check
+}
+
 step "$VENV/bin/ruff" check .
 step "$VENV/bin/ruff" format --check .
-step "$VENV/bin/mypy"
-(cd frontend && step npm run --silent check && step npm run --silent test)
+begin mypy "$VENV/bin/mypy"
+begin pages pages
+ended
+# Alone: its tests have time limits.
+(cd frontend && step npm run --silent test)
 # A file's tests share services and browsers: tests/conftest.py keeps them together, and orders them.
 workers="$(nproc)"
 step "$VENV/bin/pytest" -n "$((workers < 4 ? workers : 4))" --dist loadfile --no-loadscope-reorder "$@"

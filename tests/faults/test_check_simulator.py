@@ -14,7 +14,7 @@ from backend.db.measurements import Stored
 from campaigns.asked.load import load_file
 from campaigns.results.base import FAILED, OK
 from tests.simulators.adversaries import Call, adversary, never
-from worker.catalogue.installed import catalogue, simulators
+from worker.catalogue.installed import catalogue, forget_simulators
 from worker.cli import WRONG_INPUT, invoke
 from worker.cli._announce import announce
 from worker.cli.check_simulator import NOT_AS_IT_IS
@@ -162,8 +162,7 @@ def test_more_parameters_than_a_campaign_may_vary_are_named(
         'import clearance\n@clearance.simulator(parameters={"µ": (0.0, 1.0)})\ndef größe(µ): return µ', encoding="utf-8"
     )
     monkeypatch.setenv("CLEARANCE_SIMULATORS", str(folder.parent))
-    for known in (simulators, catalogue):
-        known.cache_clear()
+    forget_simulators()
     try:
         invoke(["check-simulator", "many", "--points", "2"])
         shown = capsys.readouterr().out
@@ -172,5 +171,4 @@ def test_more_parameters_than_a_campaign_may_vary_are_named(
         assert invoke(["check-simulator", "named"]) == WRONG_INPUT
         assert "named.py: " in capsys.readouterr().err, "a file that is skipped is reported with its reason"
     finally:
-        for known in (simulators, catalogue):
-            known.cache_clear()
+        forget_simulators()

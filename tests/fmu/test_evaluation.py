@@ -21,7 +21,7 @@ from tests.faults.processes import REPOSITORY
 from tests.fmu import made
 from worker.catalogue.descriptor import read
 from worker.catalogue.fmu import DescribedFmu
-from worker.catalogue.installed import catalogue, simulators
+from worker.catalogue.installed import forget_simulators
 from worker.catalogue.simulator import Opening
 from worker.opening.opened import system
 from worker.systems.base import CampaignUnusable
@@ -227,11 +227,9 @@ def test_the_example_from_its_sources_to_a_verdict(tmp_path: Path) -> None:
 def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """The operator's folder, and a catalogue that is read again."""
     monkeypatch.setenv("CLEARANCE_SIMULATORS", str(tmp_path))
-    for function in (simulators, catalogue):
-        function.cache_clear()
+    forget_simulators()
     yield tmp_path
-    for function in (simulators, catalogue):
-        function.cache_clear()
+    forget_simulators()
 
 
 CAMPAIGN = {

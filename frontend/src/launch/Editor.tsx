@@ -121,7 +121,7 @@ export function Editor(props: EditorProps) {
         expected={({ pathname, search }) => going.current?.pathname === pathname && going.current.draft === search.draft}
         onSave={() => saved.save({ leaving: true })}
       />
-      <Heading from={from} changed={start.changed} draft={saved.draft} />
+      <Heading from={from} changed={start.changed} baseline={start.baseline} draft={saved.draft} />
       <Skipped unusable={catalogue.unusable} />
       {!from && !saved.draft && (
         <>

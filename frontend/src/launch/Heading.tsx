@@ -11,10 +11,12 @@ interface HeadingProps {
   from: string | undefined
   /** What the page of that run proposed to change. */
   changed: Span[] | undefined
+  /** The baseline of that run. */
+  baseline: string | undefined
   draft: Draft | null
 }
 
-export function Heading({ from, changed = [], draft }: HeadingProps) {
+export function Heading({ from, changed = [], baseline, draft }: HeadingProps) {
   const now = useNow(30_000, draft !== null)
   return (
     <div className="ph">
@@ -44,6 +46,12 @@ export function Heading({ from, changed = [], draft }: HeadingProps) {
           {changed.length > 0 && (
             <>
               , <Said spans={changed} />
+            </>
+          )}
+          {baseline && (
+            <>
+              , without its baseline <span className="mono">{baseline}</span>: a launch with <code>clearance submit --baseline</code>{' '}
+              has one
             </>
           )}
           . <Link to="/launch">Choose from the library instead</Link>

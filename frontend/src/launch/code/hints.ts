@@ -101,6 +101,9 @@ function entriesAt(known: Known, at: At): ParameterEntry[] | null {
   return null
 }
 
+/** Fields of a campaign that a launch adds, and that its text may not have. */
+const AT_LAUNCH = new Set(['baseline'])
+
 /** Whether the keys of a mapping are paths of parameters. */
 const holdsPaths = (at: At): boolean =>
   (at.length === 1 && at[0] === 'uncertain') || at.at(-2) === 'starts' || (at[0] === 'published' && at.at(-1) === 'at')
@@ -147,7 +150,8 @@ function allKeys(known: Known, at: At): Choice[] {
   if (isOptions(at)) return Object.entries(propertiesOf(methodAt(known, at))).map(([name, rule]) => choiceOf(at, name, rule))
   const rule = ruleAt(known.schema, at)
   const properties = rule ? rulesOf(rule).flatMap((one) => Object.entries(one.properties ?? {})) : []
-  return [...new Map(properties)].map(([name, inner]) => choiceOf(at, name, inner))
+  const offered = [...new Map(properties)].filter(([name]) => at.length > 0 || !AT_LAUNCH.has(name))
+  return offered.map(([name, inner]) => choiceOf(at, name, inner))
 }
 
 /** Paths of parameters: those that are uncertain, or all. */

@@ -60,7 +60,7 @@ const rules = EditorView.theme({
   '.cm-hint small': { fontSize: '12px', color: 'var(--ink-2)', display: 'block', fontFeatureSettings: '"tnum"' },
   '.cm-hint p': { margin: '3px 0 0', color: 'var(--ink-2)' },
   '.cm-diagnostic': { padding: '7px 10px', borderLeft: '3px solid var(--bad-solid)', whiteSpace: 'normal' },
-  '.cm-tooltip-autocomplete > ul': { fontFamily: 'var(--mono)', maxHeight: '15em' },
+  '.cm-tooltip-autocomplete > ul': { fontFamily: 'var(--mono)', maxHeight: '22em' },
   '.cm-tooltip-autocomplete > ul > li': { padding: '2px 9px', lineHeight: '18px' },
   '.cm-tooltip-autocomplete > ul > li[aria-selected]': { background: 'var(--sel)', color: 'var(--ink)' },
   '.cm-completionDetail': { fontStyle: 'normal', color: 'var(--ink-3)', fontFamily: 'var(--font)', marginLeft: '1em' },

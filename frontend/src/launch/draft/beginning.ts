@@ -12,6 +12,8 @@ export interface Start extends Beginning {
   draft: Draft | null
   /** The changes of a run's campaign that its page proposed, as a phrase. */
   changed?: Span[]
+  /** The baseline of that run, which a new run does not have. */
+  baseline?: string
 }
 
 export function fromLibrary(item: LibraryCampaign): Start {
@@ -21,12 +23,15 @@ export function fromLibrary(item: LibraryCampaign): Start {
 
 /** An earlier run's campaign; `remedy` names changes that its checks propose. */
 export async function fromRun(run: RunDetail, remedy = ''): Promise<Start> {
-  const own = { readable: true, name: run.name, tags: run.tags, draft: null }
+  const own = { readable: true, name: run.name, tags: run.tags, draft: null, baseline: run.baseline?.run ?? undefined }
   const text = await getRunText(run.id)
-  if (!remedy) return { ...own, campaign: asCampaign(run.campaign), text }
+  if (!remedy) return { ...own, campaign: plain(run.campaign), text }
   const { document, text: amended, said } = await remedied(run, text, remedy)
-  return { ...own, campaign: asCampaign(document), text: amended, changed: said }
+  return { ...own, campaign: plain(document), text: amended, changed: said }
 }
+
+/** Without the baseline, which belongs to the launch of the run and not to its text. */
+const plain = (document: unknown): Campaign => asCampaign({ ...(document as object), baseline: undefined })
 
 /** A draft as it was saved, also in the form if possible. */
 export async function fromDraft(draft: Draft, otherwise: Campaign): Promise<Start> {

@@ -267,3 +267,6 @@ def test_a_program_in_cpp_gives_the_same_costs(tmp_path: Path, monkeypatch: pyte
     costs = np.empty(32)
     bench.fly_cpp(cpp, PROBLEM, vectors, PROBLEM.system.counts(PROBLEM.system.step)[0], costs)
     assert costs == pytest.approx(PROBLEM.system.simulate_vectors(vectors)[0].costs[:, 0], abs=1e-11)
+    assert (np.full(4, 2.2e-308) / 4.0 > 0.0).all(), (
+        "loading the program leaves the arithmetic of this process as it was"
+    )

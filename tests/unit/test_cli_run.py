@@ -217,7 +217,7 @@ def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_pa
     with (folder / "evaluations.csv").open(newline="") as lines:
         rows = list(csv.DictReader(lines))
     assert len(rows) == sum(s["evaluations"] for s in printed["stages"])
-    assert list(rows[0]) == ["stage", "kind", "method", "index", "status", "cost", "vehicle.m", "vehicle.J"]
+    assert list(rows[0]) == ["stage", "kind", "method", "index", "status", "cost", "vehicle.m", "vehicle.J", "reason"]
     problem = opened.problem(asked)
     vectors = np.array([problem.vector({p: float(r[p]) for p in ("vehicle.m", "vehicle.J")}) for r in rows])
     again = problem.system.simulate_vectors(vectors)[0].costs[:, 0]

@@ -9,7 +9,8 @@ import pytest
 
 from campaigns import check, load_file
 from worker.catalogue import installed
-from worker.catalogue.installed import components
+from worker.catalogue.entries import component_entry
+from worker.catalogue.installed import components, source_of
 from worker.components import own as own_package
 from worker.examination import reading
 from worker.examination.declaring import declared_by
@@ -45,7 +46,7 @@ def test_the_example_in_space_is_the_files_and_flies(monkeypatch: pytest.MonkeyP
         found.append(declared_by(source, f"worker.components.own.{name}"))
         flown(found[-1], source, {"multirotor": found[0]}.get)
     monkeypatch.setattr(installed, "_HOMES", {id(c): f"worker.components.own.{c.name}" for c in found})
-    entries = [*installed.catalogue().components, *map(installed._component_entry, found)]
+    entries = [*installed.catalogue().components, *(component_entry(c, source_of(c)) for c in found)]
     known = installed.catalogue().model_copy(update={"components": entries})
     assert check(load_file(EXAMPLES / "campaigns" / "multirotor.yaml"), known) == []
 

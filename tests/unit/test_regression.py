@@ -21,7 +21,7 @@ from campaigns.results.verdict import VerdictWord
 from tests.problems import Problem
 from tests.unit import evidence as given
 from tests.unit.cases import campaign, document
-from worker.cli._ended import Ended, code, exit_sentence
+from worker.cli._ended import EndedRun, code, exit_sentence
 from worker.cli._junit import junit
 from worker.cli._markdown import markdown
 from worker.verdicts.regression import regression
@@ -328,10 +328,10 @@ def test_another_threshold_and_other_bounds_are_what_is_compared() -> None:
     assert made.baseline.threshold == 0.4
 
 
-def ended(found: Regression | None, word: str = "cleared", **changes: Any) -> Ended:
+def ended(found: Regression | None, word: str = "cleared", **changes: Any) -> EndedRun:
     known = {"run": "R-0007", "campaign": "Case <1> & more", "state": "done", "verdict": concluded(found, word)}
     known |= {"link": "http://127.0.0.1:8000/runs/R-0007", "replay": "clearance replay R-0007"}
-    return Ended(**(known | {"labels": {"branch": "feature|x"}} | changes))
+    return EndedRun(**(known | {"labels": {"branch": "feature|x"}} | changes))
 
 
 def test_a_failure_in_junit_has_parameters_link_and_replay_command() -> None:

@@ -1,4 +1,4 @@
-"""A run that has ended, as the command line reports it: its exit code, and what its files state. Read `Ended`."""
+"""A run that has ended, as the command line reports it: its exit code, and what its files state. Read `EndedRun`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Ended:
+class EndedRun:
     """One run. run: R-0001, or the campaign's file; link: its page, if it has one; replay: the command that evaluates a
     case of it again, without the case; notes: sentences on its baseline and on its reuse."""
 
@@ -52,7 +52,7 @@ class Ended:
         return f"{self.replay} {place}" if place else ""
 
 
-def write_files(ended: Ended, given: Launch) -> None:
+def write_files(ended: EndedRun, given: Launch) -> None:
     """Write the files that were asked for."""
     if given.junit is not None:
         from worker.cli import _junit

@@ -15,7 +15,7 @@ import typer
 
 from campaigns.documents import JsonObject
 from worker.cli import UnreachableError, WrongInputError
-from worker.cli._ended import Ended, changes, write_files
+from worker.cli._ended import EndedRun, changes, write_files
 
 if TYPE_CHECKING:
     from worker.cli._launch import Launch
@@ -111,14 +111,14 @@ def _cancelled(service: Remote, run: str) -> str:
     return f"{run} was cancelled, because this command was ended"
 
 
-def _as_ended(service: Remote, document: JsonObject, reused: str | None) -> Ended:
+def _as_ended(service: Remote, document: JsonObject, reused: str | None) -> EndedRun:
     """The run as its files state it; a service of an earlier version knows no labels and no baseline."""
     from campaigns.results import Verdict
 
     run, compared = document["id"], document.get("baseline")
     started, finished = document["started"], document["finished"]
     done = document["state"] == "done"
-    return Ended(
+    return EndedRun(
         run=run,
         campaign=document["campaign_name"],
         state=document["state"],
@@ -165,7 +165,7 @@ def _counts(document: JsonObject) -> str:
     return f"Evaluations: {document['evaluations']:,}, {document['failed_evaluations']:,} failed{left_out}"
 
 
-def _ended(service: Remote, document: JsonObject, ended: Ended) -> list[str]:
+def _ended(service: Remote, document: JsonObject, ended: EndedRun) -> list[str]:
     if document["state"] == "done":
         lines = [document["verdict"].capitalize(), document["reason"], _counts(document)]
     elif document["state"] == "cancelled":

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
 from campaigns.results.regression import FindingChange, Standing
-from worker.cli._ended import Ended
+from worker.cli._ended import EndedRun
 
 if TYPE_CHECKING:
     from campaigns.results import Verdict
@@ -20,12 +20,12 @@ _FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff
 """Characters that XML 1.0 cannot contain."""
 
 
-def write(file: Path, ended: Ended) -> None:
+def write(file: Path, ended: EndedRun) -> None:
     """Write the file."""
     file.write_text(junit(ended), encoding="utf-8")
 
 
-def junit(ended: Ended) -> str:
+def junit(ended: EndedRun) -> str:
     """The document."""
     suite = Xml.Element("testsuite", name=_clean(ended.campaign), time=f"{ended.seconds:.3f}")
     properties = Xml.SubElement(suite, "properties")
@@ -50,7 +50,7 @@ def junit(ended: Ended) -> str:
     return Xml.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def _verdict(suite: Xml.Element, ended: Ended) -> None:
+def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
     case, verdict = _added(suite, ended, "verdict"), ended.verdict
     if verdict is None:
         message = f"no verdict: {ended.state}" + (f": {ended.error}" if ended.error else "")
@@ -71,7 +71,7 @@ def _worst(verdict: Verdict) -> list[str]:
     return [] if verdict.worst is None else [f"{path} = {value!r}" for path, value in verdict.worst.parameters.items()]
 
 
-def _case(suite: Xml.Element, ended: Ended, change: FindingChange) -> None:
+def _case(suite: Xml.Element, ended: EndedRun, change: FindingChange) -> None:
     """The names do not contain the baseline's number, so that a CI service can follow a case from build to build."""
     name = f"{change.before} of the baseline" if change.before else f"new finding {change.now}"
     case = _added(suite, ended, name)
@@ -85,7 +85,7 @@ def _case(suite: Xml.Element, ended: Ended, change: FindingChange) -> None:
         Xml.SubElement(case, "system-out").text = _clean(change.text)
 
 
-def _added(suite: Xml.Element, ended: Ended, name: str) -> Xml.Element:
+def _added(suite: Xml.Element, ended: EndedRun, name: str) -> Xml.Element:
     return Xml.SubElement(suite, "testcase", classname=_clean(ended.campaign), name=_clean(name))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from campaigns.claims.numbers import NONE, signed
 from campaigns.results.regression import FindingChange, Regression
-from worker.cli._ended import Ended, exit_sentence
+from worker.cli._ended import EndedRun, exit_sentence
 
 SIGNS = {"cleared": "✅", "violated": "❌", "inconclusive": "❔"}
 _CODE = str.maketrans({"`": "'", "|": "\\|", "\n": " "})
@@ -15,13 +15,13 @@ _CODE = str.maketrans({"`": "'", "|": "\\|", "\n": " "})
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>|#~])")
 
 
-def write(file: Path, ended: Ended) -> None:
+def write(file: Path, ended: EndedRun) -> None:
     """Append to the file, as CI services expect it of the steps of a job."""
     with file.open("a", encoding="utf-8") as out:
         out.write(markdown(ended))
 
 
-def markdown(ended: Ended) -> str:
+def markdown(ended: EndedRun) -> str:
     """The summary: the verdict, its sentence, the changes since the baseline."""
     verdict = ended.verdict
     run = f"[{_text(ended.run)}]({ended.link})" if ended.link else _text(ended.run)
@@ -40,7 +40,7 @@ def markdown(ended: Ended) -> str:
     return "\n\n".join(filter(None, lines)) + "\n\n"
 
 
-def _table(ended: Ended, regression: Regression) -> list[str]:
+def _table(ended: EndedRun, regression: Regression) -> list[str]:
     unit = f" [{_text(regression.unit)}]" if regression.unit else ""
     heads = [
         "Finding",
@@ -55,7 +55,7 @@ def _table(ended: Ended, regression: Regression) -> list[str]:
     return [_line(heads), _line(["---", "---", "---:", "---:", "---:", "---:", "---"]), *map(_line, rows)]
 
 
-def _row(ended: Ended, regression: Regression, case: FindingChange) -> list[str]:
+def _row(ended: EndedRun, regression: Regression, case: FindingChange) -> list[str]:
     name = f"{case.before} of {regression.run}" if case.before else f"{case.now}"
     numbers = (case.margin_before, case.margin_again, case.margin, case.change)
     standing = f"**{case.standing}**" if case.fails else str(case.standing)

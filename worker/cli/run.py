@@ -20,7 +20,7 @@ from worker.cli import _code as code
 from worker.cli import _evaluator as evaluators
 from worker.cli import _interrupt as interrupt
 from worker.cli import _launch as launch
-from worker.cli._ended import Ended, write_files
+from worker.cli._ended import EndedRun, write_files
 from worker.cli._out import writable
 from worker.cli._where import DATA, Data, Database
 
@@ -104,8 +104,8 @@ def run(
 
 def _ended(
     campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, given: launch.Launch, note: str
-) -> Ended:
-    return Ended(
+) -> EndedRun:
+    return EndedRun(
         run="" if out is None else str(out),
         campaign=campaign.name,
         state="done",

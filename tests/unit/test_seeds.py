@@ -10,6 +10,7 @@ import pytest
 
 from campaigns.asked.spec import MAX_SEED
 from campaigns.results import CertifyResult, Verdict
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.audited import audited
 from tests.problems import Problem
 from tests.unit.cases import searching
@@ -17,6 +18,7 @@ from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.stages.parts import offered, seeds
 from worker.stages.parts.base import Context
+from worker.systems.closed_loop.realisations import Realisations
 
 NOISE: list[dict[str, Any]] = [{"component": "sensor_noise", "parameters": {"sigma": 0.15}}]
 
@@ -116,3 +118,19 @@ def test_evaluations_under_their_own_noise_are_apart_from_those_under_the_stated
     assert position not in [at for at, _ in seeds.stated(context, stages)]
     ((at, columns, own),) = seeds.drawn(context, stages)
     assert (at, len(columns.status), len(own)) == (position, 120, 120)
+
+
+def test_the_realisation_that_counts_is_the_first_failed_one_or_the_lowest() -> None:
+    asked = Realisations((7, 8, 9), "worst", True, (0,))
+    random = np.random.default_rng(4)
+    status = random.choice(np.array([OK, FAILED, EXCLUDED], dtype=np.uint8), (3, 200), p=[0.7, 0.2, 0.1])
+    costs = random.integers(0, 3, (3, 200)).astype(float)  # with ties: the first of them
+    costs[status != OK] = np.nan
+    found = asked.counting(costs.reshape(-1, 1), status.reshape(-1))
+    for column, seed in enumerate(found):
+        failed = [k for k in range(3) if status[k, column] == FAILED]
+        ok = [k for k in range(3) if status[k, column] == OK]
+        row = failed[0] if failed else min(ok, key=lambda k: costs[k, column]) if ok else 0
+        assert seed == asked.seeds[row]
+        assert asked.worst(costs[:, column : column + 1], status[:, column]) == row
+    assert Realisations((5,), "worst", False, ()).counting(costs[0, :, None], status[0]) == [5] * 200

@@ -87,15 +87,22 @@ class Realisations(Realised):
 
     def counting(self, costs: Floats, status: NDArray[np.uint8]) -> list[int]:
         """The seed of the worst realisation of each of m evaluations, from costs (s m, k) and status (s m,)."""
+        if not self.several:
+            return [self.seeds[0]] * len(status)
         states = status.reshape(len(self.seeds), -1)
-        table = costs.reshape(*states.shape, -1)
-        return [self.seeds[self.worst(table[:, i], states[:, i])] for i in range(states.shape[1])]
+        return [self.seeds[i] for i in _shown(costs.reshape(*states.shape, -1)[..., 0], states)]
 
     def worst(self, costs: Floats, status: NDArray[np.uint8]) -> int:
         """The index of the realisation to show for one evaluation: the first failed one, else the lowest cost.
 
         costs (s, k), of which only the deciding criterion counts; status (s,).
         """
-        if (status == FAILED).any():
-            return int(np.argmax(status == FAILED))
-        return int(np.argmin(np.where(status == OK, costs[:, 0], np.inf)))
+        return int(_shown(costs[:, :1], status[:, None])[0])
+
+
+def _shown(costs: Floats, status: NDArray[np.uint8]) -> NDArray[np.intp]:
+    """The index of the first failed realisation, else of the lowest cost, from (s, m) each."""
+    failed = status == FAILED
+    lowest = np.argmin(np.where(status == OK, costs, np.inf), axis=0)
+    shown: NDArray[np.intp] = np.where(failed.any(axis=0), np.argmax(failed, axis=0), lowest)
+    return shown

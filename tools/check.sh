@@ -14,24 +14,38 @@ SLOW=(
     tests/contract/test_method_table.py
     tests/contract/test_methods.py
     tests/contract/test_pairs.py
+    tests/unit/test_allow_code.py
     tests/unit/test_audit.py
+    tests/unit/test_baseline.py
     tests/unit/test_bind.py
+    tests/unit/test_campaigns_effort.py
+    tests/unit/test_catalog.py
     tests/unit/test_certify.py
     tests/unit/test_cli.py
     tests/unit/test_cli_purge.py
     tests/unit/test_cli_run.py
+    tests/unit/test_cma_es.py
     tests/unit/test_compose.py
     tests/unit/test_continuation.py
+    tests/unit/test_contrast_racing.py
     tests/unit/test_drive.py
+    tests/unit/test_examination.py
     tests/unit/test_explain.py
     tests/unit/test_field.py
     tests/unit/test_findings.py
     tests/unit/test_front.py
     tests/unit/test_function_files.py
+    tests/unit/test_functions.py
+    tests/unit/test_global_clustering.py
     tests/unit/test_library.py
     tests/unit/test_live.py
+    tests/unit/test_lq_cma_es.py
+    tests/unit/test_mlsl.py
+    tests/unit/test_monte_carlo.py
+    tests/unit/test_nlopt_global.py
     tests/unit/test_notebook.py
     tests/unit/test_nsga2.py
+    tests/unit/test_own_components.py
     tests/unit/test_portfolio.py
     tests/unit/test_problem.py
     tests/unit/test_readme.py
@@ -45,6 +59,7 @@ SLOW=(
     tests/unit/test_text.py
     tests/unit/test_text_names.py
     tests/unit/test_trace.py
+    tests/unit/test_verify.py
 )
 # Of files that are quick otherwise: these start several processes, each of which takes seconds.
 STARTING=(

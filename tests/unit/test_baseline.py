@@ -264,7 +264,7 @@ CORRUPTIONS: list[tuple[str, Any, str]] = [
     (f"{CASE}/tolerance", 1.0, "regression.cases.0.tolerance"),
     (f"{CASE}/fails", False, "regression.cases.0.fails"),
     ("result/regression/ok", True, "regression.ok"),
-    ("result/regression/accepted", False, "regression.accepted"),
+    ("result/regression/accepted", True, "regression.accepted"),
     ("result/regression/run", "R-0009", "regression.run"),
     ("result/regression/cases", [], "regression.cases.count"),
     ("evidence/results/1/cases/0/cost", 0.5, "results.1.cases.0.cost"),

@@ -201,6 +201,8 @@ POLICIES = {
         # A violation that nobody knew is not accepted, whatever the policy leaves out.
         ("nothing", "violated", (0.84,), (0.84,), (0.40, 0.84), ("F2",), 1),
         ("nothing", "violated", (0.40,), (0.40,), (0.40,), ("F1",), 0),
+        # The verdict is violated by what no finding represents: nobody has compared it.
+        ("known violations", "violated", (0.84,), (0.84,), (0.84,), ("F1",), 1),
     ],
 )
 def test_the_exit_code_is_that_of_the_verdict_and_the_policy(
@@ -213,7 +215,7 @@ def test_the_exit_code_is_that_of_the_verdict_and_the_policy(
     assert bool(exit_sentence(verdict)) == (exits != usual)
     assert found.ok == (not found.failing)
     if exits == 0 and word == "violated":
-        assert "every violation was known in R-0001" in exit_sentence(verdict)
+        assert "every violating finding was known in R-0001" in exit_sentence(verdict)
 
 
 def concluded(found: Regression | None, word: str = "cleared") -> Verdict:

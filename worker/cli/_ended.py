@@ -85,7 +85,7 @@ def exit_sentence(verdict: Verdict) -> str:
         return ""
     if not regression.ok:
         return f"The exit code is {VIOLATED}: the policy of the campaign fails."
-    return f"The exit code is 0: every violation was known in {regression.run}, and the policy accepts those."
+    return f"The exit code is 0: every violating finding was known in {regression.run}, and the policy accepts those."
 
 
 def changes(verdict: Verdict) -> list[str]:

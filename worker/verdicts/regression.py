@@ -53,7 +53,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
         cases=cases,
         fail_on=policy.fail_on,
         ok=not failing,
-        accepted="violation" not in policy.fail_on and not any(case.newly_violating for case in violating),
+        accepted="violation" not in policy.fail_on and _all_known(violating),
         quantity=problem.quantity,
         unit=problem.unit,
         said=_said(problem, baseline.run, cases, failing),
@@ -130,6 +130,11 @@ def _tolerance(problem: Problem, evidence: Evidence, before: BaselineCase, there
     now = difference(evidence.validation.nominal if there is None else there.validation)
     floor = FLOOR * max(abs(problem.threshold), abs(nominal or 0.0))
     return max(before.difference, now, spread, problem.campaign.regression.tolerance, floor)
+
+
+def _all_known(violating: list[FindingChange]) -> bool:
+    """A verdict may be violated although no finding violates: such a violation nobody has compared."""
+    return bool(violating) and not any(case.newly_violating for case in violating)
 
 
 def _fails(policy: Policy, case: FindingChange) -> bool:

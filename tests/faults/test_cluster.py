@@ -30,6 +30,7 @@ from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, ev
 from worker.systems.simulators.cluster.pool import DaskPool
 from worker.systems.simulators.command import CommandSimulator
 from worker.systems.simulators.slots.outcome import Request
+from worker.systems.simulators.slots.pool import NEVER
 
 OPENING = Opening({"simulator.x": 0.5, "simulator.y": 0.5}, "separation")
 
@@ -131,7 +132,9 @@ def test_whatever_a_simulator_does_has_the_same_status_and_sentence(
         simulator = CommandSimulator(read(tmp_path), Opening({"simulator.do": 0.0}, "d"))
         batch, reasons = simulator.evaluate(points)
         simulator.close()
-        found.append((batch.status.tolist(), batch.costs.tobytes(), reasons))
+        # Whether a node's slots had answered anything before the one that hangs is a matter of their order.
+        said = {i: reason.replace(NEVER, "") for i, reason in reasons.items()}
+        found.append((batch.status.tolist(), batch.costs.tobytes(), said))
     assert found[0] == found[1]
     assert found[0][0] == [OK, FAILED, TIMEOUT, *[FAILED] * 7, OK]
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import viser
+from viser._messages import ViewerCameraMessage
 
 from backend.scenes.base.address import Camera
 from backend.scenes.base.part import Part
@@ -144,7 +145,8 @@ class Following(Part):
         return found
 
     def _connected(self, client: viser.ClientHandle) -> None:
-        client.camera.on_update(self._seen)
+        connection: Any = client._websock_connection
+        connection.register_handler(ViewerCameraMessage, self._seen)
         self._fit(client.camera)
         with self._lock:
             if client.client_id in self._sent:  # the client list already contains the browser here
@@ -152,13 +154,13 @@ class Following(Part):
             self._due, self._next = self.camera is not None or self._place is not None, 0.0
         self._wake()
 
-    async def _seen(self, camera: viser.CameraHandle) -> None:
+    def _seen(self, _: int, said: ViewerCameraMessage) -> None:
         """Handle a camera movement reported by the browser, sent or by the visitor.
 
-        Runs on viser's event loop, where the handle still has the reported values: a callback in a thread would read
-        values that were sent in the meantime.
+        The message itself: viser's handle of the camera also takes on what is sent, which `work`, in another thread,
+        may do before the handle is read. The browser would seem to have come to where it was only sent.
         """
-        eye, target = np.array(camera.position), np.array(camera.look_at)
+        eye, target = np.array(said.position), np.array(said.look_at)
         near = OWN * float(np.linalg.norm(eye - target))
         with self._lock:
             if self._told and float(np.linalg.norm(eye - self._told[-1])) <= near:
@@ -172,14 +174,14 @@ class Following(Part):
             elif self._heard:
                 self._place = None
             self._at = eye, target
-            self._fit(camera)
+            self._fit(said)
             if self.camera is None:
                 self._wake()
             # Until the browser confirms the new position, it reports the old one.
 
-    def _fit(self, camera: viser.CameraHandle) -> None:
-        self._aspect = min(max(camera.aspect, NARROWEST), WIDEST)
-        size = (float(camera.image_width), float(camera.image_height))
+    def _fit(self, shown: viser.CameraHandle | ViewerCameraMessage) -> None:
+        size = (float(shown.image_width), float(shown.image_height))
         if size != self._size and min(size) > 0.0:  # a frame that is not shown yet has no size
             self._size = size
+            self._aspect = min(max(size[0] / size[1], NARROWEST), WIDEST)
             self._wake()

@@ -17,7 +17,7 @@ from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from tests.e2e.browser import Visit, visiting
+from tests.e2e.browser import Visit, nightly_but, visiting
 from tests.e2e.stored import VIEW, served
 from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import REPOSITORY
@@ -52,6 +52,8 @@ PAGES = {
     "api": ("/docs", "#list_runs"),
 }
 """Each with its address and what is seen once it is there."""
+BY_DAY = ("runs", "run", "launch", "compare", "help-components")
+"""One of each kind; the others are tested nightly."""
 PARTS = {
     "help-components": ["vehicle-unicycle", "avoider-potential_field"],
     "api": ["list_runs", "get_run", "submit_run"],
@@ -157,7 +159,7 @@ def test_the_empty_list_is_accessible(visit: Visit) -> None:
     clean(visit.page)
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", nightly_but(BY_DAY, PAGES))
 def test_the_page_is_accessible(visit: Visit, filled: Service, name: str) -> None:
     seen(visit, *PAGES[name], load=False)
     if name in PARTS:
@@ -168,6 +170,7 @@ def test_the_page_is_accessible(visit: Visit, filled: Service, name: str) -> Non
         visit.page.goto("about:blank")  # the application fails where its own elements are gone
 
 
+@pytest.mark.nightly
 def test_the_page_of_an_unknown_address_is_accessible(visit: Visit, filled: Service) -> None:
     seen(visit, "/no/such/page", "main")
     clean(visit.page)
@@ -201,6 +204,7 @@ def test_what_opens_over_a_page_is_accessible(visit: Visit, filled: Service) -> 
     clean(page)  # with the page behind it, which is out of reach
 
 
+@pytest.mark.nightly
 def test_a_refused_entry_is_accessible(visit: Visit, filled: Service) -> None:
     seen(visit, *PAGES["launch"])
     visit.page.get_by_label("Mass, low").fill("-3")

@@ -360,6 +360,7 @@ def test_the_api_page_describes_and_tries_the_api(signed_in: Visit) -> None:
     looks(signed_in, "api")
 
 
+@pytest.mark.nightly
 def test_ten_thousand_runs_scroll(signed_in: Visit, stored: Service) -> None:
     page = signed_in.page
     with stored.engine.begin() as writer:

@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import Browser, ViewportSize, expect
 
 from tests.api.server import Service
-from tests.e2e.browser import PATIENCE, Visit, draws, visiting
+from tests.e2e.browser import PATIENCE, Visit, draws, nightly_but, visiting
 from tests.e2e.flown import BASINS, CANCELLED, CLEARED, CRITERIA, INTRUDER
 from tests.e2e.stored import VIEW
 from tests.faults.processes import until
@@ -45,6 +45,8 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "api": ("/docs", ["#list_runs"]),
 }
 """Each with its address and what is drawn once it is scrolled to."""
+BY_DAY = ("runs", "run", "launch", "compare", "first-campaign")
+"""One of each kind; the others are tested nightly."""
 GUIDES = (
     "first-campaign",
     "your-own-component",
@@ -143,7 +145,7 @@ def test_every_main_page_is_one_tap_away(visit: Visit) -> None:
         assert box["height"] >= 32
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", nightly_but(BY_DAY, PAGES))
 def test_the_page_fits(visit: Visit, name: str) -> None:
     fits(visit, *PAGES[name])
 
@@ -153,7 +155,7 @@ def test_the_page_of_an_unknown_address_fits(visit: Visit) -> None:
     drawn(visit, ["text=Page not found"])
 
 
-@pytest.mark.parametrize("name", GUIDES)
+@pytest.mark.parametrize("name", nightly_but(BY_DAY, GUIDES))
 def test_the_guide_fits(visit: Visit, name: str) -> None:
     fits(visit, f"/help/guides/{name}", ["main h1"])
 

@@ -113,6 +113,7 @@ def sided(side: Locator) -> bool:
     return side.get_attribute("aria-pressed") == "true"
 
 
+@pytest.mark.nightly
 def test_page_and_view_agree_and_a_lost_view_is_restored(recorded: Service, browser: Browser) -> None:
     with visiting(browser, recorded.url, views=False) as visit:
         page = visit.page

@@ -47,6 +47,8 @@ def signed_in(service: Service, browser: Browser) -> Iterator[Visit]:
 def drawing(signed_in: Visit, browser: Browser) -> Iterator[Visit]:
     """The same session, where 3D views are drawn."""
     with visiting(browser, signed_in.address) as visit:
+        if not pictured():  # drawing takes processor time for each of its pixels
+            visit.page.set_viewport_size({"width": 800, "height": 600})
         visit.page.context.add_cookies(signed_in.page.context.cookies())  # type: ignore[arg-type]
         yield visit
 

@@ -1,7 +1,9 @@
 """Simulations with the compiled reference integrator against SciPy's DOP853 in plain Python.
 
-Where the loop switches nowhere, or at instants that are known, the two agree within SMOOTH of d_min: both keep 1e-9 a
-step. Where it slides along a switch neither has an order: from there on both keep 1e-4 a step and agree within SLIDING.
+Where the loop switches nowhere, or at instants that are known, the two agree within SMOOTH of d_min over seconds: both
+keep 1e-9 a step. Over whole simulations what is left of that grows to WHOLE; with 1e-11 a step it shrinks a
+thousandfold (pioneer_latency: from 9e-7 to 1e-9 m). Where the loop slides along a switch neither has an order: from
+there on both keep 1e-4 a step and agree within SLIDING.
 """
 
 from __future__ import annotations
@@ -22,6 +24,8 @@ from tests.unit.cases import campaign
 from worker.reference import Flight, Reference, compiled, flight, stepper
 
 SMOOTH, SLIDING = 1e-8, 1e-3
+WHOLE = 1e-5
+"""[m]"""
 
 # Together: both dimensions, guidance continuous and sampled, with memory, noise that jumps, an obstacle with states.
 SOME = {
@@ -31,7 +35,7 @@ SOME = {
 }
 
 
-def agree(problem: Problem, vector: Any) -> None:
+def agree(problem: Problem, vector: Any, floor: float = 0.0) -> None:
     ours, theirs = (
         Reference(problem.system).simulate(vector),
         Reference(problem.system, compiled=False).simulate(vector),
@@ -41,7 +45,7 @@ def agree(problem: Problem, vector: Any) -> None:
         return
     sliding = bool(ours.reason or theirs.reason)
     assert bool(ours.reason) == bool(theirs.reason)
-    assert ours.cost == pytest.approx(theirs.cost, rel=SLIDING if sliding else SMOOTH)
+    assert ours.cost == pytest.approx(theirs.cost, rel=SLIDING if sliding else SMOOTH, abs=floor)
 
 
 @pytest.mark.parametrize("name", SOME)
@@ -57,7 +61,7 @@ def test_compiled_and_plain_agree_on_the_library(name: str) -> None:
     problem = Problem(load_file(library()[name]))
     points = np.random.default_rng(1).random((3, problem.dimension))
     for vector in [problem.system.nominal, *problem.vectors(points)]:
-        agree(problem, vector)
+        agree(problem, vector, WHOLE)
 
 
 @pytest.fixture(scope="module")

@@ -38,7 +38,8 @@ from worker.reference.stepper import (
 )
 
 RELATIVE = ABSOLUTE = 1e-9
-"""Tolerances of a step. Measured on three aircraft campaigns: d_min is within 1.5e-6 m of its value at 1e-13."""
+"""Tolerances of a step. Measured on three aircraft campaigns: d_min is within 1.5e-6 m of its value at 1e-13; with
+measurements that drop out at random instants it was 4e-6 m from that of SciPy's integrator with the same tolerances."""
 
 COARSE = 1e-4
 """Both tolerances once the fine ones make no progress, as in a loop that chatters along a switching surface."""

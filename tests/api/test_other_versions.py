@@ -41,6 +41,8 @@ SAID = {
     "columns": "traces/F1",
 }
 """What answers with it, and so has to say that it cannot."""
+LIKE_THE_VALIDATION = ("slices", "boundary", "closest", "found")
+"""Of a finding and read with it, as its validation is: at night."""
 
 
 def of_a_run(client: httpx.Client) -> list[str]:
@@ -72,7 +74,9 @@ def run(still: Service, guest: httpx.Client) -> str:
     return run
 
 
-@pytest.mark.parametrize("what", STORED)
+@pytest.mark.parametrize(
+    "what", [pytest.param(w, marks=[pytest.mark.nightly] * (w in LIKE_THE_VALIDATION)) for w in STORED]
+)
 def test_it_is_reported_as_of_another_version(
     what: str, still: Service, guest: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

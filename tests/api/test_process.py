@@ -47,7 +47,7 @@ def started(data: Path, **settings: str) -> Iterator[subprocess.Popen[str]]:
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.nightly)])
 def test_it_migrates_prints_a_link_serves_and_ends_before_its_streams_do(tmp_path: Path, number: int) -> None:
-    """And nothing that it stores can be read by others, or signs anybody in: also where an earlier version left it so."""
+    """And nothing that it stores can be read by others or signs anybody in, whatever an earlier version left there."""
     data = tmp_path / "data"
     (data / "logs").mkdir(parents=True)
     for name in ("login-link", "logs/backend.log", "clearance.sqlite3"):
@@ -84,7 +84,7 @@ def private(data: Path, code: str) -> None:
     assert {path: mode for path, mode in modes.items() if mode & 0o077} == {}
 
 
-@pytest.mark.nightly  # by day tests/faults/test_serve.py: no file of `clearance serve` has a link, its backend.log neither
+@pytest.mark.nightly  # by day tests/faults/test_serve.py: no file of `clearance serve` has a link, nor has its log
 def test_a_link_is_printed_only_where_it_is_wanted(tmp_path: Path) -> None:
     with started(tmp_path / "new", CLEARANCE_PRINT_LINK="false") as process:
         address = tmp_path / "new" / "service-address"

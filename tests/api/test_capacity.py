@@ -54,6 +54,11 @@ class Asked:
         return int(head.split(" ", 2)[1]), head.lower()
 
 
+def at_night(*values: object) -> Any:
+    """A parameter for `make nightly`."""
+    return pytest.param(*values, marks=pytest.mark.nightly)
+
+
 @pytest.fixture
 def go() -> Iterator[threading.Event]:
     event = threading.Event()
@@ -95,13 +100,14 @@ def answers_at_once(service: Service, client: httpx.Client) -> None:
 @pytest.mark.parametrize(
     ("path", "kind", "module", "name", "instead"),
     [
+        # One of each kind by day, and the export that is streamed.
         ("/api/v1/runs/R-0001/report.pdf", "pdf", pdf, "printed", b"%PDF"),
         ("/api/v1/runs/R-0001/report.html", "files", reports, "report_html", None),
-        ("/api/v1/runs/R-0001/exports/findings.csv", "files", exports, "findings_csv", None),
-        ("/api/v1/runs/R-0001/exports/traces.mat", "files", exports, "traces_mat", None),
-        ("/api/v1/runs/R-0001/exports/run.json", "files", exports, "run_json", None),
+        at_night("/api/v1/runs/R-0001/exports/findings.csv", "files", exports, "findings_csv", None),
+        at_night("/api/v1/runs/R-0001/exports/traces.mat", "files", exports, "traces_mat", None),
+        at_night("/api/v1/runs/R-0001/exports/run.json", "files", exports, "run_json", None),
         ("/api/v1/runs/R-0001/exports/evaluations.csv", "files", exports, "evaluations_csv", None),
-        ("/api/v1/runs/R-0001/exports/flight-F1.html", "recordings", recordings, "record", None),
+        at_night("/api/v1/runs/R-0001/exports/flight-F1.html", "recordings", recordings, "record", None),
         ("/view/R-0001/F1/recorded/", "recordings", recordings, "record", None),
     ],
 )

@@ -22,7 +22,7 @@ from tests.api.catalogue import CATALOGUE
 from tests.api.versions import CODE
 
 
-def until(condition: Callable[[], Any], seconds: float = 10.0) -> Any:
+def until(condition: Callable[[], Any], seconds: float = 30.0) -> Any:
     """Wait for a condition, and fail when it does not come true in time; returns its value."""
     deadline = time.monotonic() + seconds
     while not (value := condition()):
@@ -74,7 +74,7 @@ class Service:
 
     def stop(self) -> None:
         self.server.should_exit = True
-        self._thread.join(10)
+        self._thread.join(30)
         assert not self._thread.is_alive()
 
     def publish(self, document: dict[str, Any] | None = None) -> None:

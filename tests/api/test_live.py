@@ -36,7 +36,7 @@ for line in sys.stdin:
 
 @pytest.fixture
 def live() -> Iterator[Live]:
-    live = Live((sys.executable, "-c", STAND_IN), limit=0.5, first_limit=5.0)
+    live = Live((sys.executable, "-c", STAND_IN), limit=2.0, first_limit=30.0)
     yield live
     live.close()
 

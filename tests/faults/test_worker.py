@@ -263,7 +263,8 @@ def test_a_worker_frozen_beyond_its_lease_can_write_nothing(bench: Bench, tmp_pa
         own.half_flown(run_id)
         holder, other = (frozen, "second") if own.run(run_id).worker == "frozen" else (second, "frozen")
         family = holder.family()
-        kill(*family, number=signal.SIGSTOP)
+        with own.engine.begin():  # meanwhile nobody else writes: one frozen in a transaction would hold its lock
+            kill(*family, number=signal.SIGSTOP)
         ended = own.ended(run_id)
         assert (ended.state, ended.worker, ended.fence) == ("done", other, 2)
         kill(*family, number=signal.SIGCONT)

@@ -7,10 +7,12 @@ source tools/beside.sh
 
 # At the lowest priority they get what pytest leaves, which waits for other processes a third of its time.
 checks() {
-    nice -n 19 "$VENV/bin/mypy"
+    local failed=0
+    nice -n 19 "$VENV/bin/mypy" || failed=1
     cd frontend
-    nice -n 19 node_modules/.bin/eslint .
-    nice -n 19 node_modules/.bin/vitest run
+    nice -n 19 node_modules/.bin/eslint . || failed=1
+    nice -n 19 node_modules/.bin/vitest run || failed=1
+    return "$failed"
 }
 
 say "== ruff"

@@ -65,5 +65,14 @@ export default defineConfig({
       ['/api', '/login', '/view'].map((path) => [path, { target: service, ws: true }]),
     ),
   },
-  test: { environment: 'node', include: ['src/**/*.test.{ts,tsx}'] },
+  test: {
+    environment: 'node',
+    include: ['src/**/*.test.{ts,tsx}'],
+    // Modules are loaded once for all files, in half the processor time: a test that stubs a global puts it back.
+    pool: 'threads',
+    isolate: false,
+    // Only to end what hangs: the machine may be busy.
+    testTimeout: 60_000,
+    hookTimeout: 60_000,
+  },
 })

@@ -11,14 +11,19 @@ from xdist.scheduler import LoadFileScheduling
 LONG = (
     "contract/test_compiled.py",
     "/e2e/",
+    "adversary/",
+    "physics/test_uav_cases.py",
     "contract/test_methods.py",
     "faults/test_kill.py",
-    "physics/test_uav_cases.py",
+    "faults/test_serve.py",
+    "faults/test_worker.py",
+    "api/test_simulators.py",
+    "physics/test_reproduce.py",
+    "physics/test_realisations.py",
+    "faults/test_code.py",
+    "faults/test_cluster.py",
     "physics/test_criteria.py",
     "physics/test_step_adequacy.py",
-    "physics/test_faults.py",
-    "physics/test_realisations.py",
-    "faults/test_serve.py",
 )
 """The browser beside compilations, which it disturbs less than another browser."""
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-from functools import cache
 from typing import Any
 
 from campaigns import Catalogue
+from worker.catalogue import installed
 
 
 def parameter(name: str, unit: str = "", low: float = -1e3, high: float = 1e3, default: float | None = 0.0) -> Any:
@@ -93,14 +90,8 @@ CATALOGUE = Catalogue.model_validate(
 
 
 def published_by_workers() -> dict[str, Any]:
-    """The catalogue of the installed components, from a separate process as in a worker."""
-    return dict(json.loads(_printed()))
-
-
-@cache
-def _printed() -> str:
-    program = "from worker.catalogue.installed import catalogue; print(catalogue().model_dump_json())"
-    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    """The catalogue of the installed components, as a worker publishes it."""
+    return dict(installed.catalogue().model_dump(mode="json"))
 
 
 def campaign(**changes: Any) -> dict[str, Any]:

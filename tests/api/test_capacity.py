@@ -36,7 +36,7 @@ class Asked:
     def __init__(
         self, service: Service, client: httpx.Client, path: str, method: str = "GET", more: str = "", body: str = ""
     ) -> None:
-        self._socket = socket.create_connection(("127.0.0.1", service.port), timeout=20)
+        self._socket = socket.create_connection(("127.0.0.1", service.port), timeout=60)
         cookie = f"{service.settings.cookie}={client.cookies[service.settings.cookie]}"
         head = f"{method} {path} HTTP/1.1\r\nHost: x\r\nCookie: {cookie}\r\n{more}Connection: close\r\n\r\n"
         self._socket.sendall((head + body).encode())
@@ -52,6 +52,11 @@ class Asked:
         self._socket.close()
         head = received.partition(b"\r\n\r\n")[0].decode()
         return int(head.split(" ", 2)[1]), head.lower()
+
+
+def at_night(*values: object) -> Any:
+    """A parameter for `make nightly`."""
+    return pytest.param(*values, marks=pytest.mark.nightly)
 
 
 @pytest.fixture
@@ -73,7 +78,7 @@ def hold(monkeypatch: pytest.MonkeyPatch, go: threading.Event, module: ModuleTyp
     one = threading.Lock()
 
     def held(*given: Any, **named: Any) -> Any:
-        assert go.wait(20)
+        assert go.wait(60)
         with one:
             if not done:
                 made = real(*given, **named)
@@ -86,22 +91,23 @@ def hold(monkeypatch: pytest.MonkeyPatch, go: threading.Event, module: ModuleTyp
 def answers_at_once(service: Service, client: httpx.Client) -> None:
     """Health, the guard and what needs no shared thread."""
     with service.visitor() as stranger:
-        stranger.timeout = httpx.Timeout(5.0)
+        stranger.timeout = httpx.Timeout(20.0)
         assert stranger.get("/api/v1/health").json() == {"status": "ok"}
         problem(stranger.get("/api/v1/runs"), 401)
-    assert client.get("/api/v1/session", timeout=5.0).status_code == 200
+    assert client.get("/api/v1/session", timeout=20.0).status_code == 200
 
 
 @pytest.mark.parametrize(
     ("path", "kind", "module", "name", "instead"),
     [
+        # One of each kind by day, and the export that is streamed.
         ("/api/v1/runs/R-0001/report.pdf", "pdf", pdf, "printed", b"%PDF"),
         ("/api/v1/runs/R-0001/report.html", "files", reports, "report_html", None),
-        ("/api/v1/runs/R-0001/exports/findings.csv", "files", exports, "findings_csv", None),
-        ("/api/v1/runs/R-0001/exports/traces.mat", "files", exports, "traces_mat", None),
-        ("/api/v1/runs/R-0001/exports/run.json", "files", exports, "run_json", None),
+        at_night("/api/v1/runs/R-0001/exports/findings.csv", "files", exports, "findings_csv", None),
+        at_night("/api/v1/runs/R-0001/exports/traces.mat", "files", exports, "traces_mat", None),
+        at_night("/api/v1/runs/R-0001/exports/run.json", "files", exports, "run_json", None),
         ("/api/v1/runs/R-0001/exports/evaluations.csv", "files", exports, "evaluations_csv", None),
-        ("/api/v1/runs/R-0001/exports/flight-F1.html", "recordings", recordings, "record", None),
+        at_night("/api/v1/runs/R-0001/exports/flight-F1.html", "recordings", recordings, "record", None),
         ("/view/R-0001/F1/recorded/", "recordings", recordings, "record", None),
     ],
 )
@@ -126,7 +132,7 @@ def test_long_work_is_bounded_and_the_rest_is_answered(
     most = capacity.at_once + 2
     until(lambda: (capacity.inside, answered(asked)) == (most, MANY - most))
     answers_at_once(service, client)
-    assert client.get("/api/v1/runs", timeout=5.0).status_code == 200, "the shared threads are free"
+    assert client.get("/api/v1/runs", timeout=20.0).status_code == 200, "the shared threads are free"
     go.set()
     answers = [one.answer() for one in asked]
     statuses = [status for status, _ in answers]
@@ -147,7 +153,7 @@ def test_checks_of_campaigns_are_bounded(
     most = bodies.READERS + bodies.WAITING
     until(lambda: (service.app.state.readers.inside, answered(asked)) == (most, MANY - most))
     answers_at_once(service, client)
-    assert client.get("/api/v1/runs", timeout=5.0).status_code == 200
+    assert client.get("/api/v1/runs", timeout=20.0).status_code == 200
     go.set()
     assert [one.answer()[0] for one in asked].count(503) == MANY - most
 
@@ -176,7 +182,7 @@ def test_health_and_the_guard_answer_when_every_shared_thread_is_busy(
 
     def held(*given: Any, **named: Any) -> Any:
         begun.append(1)
-        assert go.wait(20)
+        assert go.wait(60)
         return real(*given, **named)
 
     monkeypatch.setattr(listing, "summaries", held)
@@ -214,7 +220,7 @@ def test_nothing_is_made_for_a_client_that_has_gone(
 
     def held(*given: Any) -> Any:
         begun.append(1)
-        assert go.wait(20)
+        assert go.wait(60)
         return real(*given)
 
     monkeypatch.setattr(reports, "report_html", held)

@@ -38,7 +38,10 @@ def steps() -> dict[str, tuple[str, dict[str, str]]]:
     return {"github": (submit["run"], given), "gitlab": (script, GITLAB["clearance"]["variables"])}
 
 
-@pytest.mark.parametrize(("template", "summary"), [("github", "step.md"), ("gitlab", "clearance/summary.md")])
+@pytest.mark.parametrize(
+    ("template", "summary"),
+    [("github", "step.md"), pytest.param("gitlab", "clearance/summary.md", marks=pytest.mark.nightly)],
+)
 def test_the_commands_of_a_template_run(service: Service, tmp_path: Path, template: str, summary: str) -> None:
     script, given = steps()[template]
     folder, shim = tmp_path / "checkout", tmp_path / "bin" / "clearance"

@@ -64,8 +64,8 @@ def test_a_migration_that_fails_leaves_nothing(engine: sa.Engine, monkeypatch: p
         assert sa.inspect(connection).get_table_names() == ["tokens"]
 
 
-def test_three_processes_on_a_fresh_file_all_succeed(engine: sa.Engine, tmp_path: Path) -> None:
+def test_two_processes_on_a_fresh_file_both_succeed(engine: sa.Engine, tmp_path: Path) -> None:
     program = "import sys; from backend.db.engine import migrate; migrate(sys.argv[1])"
-    started = [subprocess.Popen([sys.executable, "-c", program, default_url(tmp_path)]) for _ in range(3)]
-    assert [process.wait(60) for process in started] == [0, 0, 0]
+    started = [subprocess.Popen([sys.executable, "-c", program, default_url(tmp_path)]) for _ in range(2)]
+    assert [process.wait(60) for process in started] == [0, 0]
     assert difference(engine) == []

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import httpx
 import pytest
@@ -14,6 +12,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Finding, Run, Stage, Trace
 from backend.scenes.recordings import recording
 from tests.api.answers import problem
+from tests.api.changing import changed
 from tests.api.finished import finish
 from tests.api.server import Service
 from tests.api.submitting import submit
@@ -41,27 +40,14 @@ SAID = {
     "columns": "traces/F1",
 }
 """What answers with it, and so has to say that it cannot."""
+LIKE_THE_VALIDATION = ("slices", "boundary", "closest", "found")
+"""Of a finding and read with it, as its validation is: at night."""
 
 
 def of_a_run(client: httpx.Client) -> list[str]:
     document = client.get("/api/v1/openapi.json").json()
     paths = [path for path, methods in document["paths"].items() if "/runs/{run}" in path and "get" in methods]
     return [path for path in paths if not path.endswith(("events", "report.pdf"))]
-
-
-@contextmanager
-def changed(engine: sa.Engine, change: sa.Update) -> Iterator[None]:
-    """The change of a table, which is undone at the end."""
-    table = change.table
-    assert isinstance(table, sa.Table)
-    with engine.begin() as connection:
-        before = connection.execute(table.select()).mappings().all()
-        assert connection.execute(change).rowcount > 0
-    yield
-    with engine.begin() as connection:
-        for row in before:
-            same = sa.and_(*(column == row[column] for column in table.primary_key))
-            connection.execute(table.update().where(same).values(dict(row)))
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +58,9 @@ def run(still: Service, guest: httpx.Client) -> str:
     return run
 
 
-@pytest.mark.parametrize("what", STORED)
+@pytest.mark.parametrize(
+    "what", [pytest.param(w, marks=[pytest.mark.nightly] * (w in LIKE_THE_VALIDATION)) for w in STORED]
+)
 def test_it_is_reported_as_of_another_version(
     what: str, still: Service, guest: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -47,13 +47,21 @@ def started(data: Path, **settings: str) -> Iterator[subprocess.Popen[str]]:
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.nightly)])
 def test_it_migrates_prints_a_link_serves_and_ends_before_its_streams_do(tmp_path: Path, number: int) -> None:
-    with started(tmp_path / "new") as process:
+    """And nothing that it stores can be read by others or signs anybody in, whatever an earlier version left there."""
+    data = tmp_path / "data"
+    (data / "logs").mkdir(parents=True)
+    for name in ("login-link", "logs/backend.log", "clearance.sqlite3"):
+        (data / name).touch()
+    for path in (data, *data.rglob("*")):
+        path.chmod(path.stat().st_mode | 0o055)
+    with started(data) as process:
         assert process.stdout is not None
         line = process.stdout.readline()
         assert line.startswith("Open http://127.0.0.1:")
         link = line.removeprefix("Open ").strip()
         base = link.partition("/login")[0]
-        assert (tmp_path / "new" / "service-address").read_text().strip() == base
+        assert (data / "service-address").read_text().strip() == base
+        private(data, link.partition("code=")[2])
         with httpx.Client(base_url=base, trust_env=False, timeout=20) as client:
             assert client.get(link).status_code == 303
             assert client.get("/api/v1/runs").json()["items"] == []
@@ -65,25 +73,18 @@ def test_it_migrates_prints_a_link_serves_and_ends_before_its_streams_do(tmp_pat
         assert (out, err) == ("", "")
 
 
-def test_nothing_that_it_stores_can_be_read_by_others_or_signs_anybody_in(tmp_path: Path) -> None:
-    data = tmp_path / "data"
-    (data / "logs").mkdir(parents=True)
-    for name in ("login-link", "logs/backend.log", "clearance.sqlite3"):
-        (data / name).touch()
-    for path in (data, *data.rglob("*")):
-        path.chmod(path.stat().st_mode | 0o055)
-    with started(data) as process:
-        assert process.stdout is not None
-        code = process.stdout.readline().strip().partition("code=")[2]
-        assert len(code) > 40
-        stored = [path for path in data.rglob("*") if path.is_file()]
-        assert len(stored) >= 3
-        assert not any(code.encode() in path.read_bytes() for path in stored)
-        assert not (data / "login-link").exists()
-        modes = {path.relative_to(data): stat.S_IMODE(path.stat().st_mode) for path in (data, *data.rglob("*"))}
-        assert {path: mode for path, mode in modes.items() if mode & 0o077} == {}
+def private(data: Path, code: str) -> None:
+    """The folder of a running service has no login link in it, and nothing that others may read."""
+    assert len(code) > 40
+    stored = [path for path in data.rglob("*") if path.is_file()]
+    assert len(stored) >= 3
+    assert not any(code.encode() in path.read_bytes() for path in stored)
+    assert not (data / "login-link").exists()
+    modes = {path.relative_to(data): stat.S_IMODE(path.stat().st_mode) for path in (data, *data.rglob("*"))}
+    assert {path: mode for path, mode in modes.items() if mode & 0o077} == {}
 
 
+@pytest.mark.nightly  # by day tests/faults/test_serve.py: no file of `clearance serve` has a link, nor has its log
 def test_a_link_is_printed_only_where_it_is_wanted(tmp_path: Path) -> None:
     with started(tmp_path / "new", CLEARANCE_PRINT_LINK="false") as process:
         address = tmp_path / "new" / "service-address"

@@ -19,6 +19,7 @@ from backend.scenes.base import setting
 from backend.scenes.base.declared import axes_in, values
 from backend.scenes.base.flight import Flight, from_live
 from backend.scenes.drawing.drawn import dots_of
+from backend.scenes.recordings import recording as recorder
 from backend.scenes.recordings.recording import Cast, record
 from campaigns.results.scene import Scene
 from tests.api.answers import problem
@@ -28,6 +29,13 @@ from tests.api.listening import listening
 from tests.api.server import Service, until
 from tests.api.shipped import shipped
 from tests.api.submitting import submit
+
+
+@pytest.fixture(autouse=True)
+def frames(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two a second where nothing is said of their number, which is most of the time that a recording takes."""
+    if "bare" not in request.fixturenames:
+        monkeypatch.setattr(recorder, "RATE", 2.0)
 
 
 @pytest.fixture(scope="module")
@@ -71,8 +79,12 @@ def of(recording: dict[str, Any], kind: str, name: str) -> list[tuple[float, dic
     return [(time, m) for time, m in recording["messages"] if m["type"] == kind and m.get("name") == name]
 
 
-def test_the_file_plays_the_stored_flights_in_their_own_time(client: httpx.Client, run: str) -> None:
-    answer = client.get(f"/api/v1/runs/{run}/exports/flight-F1.html")
+def test_the_file_plays_the_stored_flights_in_their_own_time(bare: Service) -> None:
+    bare.publish()
+    with bare.signed_in() as client:
+        run = submit(client)
+        finish(bare)
+        answer = client.get(f"/api/v1/runs/{run}/exports/flight-F1.html")
     assert answer.headers["content-type"].startswith("text/html")
     named = 'attachment; filename="R-0001-unicycle-past-a-pillar-flight-F1.html"'
     assert answer.headers["content-disposition"] == named
@@ -108,8 +120,9 @@ def test_intruders_and_heights_are_played(bare: Service) -> None:
         assert message["position"] == pytest.approx((60, 500 - 20 * time, 30 + time), abs=1e-9)
 
 
-def test_a_case_of_a_simulator_plays_what_its_trace_declares(bare: Service) -> None:
+def test_a_case_of_a_simulator_plays_what_its_trace_declares(bare: Service, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is claimed that the trace does not have: no separation over time, no closest approach."""
+    monkeypatch.setattr(recorder, "RATE", 2.0)
     with bare.signed_in() as client:
         run = declared(bare, client, lambda name: trace(name, speed=1.0 if name == "nominal" else 0.5))
         (offered,) = [f for f in client.get(f"/api/v1/runs/{run}/exports").json() if "/flight-" in f["href"]]

@@ -1,13 +1,12 @@
-"""A simulator of an installed package through the command line and a whole service, in separate processes."""
+"""A simulator of an installed package through the command line and a whole service, which is in other processes."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
-import os
-import subprocess
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +15,10 @@ import pytest
 import websockets
 from websockets.sync.client import connect
 
-from backend.reports import pdf
 from tests.api.viewing import PROTOCOL
-from tests.faults.processes import CLEARANCE, REPOSITORY
 from tests.faults.serving import serving
 from tests.simulators import package
+from worker.catalogue.installed import forget_simulators
 from worker.cli import invoke
 
 pytestmark = pytest.mark.timeout(300)
@@ -31,11 +29,7 @@ CLEARED = pytest.param(2.0, "cleared", 0, marks=pytest.mark.nightly)
 VERSIONS = ("integrator", "DOP853", "half the step", "horizon", "flight", "closest approach")
 
 
-def clearance(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    env = {**os.environ, "PYTHONPATH": package.path(folder)}
-    return subprocess.run(
-        [*CLEARANCE, *arguments], cwd=REPOSITORY, env=env, capture_output=True, text=True, check=False
-    )
+Command = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture(scope="module")
@@ -43,15 +37,33 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return package.install(tmp_path_factory.mktemp("package"))
 
 
+@pytest.fixture
+def clearance(
+    installed: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Iterator[Command]:
+    """The command line of an installation with the package, in this process: its exit code and output."""
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        capsys.readouterr()
+        return invoke(arguments), *capsys.readouterr()
+
+    monkeypatch.syspath_prepend(str(installed))
+    forget_simulators()
+    yield run
+    monkeypatch.undo()
+    sys.modules.pop("basins", None)
+    forget_simulators()
+
+
 @pytest.mark.parametrize(("threshold", "verdict", "code"), [(5.0, "violated", 1), CLEARED])
 def test_the_command_line_runs_it_to_a_verdict(
-    installed: Path, tmp_path: Path, threshold: float, verdict: str, code: int
+    clearance: Command, tmp_path: Path, threshold: float, verdict: str, code: int
 ) -> None:
     file, out = tmp_path / "basins.json", tmp_path / "out"
     file.write_text(json.dumps(package.campaign(threshold)), encoding="utf-8")
-    done = clearance(installed, "run", str(file), "--json", "--out", str(out))
-    assert done.returncode == code, done.stderr
-    found: dict[str, Any] = json.loads(done.stdout)
+    ended, shown, errors = clearance("run", str(file), "--json", "--out", str(out))
+    assert ended == code, errors
+    found: dict[str, Any] = json.loads(shown)
     assert found["verdict"] == verdict
     places = [(f["parameters"]["simulator.x"], f["parameters"]["simulator.y"]) for f in found["findings"]]
     assert places == [pytest.approx((0.2, 0.7), abs=0.01), pytest.approx((0.75, 0.25), abs=0.01)]
@@ -64,8 +76,7 @@ def test_the_command_line_runs_it_to_a_verdict(
     if verdict == "cleared":
         assert "Whether an encounter takes place was not checked." in found["reason"]
     if verdict == "violated":
-        audited = clearance(installed, "audit", str(out))
-        assert audited.returncode == 0, audited.stdout + audited.stderr
+        assert clearance("audit", str(out))[0] == 0
 
 
 def test_without_the_package_the_campaign_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -147,11 +158,11 @@ def test_an_unknown_simulator_is_refused(visit: Visit) -> None:
         ("replay", "All 2 agree."),
     ],
 )
-def test_the_stored_run_is_audited_and_replayed(visit: Visit, installed: Path, command: str, said: str) -> None:
+def test_the_stored_run_is_audited_and_replayed(visit: Visit, clearance: Command, command: str, said: str) -> None:
     _, run, data = visit
-    done = clearance(installed, command, run, "--data", str(data))
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert said in done.stdout
+    code, shown, errors = clearance(command, run, "--data", str(data))
+    assert code == 0, shown + errors
+    assert said in shown
 
 
 KEY = "0b6c1e0e-4f5a-4a3b-9d1c-2f8e7a6b5c4d"
@@ -180,7 +191,7 @@ class TestEveryRoute:
             if path in WITHOUT_A_TRACE:
                 assert answer.status_code == 404, path
                 assert WITHOUT_A_TRACE[path] in answer.json()["detail"], answer.text
-            elif not (path.endswith("report.pdf") and pdf.browser() is None):
+            elif not path.endswith("report.pdf"):  # report.html in print: tests/api/test_reports.py
                 assert answer.status_code == 200, f"{path}: {answer.text[:300]}"
 
     def test_findings_are_written_without_flights(self, visit: Visit) -> None:
@@ -248,16 +259,16 @@ class TestEveryRoute:
         assert client.post(f"/api/v1/runs/{other}/restore").status_code in (200, 204)
 
     def test_it_is_submitted_and_followed_from_the_command_line(
-        self, visit: Visit, installed: Path, tmp_path: Path
+        self, visit: Visit, clearance: Command, tmp_path: Path
     ) -> None:
         client, _, data = visit
         file, out = tmp_path / "basins.json", tmp_path / "out"
         file.write_text(json.dumps(package.campaign(2.0)), encoding="utf-8")
-        made = clearance(installed, "token", "create", "ci", "--data", str(data))
-        assert made.returncode == 0, made.stderr
-        (tmp_path / "token").write_text(made.stdout.split()[-1], encoding="utf-8")
+        code, shown, errors = clearance("token", "create", "ci", "--data", str(data))
+        assert code == 0, errors
+        (tmp_path / "token").write_text(shown.split()[-1], encoding="utf-8")
         service = ("--service", str(client.base_url), "--token-file", str(tmp_path / "token"))
-        done = clearance(installed, "submit", str(file), "--out", str(out), *service)
-        assert done.returncode == 0, done.stdout + done.stderr
-        assert done.stdout.splitlines()[0] == "Cleared"
+        code, shown, errors = clearance("submit", str(file), "--out", str(out), *service)
+        assert code == 0, shown + errors
+        assert shown.splitlines()[0] == "Cleared"
         assert (out / "findings.csv").read_text(encoding="utf-8").count("\n") == 4

@@ -53,7 +53,7 @@ def viewing(service: Service, client: httpx.Client, path: str, **changes: str | 
         yield connection
 
 
-def frames(connection: ClientConnection, seconds: float = 10.0) -> Iterator[bytes]:
+def frames(connection: ClientConnection, seconds: float = 30.0) -> Iterator[bytes]:
     """What arrives within the time, unpacked."""
     deadline = time.monotonic() + seconds
     while True:
@@ -63,7 +63,7 @@ def frames(connection: ClientConnection, seconds: float = 10.0) -> Iterator[byte
         yield zstandard.ZstdDecompressor().decompress(message[16 : 16 + packed])
 
 
-def frames_until(connection: ClientConnection, *wanted: bytes, seconds: float = 10.0) -> bytes:
+def frames_until(connection: ClientConnection, *wanted: bytes, seconds: float = 30.0) -> bytes:
     """Everything that arrives until all of these texts did."""
     received = b""
     for frame in frames(connection, seconds):

@@ -96,10 +96,24 @@ stage = Stage("corners", run)
 """
 
 
+ALL = """
+import sys
+from pathlib import Path
+from backend import openapi
+from worker.cli import invoke
+
+file, out, described = sys.argv[1:]
+assert invoke(["run", file, "--out", out]) == 1
+assert invoke(["audit", out]) == 0
+Path(described).write_text(openapi.text(), encoding="utf-8")
+"""
+"""In one process, which takes seconds to start."""
+
+
 def test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api(tmp_path: Path) -> None:
     source = tmp_path / "source"
     for folder in ("backend", "campaigns", "worker"):
-        shutil.copytree(REPOSITORY / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(REPOSITORY / folder, source / folder)
     (source / "campaigns" / "stages" / "corners.py").write_text(DECLARED, encoding="utf-8")
     (source / "worker" / "stages" / "corners.py").write_text(RUN, encoding="utf-8")
     file, out = tmp_path / "basins.json", tmp_path / "out"
@@ -107,16 +121,12 @@ def test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api(tmp
     installed = package.install(tmp_path / "package")
     environment = {**os.environ, "PYTHONPATH": f"{source}{os.pathsep}{installed}"}
 
-    def python(*arguments: str) -> str:
-        command = [sys.executable, *arguments]
-        done = subprocess.run(command, cwd=source, env=environment, capture_output=True, text=True, check=False)
-        assert done.stderr == ""
-        return done.stdout
-
-    python("-m", "worker.cli", "run", str(file), "--out", str(out))
+    command = [sys.executable, "-c", ALL, str(file), str(out), str(tmp_path / "openapi.json")]
+    done = subprocess.run(command, cwd=source, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
     stages = json.loads((out / "result.json").read_text(encoding="utf-8"))["stages"]
     assert [stage["kind"] for stage in stages[:4]] == ["nominal", "sensitivity", "corners", "search"]
     assert (stages[2]["evaluations"], stages[2]["best"]) == (4, pytest.approx(7.8, abs=0.1))
-    audited = python("-m", "worker.cli", "audit", str(out))
-    assert "agrees" in audited
-    assert "CornerResult" in json.loads(python("-m", "backend.openapi"))["components"]["schemas"]
+    assert "agrees" in done.stdout
+    described = json.loads((tmp_path / "openapi.json").read_text(encoding="utf-8"))
+    assert "CornerResult" in described["components"]["schemas"]

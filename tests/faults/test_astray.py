@@ -123,10 +123,10 @@ def test_an_answer_that_is_held_back_is_missed(tmp_path: Path) -> None:
 
 def test_one_that_has_answered_before_is_not_suspected_of_its_buffer(tmp_path: Path) -> None:
     once = "for line in sys.stdin:\n    '0.0' in line and print(answer(line), flush=True)"
-    with speaking(tmp_path, once, timeout=2.0) as pool:
+    with speaking(tmp_path, once, timeout=5.0) as pool:
         first, second = values(pool, 2)
     assert first.kind == "ok"
-    assert second.reason == "no answer within 2 s"
+    assert second.reason == "no answer within 5 s"
 
 
 def test_output_of_a_thread_between_answers_is_only_output(tmp_path: Path) -> None:

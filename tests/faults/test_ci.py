@@ -6,8 +6,6 @@ The branches differ in one gain of the avoider. In between the service is killed
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as Xml
@@ -16,7 +14,7 @@ import httpx
 import pytest
 
 from campaigns import library, load_file
-from tests.faults.processes import CLEARANCE, REPOSITORY, alive, kill, until
+from tests.faults.processes import alive, kill, until
 from tests.faults.serving import Service, serving
 from worker.cli import invoke
 
@@ -44,15 +42,19 @@ def write(folder: Path, branch: str, gain: float) -> Path:
 class Job:
     """What a CI job has: the service's address, a token, a folder for its files."""
 
-    def __init__(self, service: Service, folder: Path, token: str) -> None:
-        self.address, self.folder = service.link().partition("/login")[0], folder
-        self.environment = {**os.environ, "CLEARANCE_SERVICE": self.address, "CLEARANCE_TOKEN": token}
+    def __init__(self, service: Service, folder: Path, token: str, shown: pytest.CaptureFixture[str]) -> None:
+        self.address, self.folder, self._shown = service.link().partition("/login")[0], folder, shown
+        self.environment = {"CLEARANCE_SERVICE": self.address, "CLEARANCE_TOKEN": token}
 
-    def submit(self, file: Path, *options: str) -> subprocess.CompletedProcess[str]:
-        command = [*CLEARANCE, "submit", str(file), "--label", f"branch={file.stem}", *options]
-        return subprocess.run(
-            command, cwd=REPOSITORY, env=self.environment, capture_output=True, text=True, check=False, timeout=200
-        )
+    def submit(self, file: Path, *options: str) -> tuple[int, str]:
+        """Exit code and output of `clearance submit`, in this process: tests/api/test_ci_guide.py starts it."""
+        self._shown.readouterr()
+        with pytest.MonkeyPatch.context() as here:
+            for name, value in self.environment.items():
+                here.setenv(name, value)
+            code = invoke(["submit", str(file), "--label", f"branch={file.stem}", *options])
+        shown = self._shown.readouterr()
+        return code, shown.out + shown.err
 
     def runs(self) -> list[dict[str, Any]]:
         token = {"Authorization": f"Bearer {self.environment['CLEARANCE_TOKEN']}"}
@@ -66,18 +68,18 @@ def test_a_branch_with_a_worse_gain_fails_and_a_good_one_passes(
     with serving(tmp_path, CLEARANCE_THREADS="1") as service:
         assert invoke(["token", "create", "ci", "--data", str(service.data)]) == 0
         token = capsys.readouterr().out.split()[-1]
-        first = Job(service, tmp_path, token).submit(main, "--label", "commit=4f2a91c")
-        assert first.returncode == 0, first
+        code, shown = Job(service, tmp_path, token, capsys).submit(main, "--label", "commit=4f2a91c")
+        assert code == 0, shown
         family = service.family()
         kill(*family)
         until(lambda: not any(map(alive, family)), "it is gone")
     with serving(tmp_path, CLEARANCE_THREADS="1") as service:
-        job, files = Job(service, tmp_path, token), [tmp_path / name for name in ("junit.xml", "summary.md")]
+        job, files = Job(service, tmp_path, token, capsys), [tmp_path / name for name in ("junit.xml", "summary.md")]
         compared = ("--baseline", "label:branch=main")
-        worse = job.submit(slow, *compared, "--junit", str(files[0]), "--summary", str(files[1]))
-        assert worse.returncode == 1, worse
-        assert "Baseline: R-0001, the newest run with the label branch=main at launch." in worse.stdout
-        assert "The policy of the campaign fails: F1 of R-0001 is worse: d_min = " in worse.stdout
+        code, shown = job.submit(slow, *compared, "--junit", str(files[0]), "--summary", str(files[1]))
+        assert code == 1, shown
+        assert "Baseline: R-0001, the newest run with the label branch=main at launch." in shown
+        assert "The policy of the campaign fails: F1 of R-0001 is worse: d_min = " in shown
         cases = {case.get("name"): case for case in Xml.parse(files[0]).iter("testcase")}
         failure = cases["F1 of the baseline"].find("failure")
         assert failure is not None
@@ -88,9 +90,9 @@ def test_a_branch_with_a_worse_gain_fails_and_a_good_one_passes(
         assert cases["verdict"].find("failure") is None, "the verdict is cleared"
         assert "| F1 of R-0001 | **worse** |" in files[1].read_text()
         assert lines[-1] == "clearance replay R-0002 1:0"
-        passing = job.submit(good, *compared, "--junit", str(files[0]))
-        assert passing.returncode == 0, passing
-        assert "Changes of the findings since R-0001: 1 same." in passing.stdout
+        code, shown = job.submit(good, *compared, "--junit", str(files[0]))
+        assert code == 0, shown
+        assert "Changes of the findings since R-0001: 1 same." in shown
         assert not [*Xml.parse(files[0]).iter("failure")]
         assert [(run["id"], run["labels"]["branch"]) for run in job.runs()] == [
             ("R-0003", "good"),

@@ -122,6 +122,15 @@ def test_what_the_compiler_refuses_fails_the_run_with_file_and_line_and_not_the_
     assert (ended.state, ended.verdict, ended.attempts) == ("failed", None, 1)
     assert f"{home.file}, line {line}: the branches have different types (number and tuple of 2)" in ended.error
 
+    home.edit(POST)
+    assert home.ended(home.submit()).state == "done"
+
+
+@pytest.mark.nightly  # every edit costs the start of a process; by day the refusal above, which takes the same path
+def test_what_fails_in_plain_python_or_cannot_be_loaded_fails_the_run_with_its_sentence(home: Home) -> None:
+    wrong = POST.replace("d = norm2(dx, dy)", "d = norm2(dx, dy) if dx > 0.0 else (dx, dy)")
+    home.edit(wrong)
+    line = next(n for n, text in enumerate(wrong.splitlines(), 1) if "else (dx, dy)" in text)
     ended = home.ended(home.submit())  # in plain Python, where the tuple is used
     assert (ended.state, ended.verdict, ended.attempts) == ("failed", None, 1)
     assert f"a component failed: {home.file}, line {line + 1}: TypeError: " in ended.error

@@ -20,6 +20,7 @@ from tests.simulators import isolated, two_basins
 from worker.audit import judge
 from worker.audit.record import of_folder
 from worker.catalogue.files import entry_of
+from worker.catalogue.installed import forget_simulators
 from worker.catalogue.simulator import Opening
 from worker.cli import invoke
 from worker.systems.simulators.functions import Isolated
@@ -137,10 +138,18 @@ def folder(tmp_path: Path) -> Path:
     return operated
 
 
-def test_a_file_in_the_operators_folder(folder: Path, tmp_path: Path) -> None:
-    done = command("run", str(campaign(tmp_path, "fast")), "--json", CLEARANCE_SIMULATORS=str(folder))
-    assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)
+def test_a_file_in_the_operators_folder(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(folder))
+    forget_simulators()
+    try:
+        code = invoke(["run", str(campaign(tmp_path, "fast")), "--json"])
+    finally:
+        forget_simulators()
+    shown = capsys.readouterr()
+    assert code == 0, shown.err
+    result = json.loads(shown.out)
     assert result["worst"]["cost"] == pytest.approx(
         float(two_basins.separation(np.float64(0.2), np.float64(0.7))), abs=1e-3
     )

@@ -15,7 +15,9 @@ from tests.faults.launched import run
 from tests.faults.processes import REPOSITORY
 from tests.simulators import unrepeatable
 from worker.catalogue.descriptor import read
+from worker.catalogue.installed import forget_simulators
 from worker.catalogue.simulator import Opening
+from worker.cli import WRONG_INPUT, invoke
 from worker.systems.simulators.command import CommandSimulator
 
 EXAMPLES = REPOSITORY / "docs" / "examples"
@@ -77,10 +79,16 @@ def test_python_in_a_command_is_the_interpreter_of_the_worker(tmp_path: Path) ->
     assert batch.costs.tolist() == [[1.0]]
 
 
-def test_a_descriptor_that_is_gone_is_refused_with_a_sentence(folder: Path, tmp_path: Path) -> None:
-    code, _, errors = run(tmp_path, EXAMPLES / "campaigns" / "drop.yaml")
-    assert code == 3
-    assert "simulator.name" in errors
+def test_a_descriptor_that_is_gone_is_refused_with_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(tmp_path))
+    forget_simulators()
+    try:
+        assert invoke(["run", str(EXAMPLES / "campaigns" / "drop.yaml")]) == WRONG_INPUT
+    finally:
+        forget_simulators()
+    assert "simulator.name" in capsys.readouterr().err
 
 
 @pytest.mark.nightly  # the whole way of two cases of tests/faults/test_noise.py

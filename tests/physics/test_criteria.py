@@ -237,7 +237,7 @@ class TestTogether:
 
         def evaluated(seeds: list[int], combine: str = "worst") -> Any:
             problem = uncompiled(several(*THREE, **given, realisations={"seeds": seeds, "combine": combine}))
-            return problem.evaluate(POINTS[:2])[0].costs
+            return problem.evaluate(POINTS[:1])[0].costs
 
         costs = np.array([evaluated([seed]) for seed in (3, 1, 8)])
         worst, mean = evaluated([3, 1, 8]), evaluated([3, 1, 8], "mean")

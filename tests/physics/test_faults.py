@@ -37,9 +37,9 @@ LOOPS = loops()
 
 
 def some_by_day() -> list[Any]:
-    """Every part in a quarter of the loops, the next part in another quarter; the other pairs at night."""
+    """Every part in an eighth of the loops, the next part in another eighth; the other pairs at night."""
     return [
-        pytest.param(name, loop, marks=() if (i + j) % 4 == 0 else pytest.mark.nightly)
+        pytest.param(name, loop, marks=() if (i + j) % 8 == 0 else pytest.mark.nightly)
         for (i, name), (j, loop) in product(enumerate(PARTS), enumerate(LOOPS))
     ]
 

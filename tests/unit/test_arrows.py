@@ -292,31 +292,38 @@ def test_every_module_has_a_docstring() -> None:
     assert silent == []
 
 
+Loads = list[tuple[str, set[str]]]
+CLI = "from worker.cli import invoke; invoke(['--help']); invoke(['token', 'list', '--data', '/nowhere'])"
+RUNNER = "import worker.runs.runner; from worker.catalogue.installed import catalogue; catalogue()"
+
+
 @pytest.mark.parametrize(
-    ("command", "absent"),
+    "chain",
     [
-        ("import backend.app", {"numba", "worker"}),
-        (
-            "from worker.cli import invoke; invoke(['--help']); invoke(['token', 'list', '--data', '/nowhere'])",
-            {"numba", "scipy", "fastapi"},
-        ),
-        (
-            "import worker.runs.runner; from worker.catalogue.installed import catalogue; catalogue()",
-            {"scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "pymoo", "fastapi"},
-        ),
-        ("import worker.processes.supervisor", {"numba", "scipy", "fastapi"}),
-        ("import clearance", {"numpy", "numba", "scipy", "pydantic", "sqlalchemy", "fastapi"}),
-        (
-            "import worker.audit.judge",
-            {"numba", "scipy", "fastapi", "backend", "worker.runs.runner", "worker.catalogue.installed"},
-        ),
+        [("import backend.app", {"numba", "worker"})],
+        # One after the other in one process: what is absent after several is absent after each alone.
+        [
+            ("import clearance", {"numpy", "numba", "scipy", "pydantic", "sqlalchemy", "fastapi"}),
+            (
+                "import worker.audit.judge",
+                {"numba", "scipy", "fastapi", "backend", "worker.runs.runner", "worker.catalogue.installed"},
+            ),
+            (CLI, {"numba", "scipy", "fastapi"}),
+            ("import worker.processes.supervisor", {"numba", "scipy", "fastapi"}),
+            (RUNNER, {"scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "pymoo", "fastapi"}),
+        ],
     ],
+    ids=["service", "worker"],
 )
-def test_what_a_process_loads(command: str, absent: set[str]) -> None:
+def test_what_a_process_loads(chain: Loads) -> None:
     """Checked in a separate process, because imports are cached."""
-    program = f"import sys\n{command}\nsys.exit(str(set({sorted(absent)!r}) & set(sys.modules)))"
+    program = "import sys\n"
+    for command, absent in chain:
+        program += f"{command}\nloaded = set({sorted(absent)!r}) & set(sys.modules)\n"
+        program += f"if loaded: sys.exit({command!r} + f' loads {{loaded}}')\n"
+    program += "sys.exit('nothing else')"
     done = subprocess.run([sys.executable, "-c", program], cwd=REPOSITORY, capture_output=True, text=True, check=False)
-    assert done.stderr.splitlines()[-1] == "set()", done.stderr
+    assert done.stderr.splitlines()[-1] == "nothing else", done.stderr
 
 
 def test_no_module_of_tests_imports_another() -> None:

@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -69,62 +69,84 @@ EVERY = (
 )
 
 
-def test_a_component_of_another_package_is_found(tmp_path: Path) -> None:
-    package(tmp_path, "clearance.components", "some_car", CAR.format(name="car"))
-    done = in_a_new_process(EVERY, tmp_path)
+GUESS = """'Guessing.'
+from dataclasses import replace
+from worker.search.methods import direct
+method = replace(direct.method, name="guess")
+"""
+BREAKS = {
+    "raising": "raise ValueError('not today')\n",
+    "leaving": "import sys\nsys.exit('bye')\n",
+    "empty": "X = 1.0\n",
+    "missing": "import nowhere_at_all\n",
+}
+KINDS: tuple[Kind, ...] = ("component", "method", "simulator")
+
+
+class Known(NamedTuple):
+    """What an installation with other packages has."""
+
+    components: list[str]
+    methods: list[str]
+    catalogue: dict[str, Any]
+
+    def skipped(self, package: str) -> dict[str, Any]:
+        """The entry of what is skipped of a package."""
+        (entry,) = [e for e in self.catalogue["unusable"] if e["name"] == package]
+        return dict(entry)
+
+
+@pytest.fixture(scope="module")
+def known(tmp_path_factory: pytest.TempPathFactory) -> Known:
+    """One with the packages of all tests, each of which says by itself what becomes of it."""
+    folder = tmp_path_factory.mktemp("packages")
+    package(folder, "clearance.components", "some_car", CAR.format(name="car"))
+    package(folder, "clearance.components", "another_unicycle", CAR.format(name="unicycle"))
+    package(folder, "clearance.methods", "some_guess", GUESS)
+    package(folder, "clearance.methods", "some_direct", "from worker.search.methods.direct import method\n")
+    for kind in KINDS:
+        for how, text in BREAKS.items():
+            package(folder, f"clearance.{kind}s", f"{how}_{kind}", text)
+    done = in_a_new_process(f"{EVERY}; print(catalogue().model_dump_json())", folder)
     assert done.returncode == 0, done.stderr
-    found: list[Any] = json.loads(done.stdout)
-    assert "('vehicle', 'car')" in found[0]
+    every, described = map(json.loads, done.stdout.splitlines())
+    return Known(*every, described)
 
 
-def test_a_method_of_another_package_is_found(tmp_path: Path) -> None:
-    text = '"""Guessing."""\nfrom dataclasses import replace\nfrom worker.search.methods import direct\n'
-    text += 'method = replace(direct.method, name="guess")\n'
-    package(tmp_path, "clearance.methods", "some_guess", text)
-    done = in_a_new_process(EVERY, tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "guess" in json.loads(done.stdout)[1]
+def test_a_component_and_a_method_of_another_package_are_found_and_none_is_lost(known: Known) -> None:
+    car = "('vehicle', 'car')"
+    assert car in known.components
+    assert "guess" in known.methods
+    assert [c for c in known.components if c != car] == list(map(str, components()))
+    assert [m for m in known.methods if m != "guess"] == list(methods())
 
 
-def test_a_second_component_of_one_name_is_skipped_and_said_to_be(tmp_path: Path) -> None:
-    package(tmp_path, "clearance.components", "some_car", CAR.format(name="unicycle"))
-    told = "; from worker.catalogue.installed import catalogue; print(catalogue().model_dump_json())"
-    done = in_a_new_process(EVERY + told, tmp_path)
-    assert done.returncode == 0, done.stderr
-    every, known = map(json.loads, done.stdout.splitlines())
-    assert every == json.loads(in_a_new_process(EVERY, Path.cwd()).stdout)
-    (skipped,) = known["unusable"]
-    assert "some_car" in skipped["text"]
-    assert "unicycle" in skipped["text"]
-    mine = [c for c in known["components"] if (c["role"], c["name"]) == ("vehicle", "unicycle")]
-    assert len(mine) == 1
+def test_a_second_component_of_one_name_is_skipped_and_said_to_be(known: Known) -> None:
+    assert "unicycle" in known.skipped("another_unicycle")["text"]
+    assert "another_unicycle" in known.skipped("another_unicycle")["text"]
+    (mine,) = [c for c in known.catalogue["components"] if (c["role"], c["name"]) == ("vehicle", "unicycle")]
+    assert mine["title"] != "Car"
 
 
-@pytest.mark.parametrize("kind", ["component", "method", "simulator"])
-def test_what_a_package_breaks_is_skipped_with_its_sentence(kind: Kind, tmp_path: Path) -> None:
-    group = f"clearance.{kind}s"
-    package(tmp_path, group, "some_raising", "raise ValueError('not today')\n")
-    package(tmp_path, group, "some_leaving", "import sys\nsys.exit('bye')\n")
-    package(tmp_path, group, "some_empty", "X = 1.0\n")
-    package(tmp_path, group, "some_missing", "import nowhere_at_all\n")
-    done = in_a_new_process(f"{EVERY}; print(catalogue().model_dump_json())", tmp_path)
-    assert done.returncode == 0, done.stderr
-    every, known = map(json.loads, done.stdout.splitlines())
-    assert every == json.loads(in_a_new_process(EVERY, Path.cwd()).stdout)
-    assert {entry["kind"] for entry in known["unusable"]} == {kind}
-    texts = {entry["name"]: entry["text"] for entry in known["unusable"]}
-    assert texts["some_raising"] == "the package some_raising: it cannot be loaded (ValueError: not today)"
-    assert texts["some_leaving"] == "the package some_leaving: it cannot be loaded (SystemExit: bye)"
-    assert texts["some_missing"].startswith("the package some_missing: it cannot be loaded (ModuleNotFoundError: ")
-    assert texts["some_empty"].startswith("the package some_empty: it ")
+def test_nothing_else_is_skipped(known: Known) -> None:
+    broken = {f"{how}_{kind}" for how in BREAKS for kind in KINDS}
+    assert {e["name"] for e in known.catalogue["unusable"]} == broken | {"another_unicycle", "some_direct"}
 
 
-def test_a_method_with_the_name_of_a_shipped_one_is_skipped(tmp_path: Path) -> None:
-    package(tmp_path, "clearance.methods", "some_direct", "from worker.search.methods.direct import method\n")
-    done = in_a_new_process(f"{EVERY}; print(catalogue().model_dump_json())", tmp_path)
-    assert done.returncode == 0, done.stderr
-    (skipped,) = json.loads(done.stdout.splitlines()[1])["unusable"]
-    assert skipped["text"] == (
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_a_package_breaks_is_skipped_with_its_sentence(kind: Kind, known: Known) -> None:
+    entries = {how: known.skipped(f"{how}_{kind}") for how in BREAKS}
+    assert {entry["kind"] for entry in entries.values()} == {kind}
+    texts = {how: entry["text"] for how, entry in entries.items()}
+    of = f"the package {{}}_{kind}: it"
+    assert texts["raising"] == of.format("raising") + " cannot be loaded (ValueError: not today)"
+    assert texts["leaving"] == of.format("leaving") + " cannot be loaded (SystemExit: bye)"
+    assert texts["missing"].startswith(of.format("missing") + " cannot be loaded (ModuleNotFoundError: ")
+    assert texts["empty"].startswith(of.format("empty") + " ")
+
+
+def test_a_method_with_the_name_of_a_shipped_one_is_skipped(known: Known) -> None:
+    assert known.skipped("some_direct")["text"] == (
         "the package some_direct: worker.search.methods.direct already declares the method 'direct': rename one of them"
     )
 

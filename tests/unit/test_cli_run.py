@@ -272,6 +272,7 @@ def command(*arguments: str) -> list[str]:
     return [sys.executable, "-m", "worker.cli", *arguments]
 
 
+@pytest.mark.nightly  # by day another one is interrupted, below, and one submits in tests/api/test_ci_guide.py
 def test_a_real_process(file: Write, tmp_path: Path) -> None:
     name = file(violating())
     done = subprocess.run(command("run", name, "--json"), capture_output=True, timeout=PATIENCE, check=False)

@@ -28,6 +28,8 @@ BUDGETS = {"turbo": 1000, "lq_cma_es": 1000}
 """Of methods whose own time is milliseconds per evaluation."""
 WELL = 0.005
 """Squared width of a well: 5 % of the box is below half its depth."""
+SLOW = {"turbo", "lq_cma_es", "cma_es"}
+"""Methods that take a second and more here: at night."""
 OPTIONS: dict[str, dict[str, int]] = {"nlopt_global": {"population": 300}}
 """Controlled random search with NLopt's own population of 30 contracts on one well before it has seen the other."""
 
@@ -60,7 +62,7 @@ def found_by(campaign: Campaign, function: Function, budget: int = 10**6) -> tup
     return made, found, drive(made, position, findings.search(made, position, found), budget, repeats=True)
 
 
-@pytest.mark.parametrize("method", GLOBAL)
+@pytest.mark.parametrize("method", [pytest.param(m, marks=[pytest.mark.nightly] if m in SLOW else []) for m in GLOBAL])
 def test_two_symmetric_failures_are_exactly_two_findings(method: str) -> None:
     asked = {"method": method, "evaluations": BUDGETS.get(method, BUDGET), "options": OPTIONS.get(method, {})}
     made, found, driven = found_by(searching(asked), two_failures)

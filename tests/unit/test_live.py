@@ -124,26 +124,21 @@ def test_many_campaigns_in_turn(live: Live) -> None:
     assert margins == pytest.approx([0.943564 - t for t in thresholds], abs=1e-5)
 
 
-def test_it_ends_with_its_input_even_in_the_middle_of_a_line() -> None:
-    made = Live()
-    assert made.hear() == {"ready": True}
-    assert made.process.stdin is not None
-    made.process.stdin.write(b'{"id": 1')
-    code, errors = made.end()
-    assert (code, errors) == (0, b"")
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")
 def test_a_simulation_beyond_its_memory_limit_is_an_error_and_the_next_one_runs() -> None:
+    """And the process ends with its input, even in the middle of a line."""
     small = Live(CLEARANCE_CHILD_MEMORY="0.25", CLEARANCE_THREADS="1")
     assert small.hear() == {"ready": True}
     long = document(scenario__horizon=2000, scenario__step=0.001)
     answer = small.ask(id=1, campaign=long, parameters={})
     assert answer["error"].startswith("the simulation needs more than the limit of 0.25 GiB per process: lower the")
     assert small.ask(id=2, campaign=CASE1, parameters={})["status"] == "ok"
-    assert small.end()[0] == 0
+    assert small.process.stdin is not None
+    small.process.stdin.write(b'{"id": 3')
+    assert small.end() == (0, b"")
 
 
+@pytest.mark.nightly  # by day tests/unit/test_cli_run.py: the command line refuses it in the same words
 def test_a_memory_bound_that_is_no_number_ends_the_process_with_a_sentence() -> None:
     wrong = Live(CLEARANCE_CHILD_MEMORY="lots")
     status, errors = wrong.end()

@@ -99,7 +99,10 @@ def test_both_of_two_failures_are_reported(seed: int) -> None:
 
 
 @seeds(3)
-@pytest.mark.parametrize("name", ["Branin", "Shekel 10", "Griewank 5", "excluded region"])
+@pytest.mark.parametrize(
+    "name",
+    ["Branin", "excluded region", *(pytest.param(n, marks=pytest.mark.nightly) for n in ("Shekel 10", "Griewank 5"))],
+)
 def test_the_known_minimum_is_found(name: str, seed: int) -> None:
     function = on_unit_cube(name, seed)
     assert function.gap(run(method, function, function.dimension, 5000, seed=seed, status=3).lowest) < 0.01

@@ -74,7 +74,12 @@ def test_eight_threads_give_the_same_bits(alone: tuple[Any, int]) -> None:
     assert run(MemoryStore(), 8) == alone[0]
 
 
-@pytest.mark.parametrize("share", [0.01, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.75, 0.85, 0.95, 0.999])
+@pytest.mark.parametrize(
+    "share",
+    # By day in a search, in the sample and in the validation.
+    [pytest.param(s, marks=pytest.mark.nightly) for s in (0.01, 0.1, 0.2, 0.35, 0.5, 0.65, 0.85, 0.95, 0.999)]
+    + [0.05, 0.4, 0.75],
+)
 def test_an_interruption_changes_nothing(share: float, alone: tuple[Any, int]) -> None:
     found, evaluations = alone
     store = Unreliable(max(1, int(share * evaluations)))

@@ -120,7 +120,7 @@ def plain_ops(rows: int, lanes: int) -> LaneOps:
     """The same operations in plain Python."""
 
     def load(buffer, base, lane):  # type: ignore[no-untyped-def]
-        return tuple(float(buffer[base + lane + k * lanes]) for k in range(rows))
+        return tuple(buffer[base + lane : base + lane + rows * lanes : lanes].tolist())
 
     def store(buffer, base, lane, values):  # type: ignore[no-untyped-def]
         for k in range(rows):

@@ -1,5 +1,5 @@
 // Notifications of ended runs.
-import { beforeAll, expect, it, vi } from 'vitest'
+import { afterAll, beforeAll, expect, it, vi } from 'vitest'
 import type { RunSummary } from '../client'
 import type * as Notify from './notify'
 
@@ -9,6 +9,9 @@ beforeAll(async () => {
   // The module listens to changes of other tabs.
   vi.stubGlobal('addEventListener', () => undefined)
   notify = await import('./notify')
+})
+afterAll(() => {
+  vi.unstubAllGlobals()
 })
 
 it('reads whatever is stored', () => {

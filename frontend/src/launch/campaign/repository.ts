@@ -6,11 +6,13 @@ import type { Catalogue } from '../../client'
 
 const ROOT = fileURLToPath(new URL('../../../..', import.meta.url))
 
-/** Runs a program and parses its JSON output. */
-export function python<T>(program: string, input = ''): T {
+function output(program: string, input = ''): string {
   const options = { cwd: ROOT, input, encoding: 'utf-8', maxBuffer: 1e8, stdio: 'pipe' } as const
-  return JSON.parse(execFileSync(`${ROOT}/.venv/bin/python`, ['-c', program], options)) as T
+  return execFileSync(`${ROOT}/.venv/bin/python`, ['-c', program], options)
 }
+
+/** Runs a program and parses its JSON output. */
+export const python = <T>(program: string, input = ''): T => JSON.parse(output(program, input)) as T
 
 const READ = `
 import json
@@ -25,5 +27,11 @@ print(json.dumps({"catalogue": catalogue().model_dump(mode="json"), "campaigns":
 
 export type Told = Record<string, { document: Campaign; digest: string; text: string }>
 
-/** The catalogue of the installed components, and the library's campaigns. */
-export const shipped = (): { catalogue: Catalogue; campaigns: Told; schema: unknown } => python(READ)
+type Shipped = { catalogue: Catalogue; campaigns: Told; schema: unknown }
+let read: string | null = null
+
+/** The catalogue of the installed components, and the library's campaigns: read once, a copy for each file of tests. */
+export function shipped(): Shipped {
+  read ??= output(READ)
+  return JSON.parse(read) as Shipped
+}

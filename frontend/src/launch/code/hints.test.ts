@@ -19,7 +19,7 @@ beforeAll(() => {
   schema = told.schema as Rule
   campaign = told.campaigns.unicycle_static?.document as Campaign
   text = told.campaigns.unicycle_static?.text ?? ''
-}, 60_000)
+})
 
 const known = (said: string): Known => ({ catalogue, campaign, schema, document: plain(tolerant(said)) })
 

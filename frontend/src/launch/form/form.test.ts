@@ -27,7 +27,7 @@ beforeAll(() => {
   catalogue = told.catalogue
   campaigns = told.campaigns
   schema = told.schema
-}, 60_000)
+})
 
 const each = (hold: (campaign: Campaign, name: string) => void) => {
   const found = Object.entries(campaigns)
@@ -103,7 +103,7 @@ it('loses nothing by way of YAML and back', () => {
   for (const [name, { document }] of Object.entries(again)) expect(document, name).toEqual(edited[name])
   const untouched = python<Told>(THROUGH_YAML, JSON.stringify(Object.fromEntries(Object.entries(campaigns).map(([n, c]) => [n, c.document]))))
   for (const [name, { digest }] of Object.entries(untouched)) expect(digest, name).toBe(campaigns[name]?.digest)
-}, 60_000)
+})
 
 it('takes a draft that is no campaign yet back into the form', () => {
   each((campaign, name) => {

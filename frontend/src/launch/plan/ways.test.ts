@@ -44,7 +44,7 @@ let flown: Record<string, Flown>
 beforeAll(() => {
   catalogue = shipped().catalogue
   flown = python(FLY, JSON.stringify({ values: VALUES, times: TIMES }))
-}, 60_000)
+})
 
 it.each(['enu', 'ned'] as const)('is drawn as it flies under a vehicle with axes %s', (frame) => {
   const vehicle = { ...catalogue.components[0], role: 'vehicle', name: 'vehicle', frame } as Catalogue['components'][number]

@@ -121,8 +121,13 @@ class Cost:
         """
         each, at_once = self.of(calls)
         seconds = self.start + math.ceil(evaluations / at_once) * each + self.again(again, calls)
-        fresh = f"; {again:,} more in fresh processes confirm results" if again else ""
-        return seconds, f"{self.sentence(calls)}, on {self._on}{fresh}."
+        more = f"; {again:,} more{self.fresh} confirm results" if again else ""
+        return seconds, f"{self.sentence(calls)}, on {self._on}{more}."
+
+    @property
+    def fresh(self) -> str:
+        """Where evaluations are made again, for a sentence; empty if no start of a process was measured."""
+        return ", each in a fresh process," if self.start else ""
 
     @property
     def _on(self) -> str:

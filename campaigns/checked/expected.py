@@ -76,7 +76,7 @@ def again(campaign: Campaign, noisy: bool, halved: bool) -> int:
 def confirmation(cost: Cost, calls: int = 1) -> str:
     """What confirming the results of a simulator takes besides its searches, a sentence."""
     return (
-        f"Up to {SPOT_CHECKS} random evaluations are made again to confirm results, each in a fresh process: about "
+        f"Up to {SPOT_CHECKS} random evaluations are made again{cost.fresh} to confirm results: about "
         f"{lasting(cost.again(SPOT_CHECKS, calls))} more."
     )
 

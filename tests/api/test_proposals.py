@@ -53,7 +53,7 @@ def test_the_newest_run_of_the_same_files_is_named(bare: Service, client: httpx.
     assert found["sentence"] == (
         "In 60 min on 2 slots: about 17,000 evaluations. "
         "Proposed: lq-CMA-ES, DIRECT and CMA-ES with 5,000 each, about 52 min in all. Up to 200 random evaluations are "
-        "made again to confirm results, each in a fresh process: about 42 s more."
+        "made again to confirm results: about 42 s more."
     )
     assert found["searches"][0] == {"method": "lq_cma_es", "evaluations": 5000, "options": {"at_once": 2}}
     assert found["seconds"] == pytest.approx(3 * 2500 * 0.42)
@@ -70,7 +70,7 @@ def test_the_start_of_processes_counts(bare: Service, client: httpx.Client) -> N
     each, asked_for = 13.0, sum(s["evaluations"] for s in found["searches"])
     assert found["seconds"] == pytest.approx(30.0 + asked_for / 2 * each)
     assert found["sentence"].startswith("In 60 min on 2 slots: about 550 evaluations. ")
-    assert found["sentence"].endswith(f"each in a fresh process: about {lasting(100 * 40.0)} more.")
+    assert found["sentence"].endswith(f"each in a fresh process, to confirm results: about {lasting(100 * 40.0)} more.")
 
 
 def test_what_other_files_took_is_not_what_these_take(bare: Service, client: httpx.Client) -> None:

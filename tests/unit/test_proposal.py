@@ -72,7 +72,7 @@ def test_processes_that_are_replaced_or_fresh_take_their_start(
     seconds, known = cost.lasts(10 * at_once, calls, again=2 * at_once)
     assert seconds == pytest.approx(3.0 + 10 * each + 2 * fresh)
     assert "and the start of a process 3 s" in known
-    assert known.endswith(f", on 4 slots; {2 * at_once} more in fresh processes confirm results.")
+    assert known.endswith(f", on 4 slots; {2 * at_once} more, each in a fresh process, confirm results.")
 
 
 def test_two_methods_each_get_enough_to_count_as_a_search() -> None:

@@ -88,7 +88,7 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
         seconds=seconds,
         call_seconds=call,
         slots=None if call is None else slots,
-        start_seconds=start_seconds(columns, chosen, slots, calls),
+        start_seconds=start_seconds(columns, chosen, slots, calls) if problem.system.slots else None,
         recycle=problem.system.recycle or None,
         said=_said(chosen, status.size, failed, identical, declared, spread, problem.unit),
     )

@@ -11,6 +11,7 @@ from backend.catalog.schemas import Estimate, EstimatedStage
 from backend.db import costs
 from backend.db.tables import Run, Stage
 from campaigns import Campaign, Catalogue
+from campaigns.checked.expected import again as made_again
 from campaigns.checked.expected import boundary, expected
 from campaigns.runs import run_name
 from campaigns.stages.found import declared
@@ -85,4 +86,5 @@ def _simulated(
     if cost is None:
         measure = f"`clearance check-simulator {name} --data DIR` measures an evaluation for the service of that folder"
         return None, f"The time is not known yet: {measure}, and so does the first stage of a run."
-    return cost.lasts(evaluations, calls)
+    again = made_again(campaign, cost.noisy, entry is not None and entry.step is not None)
+    return cost.lasts(evaluations, calls, again)

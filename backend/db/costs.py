@@ -87,4 +87,15 @@ def _cost(measured: Measured, run: str | None, at: float | None, host: str = "")
     """None if it has no time of a call."""
     if not (measured.call_seconds and measured.slots):
         return None
-    return Cost(run, measured.call_seconds, measured.slots, measured.evaluations, measured.failed, at, host)
+    return Cost(
+        run,
+        measured.call_seconds,
+        measured.slots,
+        measured.evaluations,
+        measured.failed,
+        at,
+        host,
+        start=measured.start_seconds or 0.0,
+        recycle=measured.recycle or 0,
+        noisy=not measured.repeats,
+    )

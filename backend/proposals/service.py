@@ -11,6 +11,7 @@ from backend.db import costs
 from backend.http.errors import not_found
 from backend.proposals.schemas import MeasuredCost, Proposal, ProposedSearch
 from campaigns.asked.proposal import Cost, lasting
+from campaigns.checked.expected import confirmation
 
 UNKNOWN = (
     "The time of an evaluation is not measured yet: the first stage of a run measures it, and so does "
@@ -30,12 +31,17 @@ def proposal(reader: sa.Connection, name: str, parameters: int, patience: float,
         return Proposal(measured=None, known=f"{known}.", sentence="", searches=[], seconds=None)
     found = cost.proposed(parameters, patience, calls)
     return Proposal(
-        measured=MeasuredCost(**asdict(cost), source=cost.source),
+        measured=_measured(cost),
         known=f"{cost.sentence(calls)}.",
-        sentence=f"{found.sentence}.",
+        sentence=f"{found.sentence}." + (f" {confirmation(cost, calls)}" if found.searches else ""),
         searches=[ProposedSearch(**asdict(search)) for search in found.searches],
         seconds=found.seconds if found.searches else None,
     )
+
+
+def _measured(cost: Cost) -> MeasuredCost:
+    shown = {name: value for name, value in asdict(cost).items() if name in MeasuredCost.model_fields}
+    return MeasuredCost(**shown, source=cost.source)
 
 
 def _others(cost: Cost) -> str:

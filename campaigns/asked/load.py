@@ -53,6 +53,7 @@ SETTINGS = frozenset(
         "cwd",
         "environment",
         "folder",
+        "ids",
         "memory",
         "path",
         "protocol",

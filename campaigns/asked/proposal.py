@@ -19,6 +19,9 @@ CHEAP = 0.02
 USUAL = 5000
 """The usual budget of a search; the lowest limit of a proposed one where evaluations are cheap."""
 
+NOTABLE = 0.1
+"""Fraction of the time of a call above which a sentence names that of starting a process."""
+
 MODELS = ("lq_cma_es", "turbo")
 """Methods that model the cost, of different kinds."""
 PLAIN = ("direct", "cma_es")
@@ -54,6 +57,9 @@ class Proposal:
 class Cost:
     """What one call of a simulator took [s], with `slots` of them side by side.
 
+    start: what the start of a process adds to a call in it [s], 0 if that was not measured; recycle: the calls after
+    which a process is replaced, 0 for never (with 1 the time of a call includes the start); noisy: results do not
+    repeat.
     run: the name of the run whose first stage measured it; None if `clearance check-simulator` did, on the machine
     `host`; at: when [s since 1970], if known; evaluations: of the measurement, of which `failed` failed.
     """
@@ -65,6 +71,9 @@ class Cost:
     failed: int = 0
     at: float | None = None
     host: str = ""
+    start: float = 0.0
+    recycle: int = 0
+    noisy: bool = False
 
     @property
     def source(self) -> str:
@@ -80,67 +89,101 @@ class Cost:
         failed = f", {self.failed} of them failed" if self.failed else ""
         what = "evaluation" if calls == 1 else "call"
         text = f"One {what} took {lasting(self.seconds)} ({self.source}, {self.evaluations} evaluations{failed})"
+        text += f" and the start of a process {lasting(self.start)}" if self._starts_slowly else ""
         if calls == 1:
             return text
         return f"{text}; an evaluation of {calls} calls takes about {lasting(self.of(calls)[0])}"
 
-    def of(self, calls: int) -> tuple[float, int]:
-        """Time of an evaluation of several calls [s], and how many evaluations run side by side."""
-        at_once = max(self.slots // calls, 1)
-        return self.seconds * math.ceil(calls * at_once / self.slots), at_once
+    @property
+    def _starts_slowly(self) -> bool:
+        return self.start > NOTABLE * self.seconds
 
-    def lasts(self, evaluations: int, calls: int = 1) -> tuple[float, str]:
-        """Time of so many evaluations on the slots of the measurement [s], and where it is known from."""
+    def of(self, calls: int) -> tuple[float, int]:
+        """Time of an evaluation of several calls [s], with the replacement of processes, and how many evaluations run
+        side by side."""
+        turns, at_once = self._turns(calls)
+        return (self.seconds + (self.start / self.recycle if self.recycle else 0.0)) * turns, at_once
+
+    def again(self, evaluations: int, calls: int = 1) -> float:
+        """Time of so many evaluations of which each call has a fresh process [s]."""
+        turns, at_once = self._turns(calls)
+        return math.ceil(evaluations / at_once) * (self.seconds + self.start) * turns
+
+    def _turns(self, calls: int) -> tuple[int, int]:
+        """How many calls of an evaluation follow each other in a slot, and how many evaluations run side by side."""
+        at_once = max(self.slots // calls, 1)
+        return math.ceil(calls * at_once / self.slots), at_once
+
+    def lasts(self, evaluations: int, calls: int = 1, again: int = 0) -> tuple[float, str]:
+        """Time of so many evaluations on the slots of the measurement [s], and where it is known from.
+
+        again: evaluations in fresh processes that confirm results, in addition.
+        """
         each, at_once = self.of(calls)
-        slots = "1 slot" if self.slots == 1 else f"{self.slots} slots"
-        return math.ceil(evaluations / at_once) * each, f"{self.sentence(calls)}, on {slots}."
+        seconds = self.start + math.ceil(evaluations / at_once) * each + self.again(again, calls)
+        more = f"; {again:,} more{self.fresh} confirm results" if again else ""
+        return seconds, f"{self.sentence(calls)}, on {self._on}{more}."
+
+    @property
+    def fresh(self) -> str:
+        """Where evaluations are made again, for a sentence; empty if no start of a process was measured."""
+        return ", each in a fresh process," if self.start else ""
+
+    @property
+    def _on(self) -> str:
+        return "1 slot" if self.slots == 1 else f"{self.slots} slots"
 
     def proposed(self, parameters: int, patience: float, calls: int = 1) -> Proposal:
         """What to search with within `patience` [s] on its slots; raises ValueError as `proposed` does."""
         if calls < 1:
             raise ValueError(f"invalid number of calls {calls}: give at least 1")
         seconds, at_once = self.of(calls)
-        found = proposed(seconds, parameters, at_once, patience)
+        found = proposed(seconds, parameters, at_once, patience, self.start)
         if not found.searches:
             return found
-        room = _two(math.floor(patience / seconds) * at_once)
-        slots = "1 slot" if self.slots == 1 else f"{self.slots} slots"
+        room = _two(math.floor((patience - self.start) / seconds) * at_once)
         names = _listed([search.method for search in found.searches])
         each = f"{found.searches[0].evaluations:,}{' each' if len(found.searches) > 1 else ''}"
-        text = f"In {lasting(patience)} on {slots}: about {room} evaluations. Proposed: {names} with {each}, "
+        text = f"In {lasting(patience)} on {self._on}: about {room} evaluations. Proposed: {names} with {each}, "
         return replace(found, sentence=f"{text}about {lasting(found.seconds)} in all{found.note}")
 
 
-def proposed(cost: float, parameters: int, slots: int = 1, patience: float = 3600.0) -> Proposal:
+def proposed(cost: float, parameters: int, slots: int = 1, patience: float = 3600.0, start: float = 0.0) -> Proposal:
     """What to search with if an evaluation takes `cost` [s], `slots` run side by side, and there are `patience` [s].
 
-    Raises ValueError for a value that is not possible.
+    start: until they are ready, once [s]. Raises ValueError for a value that is not possible.
     """
-    _possible(cost, parameters, slots, patience)
-    rounds = int(min(patience / cost, 1e12))
-    if rounds == 0:
-        text = f"One evaluation takes about {lasting(cost)}, longer than the {lasting(patience)} that are available: "
-        return Proposal((), 0.0, text + "allow more time")
+    _possible(cost, parameters, slots, patience, start)
+    rounds = int(min((patience - start) / cost, 1e12))
+    if rounds <= 0:
+        first = f" and the start of its process {lasting(start)}" if start > NOTABLE * cost else ""
+        text = f"One evaluation takes about {lasting(cost)}{first}, longer than the {lasting(patience)} that are "
+        return Proposal((), 0.0, text + "available: allow more time")
     most = max(USUAL, MANY * parameters)
     needed = 2 * math.ceil(FEW * parameters / slots)
     if rounds < needed:
         # One method gets them all: for two, and so for a verdict of "cleared", there are too few in any case.
-        more = lasting(needed * cost)
+        more = lasting(start + needed * cost)
         note = f"; a second method, without which nothing is cleared, fits if you allow {more}"
-        return _proposal(("direct" if cost < CHEAP else "turbo",), rounds, most, cost, slots, note)
+        return _proposal(("direct" if cost < CHEAP else "turbo",), rounds, most, (cost, start), slots, note)
     if cost < CHEAP:
-        return _proposal(PLAIN, rounds, most, cost, slots)
+        return _proposal(PLAIN, rounds, most, (cost, start), slots)
     if rounds // 2 * slots <= SEVERAL * parameters or rounds < 3:
-        return _proposal(MODELS, rounds, most, cost, slots)
-    return _proposal((MODELS[0], *PLAIN), rounds, most, cost, slots)
+        return _proposal(MODELS, rounds, most, (cost, start), slots)
+    return _proposal((MODELS[0], *PLAIN), rounds, most, (cost, start), slots)
 
 
-def _proposal(methods: tuple[str, ...], rounds: int, most: int, cost: float, slots: int, note: str = "") -> Proposal:
-    """Every method gets the same number of rounds, in each of which all slots evaluate, and at most `most` points."""
-    methods = methods[:rounds]
+def _proposal(
+    methods: tuple[str, ...], rounds: int, most: int, times: tuple[float, float], slots: int, note: str = ""
+) -> Proposal:
+    """Every method gets the same number of rounds, in each of which all slots evaluate, and at most `most` points.
+
+    times: of an evaluation, and until the slots are ready [s].
+    """
+    (cost, start), methods = times, methods[:rounds]
     own = min(rounds // len(methods), max(most // slots, 1))
     searches = tuple(Budget(m, own * slots, _side_by_side(m, slots)) for m in methods)
-    count, seconds = own * slots * len(methods), own * len(methods) * cost
+    count, seconds = own * slots * len(methods), start + own * len(methods) * cost
     places = f" on {slots} slots" if slots > 1 else ""
     taken = "1 evaluation takes" if count == 1 else f"{count:,} evaluations take"
     text = (
@@ -161,10 +204,12 @@ def _side_by_side(method: str, slots: int) -> dict[str, int]:
     return {name: min(slots, most)}
 
 
-def _possible(cost: float, parameters: int, slots: int, patience: float) -> None:
+def _possible(cost: float, parameters: int, slots: int, patience: float, start: float) -> None:
     for name, value, unit in (("cost", cost, " [s]"), ("patience", patience, " [s]")):
         if not (math.isfinite(value) and value > 0):
             raise ValueError(f"invalid {name} {value:g}: give a finite time above 0{unit}")
+    if not (math.isfinite(start) and start >= 0):
+        raise ValueError(f"invalid start {start:g}: give a finite time of at least 0 [s]")
     for name, count in (("parameters", parameters), ("slots", slots)):
         if count < 1:
             raise ValueError(f"invalid number of {name} {count}: give at least 1")

@@ -6,8 +6,10 @@ measured on the library, see `tests/unit/test_expected.py`. Start reading at `ex
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
+from campaigns.asked.proposal import Cost, lasting
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Search
 from campaigns.stages.found import declared
@@ -25,6 +27,10 @@ SQP_STARTS = 8
 
 SLICE = 42
 """Evaluations along each parameter through a worst case."""
+
+SPOT_CHECKS, VIOLATIONS = 200, 200
+"""Random evaluations, and violations at most, that are made again to confirm them; of a simulator in fresh
+processes."""
 
 RAY, RAYS = 34, 2
 """Evaluations along one ray to the boundary of a violation; rays per parameter, and one more to the worst case."""
@@ -52,6 +58,29 @@ def expected(campaign: Campaign) -> list[Expected]:
     return [Expected(kind, declared()[kind].title, evaluations) for kind, evaluations in totals.items()]
 
 
+def again(campaign: Campaign, noisy: bool, halved: bool) -> int:
+    """How many evaluations of a simulator are usually made again to confirm results, each in a fresh process; they are
+    not counted as evaluations. Up to `VIOLATIONS` more are, if so many violate.
+
+    noisy: its results do not repeat; halved: it has a step, which is halved too.
+    """
+    assert campaign.simulator is not None
+    random = min(SPOT_CHECKS, sum(stage.evaluations for stage in expected(campaign)))
+    cases = 1 + round(_cases(campaign))
+    if not noisy and campaign.simulator.calls == 1:
+        return random + cases * (1 + halved)
+    called = (cases + len(campaign.stages.search)) * campaign.stages.validate_.repeats
+    return random + math.ceil(called / campaign.simulator.calls)
+
+
+def confirmation(cost: Cost, calls: int = 1) -> str:
+    """What confirming the results of a simulator takes besides its searches, a sentence."""
+    return (
+        f"Up to {SPOT_CHECKS} random evaluations are made again{cost.fresh} to confirm results: about "
+        f"{lasting(cost.again(SPOT_CHECKS, calls))} more."
+    )
+
+
 def boundary(campaign: Campaign) -> int:
     """What one worst case that violates adds, for the distance from the nominal case to the violation."""
     return 1 + RAY * (RAYS * len(campaign.uncertain) + 1)
@@ -75,5 +104,9 @@ def _validate(campaign: Campaign) -> int:
     """Descents from the candidates of all stages, then the neighbours of each worst case and slices through it."""
     stages, dimension = campaign.stages, len(campaign.uncertain)
     descents = min(stages.findings.evaluations, 400 + 22 * dimension**3)
-    cases = min(float(stages.findings.at_most), 1.0 + dimension / 4)
-    return descents + round(cases * (stages.validate_.neighbours + SLICE * dimension))
+    return descents + round(_cases(campaign) * (stages.validate_.neighbours + SLICE * dimension))
+
+
+def _cases(campaign: Campaign) -> float:
+    """How many worst cases are usually kept."""
+    return min(float(campaign.stages.findings.at_most), 1.0 + len(campaign.uncertain) / 4)

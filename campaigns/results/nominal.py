@@ -40,6 +40,11 @@ class Measured(Described):
     was not measured."""
     slots: Annotated[int | None, Field(exclude_if=_absent)] = None
     """Calls that ran side by side; omitted where `call_seconds` is."""
+    start_seconds: Annotated[float | None, Field(exclude_if=_absent)] = None
+    """Time that the start of a process adds to a call in it [s], measured in fresh processes; omitted where it was not
+    measured, or where calls are made in the worker's own process."""
+    recycle: Annotated[int | None, Field(exclude_if=_absent)] = None
+    """Calls after which a process is replaced by a fresh one; omitted if it never is."""
 
     @property
     def repeats(self) -> bool:

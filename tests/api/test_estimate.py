@@ -67,5 +67,14 @@ def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
         assert "`clearance check-simulator two_basins --data DIR`" in told["time_said"]
         run(bare, "aa", measured(call_seconds=0.5, slots=2))
         told = estimate(client, package.campaign(seed=99))
-        assert told["time_said"] == "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots."
-        assert told["seconds"] == 0.5 * -(-told["evaluations"] // 2)
+        assert told["time_said"] == (
+            "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 203 more confirm results."
+        )
+        assert told["seconds"] == 0.5 * (-(-told["evaluations"] // 2) + 102)
+        run(bare, "aa", measured(call_seconds=0.5, slots=2, start_seconds=4.0, recycle=8))
+        slow = estimate(client, package.campaign(seed=98))
+        assert slow["time_said"] == (
+            "One evaluation took 500 ms (R-0002, 15 evaluations) and the start of a process 4 s, on 2 slots; 203 more, "
+            "each in a fresh process, confirm results."
+        )
+        assert slow["seconds"] == 4.0 + 1.0 * -(-told["evaluations"] // 2) + 4.5 * 102

@@ -52,12 +52,25 @@ def test_the_newest_run_of_the_same_files_is_named(bare: Service, client: httpx.
     assert found["known"] == "One evaluation took 420 ms (R-0002, 15 evaluations)."
     assert found["sentence"] == (
         "In 60 min on 2 slots: about 17,000 evaluations. "
-        "Proposed: lq-CMA-ES, DIRECT and CMA-ES with 5,000 each, about 52 min in all."
+        "Proposed: lq-CMA-ES, DIRECT and CMA-ES with 5,000 each, about 52 min in all. Up to 200 random evaluations are "
+        "made again to confirm results: about 42 s more."
     )
     assert found["searches"][0] == {"method": "lq_cma_es", "evaluations": 5000, "options": {"at_once": 2}}
     assert found["seconds"] == pytest.approx(3 * 2500 * 0.42)
     run(bare, "aa", measured(call_seconds=12.0, failed=3))
     assert asked(client)["known"] == "One evaluation took 12 s (R-0003, 15 evaluations, 3 of them failed)."
+
+
+def test_the_start_of_processes_counts(bare: Service, client: httpx.Client) -> None:
+    """That of the slots once, the replacements, and the fresh processes that confirm results."""
+    run(bare, "aa", measured(call_seconds=10.0, slots=2, start_seconds=30.0, recycle=10))
+    found = asked(client)
+    assert found["known"] == "One evaluation took 10 s (R-0001, 15 evaluations) and the start of a process 30 s."
+    assert found["seconds"] <= 3600.0
+    each, asked_for = 13.0, sum(s["evaluations"] for s in found["searches"])
+    assert found["seconds"] == pytest.approx(30.0 + asked_for / 2 * each)
+    assert found["sentence"].startswith("In 60 min on 2 slots: about 550 evaluations. ")
+    assert found["sentence"].endswith(f"each in a fresh process, to confirm results: about {lasting(100 * 40.0)} more.")
 
 
 def test_what_other_files_took_is_not_what_these_take(bare: Service, client: httpx.Client) -> None:

@@ -24,24 +24,26 @@ from worker.systems.simulators import unchanged
 from worker.systems.simulators.command import CommandSimulator
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.pool import SlotPool
-from worker.systems.simulators.slots.program import Program
+from worker.systems.simulators.slots.program import Program, identified, line, misidentified
 
 BEGIN = """
 import json, os, subprocess, sys, threading, time
 
 def answer(line):
-    return json.dumps({"results": {"d": json.loads(line)["parameters"]["x"]}})
+    request = json.loads(line)
+    same = {"id": request["id"]} if "id" in request else {}
+    return json.dumps({**same, "results": {"d": request["parameters"]["x"]}})
 """
 MARK = "86398.375"
 """How long a process sleeps [s]; found by it."""
 
 
 @contextmanager
-def speaking(tmp_path: Path, body: str, timeout: float = 10.0) -> Iterator[SlotPool]:
-    """A process of JSON lines whose program ends with `body`."""
+def speaking(tmp_path: Path, body: str, timeout: float = 10.0, ids: bool = False) -> Iterator[SlotPool]:
+    """A process of JSON lines whose program ends with `body`; ids: its requests have them."""
     file = tmp_path / "program.py"
     file.write_text(BEGIN + textwrap.dedent(body), encoding="utf-8")
-    with SlotPool(Program([sys.executable, str(file)], "lines"), 1, Limits(timeout=timeout)) as pool:
+    with SlotPool(Program([sys.executable, str(file)], "lines", ids=ids), 1, Limits(timeout=timeout)) as pool:
         yield pool
 
 
@@ -68,22 +70,115 @@ def test_two_answers_to_a_request_are_reported(tmp_path: Path, separately: bool)
     assert sum("an answer that nothing had asked for" in r or "2 JSON objects" in r for r in reasons) >= 3
 
 
-def test_an_answer_that_nothing_asked_for_is_reported(tmp_path: Path) -> None:
-    later = """
+UNASKED = "its process wrote an answer that nothing had asked for"
+
+
+@pytest.mark.parametrize(
+    ("ids", "reason"),
+    [
+        (False, f"{UNASKED}: earlier results may be those of other points"),
+        (True, f"{UNASKED}; no result is affected, as each has its request's id"),
+    ],
+)
+def test_an_answer_that_nothing_asked_for_is_reported(tmp_path: Path, ids: bool, reason: str) -> None:
+    told = tmp_path / "told"
+    later = f"""
     for line in sys.stdin:
         print(answer(line), flush=True)
-        time.sleep(0.1)
-        print(answer(line), flush=True)
+        while "0.0" in line and not os.path.exists({str(told)!r}):
+            time.sleep(0.01)
+        "0.0" in line and print(answer(line), flush=True)
     """
-    with speaking(tmp_path, later) as pool:
+    with speaking(tmp_path, later, timeout=60.0, ids=ids) as pool:
         (first,) = values(pool, 1)
-        until(lambda: pool._unasked, "the second answer has arrived", 10)
-        next_one, after = values(pool, 2)
+        told.touch()
+        until(lambda: pool._unasked, "the second answer has arrived", 60)
+        next_one, after = pool.evaluate([{"parameters": {"x": x}} for x in (1.0, 2.0)])
     assert first.kind == "ok"
-    assert next_one.reason == (
-        "its process wrote an answer that nothing had asked for: earlier results may be those of other points"
-    )
+    assert next_one.reason == reason
     assert after.kind == "ok"
+
+
+LATE = """
+before = None
+for line in sys.stdin:
+    print(answer(before or line), flush=True)
+    before = line
+"""
+"""Answers each request of a process with the result of the one before it, but for the first."""
+
+
+def test_a_late_answer_is_taken_for_the_next_one_unless_requests_have_ids(tmp_path: Path) -> None:
+    with speaking(tmp_path, LATE, timeout=60.0) as pool:
+        shifted = values(pool, 4)
+    assert [o.answer["results"]["d"] for o in shifted] == [0.0, 0.0, 1.0, 2.0], "what ids are for"
+    with speaking(tmp_path, LATE, timeout=60.0, ids=True) as pool:
+        outcomes = values(pool, 4)
+        assert pool.starts >= 2, "the process is replaced"
+    assert none_is_of_another_point(outcomes)
+    assert [o.kind for o in outcomes] == ["ok", "wrong answer", "ok", "wrong answer"]
+    assert [o.reason for o in outcomes[1::2]] == [
+        f"its answer has the id {number - 1}, and the request has {number}: it answered twice, too late or in another "
+        "order"
+        for number in (2, 4)
+    ]
+
+
+def test_an_answer_without_the_id_of_its_request_is_refused(tmp_path: Path) -> None:
+    with speaking(tmp_path, 'for line in sys.stdin: print(\'{"results": {"d": 0}}\', flush=True)', ids=True) as pool:
+        outcomes = values(pool, 2)
+    assert [o.reason for o in outcomes] == [
+        f"its answer has no id; its descriptor states ids, so the id of the request, {number}, is expected in it"
+        for number in (1, 2)
+    ]
+
+
+def test_ids_fit_answers_that_are_requested_ahead_and_errors(tmp_path: Path) -> None:
+    mixed = """
+    for line in sys.stdin:
+        request = json.loads(line)
+        odd = request["parameters"]["x"] % 2 == 1
+        print(json.dumps({"id": request["id"], "error": "odd"}) if odd else answer(line), flush=True)
+    """
+    with speaking(tmp_path, mixed, timeout=60.0, ids=True) as pool:
+        outcomes = values(pool, 200)
+    assert none_is_of_another_point(outcomes)
+    assert [o.reason or o.kind for o in outcomes] == ["ok", "odd"] * 100
+
+
+@pytest.mark.parametrize("same", [17, 17.0])
+def test_the_same_number_is_the_same_id(same: object) -> None:
+    assert misidentified({"id": same}, 17) == ""
+
+
+@pytest.mark.parametrize("other", [16, 0, -17, 17.5, "17", True, [17], {"id": 17}, 10**400, float("nan"), "x" * 10**6])
+def test_anything_else_is_another_id_and_a_short_sentence(other: object) -> None:
+    said = misidentified({"id": other}, 17)
+    assert "and the request has 17" in said
+    assert len(said) < 200
+
+
+@pytest.mark.parametrize("answer", [{}, {"id": None}, {"results": {"id": 17}}, [], 17, None])
+def test_what_has_no_id_is_no_answer_of_a_request_with_one(answer: object) -> None:
+    assert "has no id" in misidentified(answer, 17)
+
+
+def test_true_is_not_the_first_request() -> None:
+    assert misidentified({"id": True}, 1)
+
+
+def test_without_ids_a_request_is_what_it_was(tmp_path: Path) -> None:
+    """A program may refuse keys that it does not know."""
+    strict = "for line in sys.stdin: print(answer(line) if list(json.loads(line)) == ['parameters'] else 0, flush=True)"
+    with speaking(tmp_path, strict) as pool:
+        assert [o.kind for o in values(pool, 3)] == ["ok"] * 3
+
+
+def test_the_id_comes_first_in_the_line() -> None:
+    """A program that searches the text for `"id":` finds no parameter of that name before it."""
+    assert line(identified({"parameters": {"id": 0.5}, "trace": True}, 3)) == (
+        b'{"id": 3, "parameters": {"id": 0.5}, "trace": true}\n'
+    )
 
 
 @pytest.mark.parametrize("pause", [0.0, 0.02])

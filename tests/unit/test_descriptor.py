@@ -26,6 +26,14 @@ def write(folder: Path, **changed: Any) -> Path:
     return folder
 
 
+@pytest.mark.parametrize("stated", [None, False])
+def test_a_description_without_ids_is_what_it_was(tmp_path: Path, stated: bool | None) -> None:
+    """The digest of a command in a campaign file covers it."""
+    described = read(write(tmp_path / "a", ids=stated)).descriptor.model_dump(mode="json")
+    assert "ids" not in described
+    assert read(write(tmp_path / "b", ids=True)).descriptor.model_dump(mode="json")["ids"] is True
+
+
 def test_its_entry_in_the_catalogue(tmp_path: Path) -> None:
     entry = read(write(tmp_path / "a")).entry
     assert (entry.name, entry.title) == ("drop", "drop")
@@ -42,6 +50,12 @@ def test_its_entry_in_the_catalogue(tmp_path: Path) -> None:
         ({"command": []}, "command: Tuple should have at least 1 item"),
         ({"comand": ["x"]}, "comand: Extra inputs are not permitted"),
         ({"protocol": "http"}, "protocol: Input should be 'lines' or 'files'"),
+        (
+            {"protocol": "files", "ids": True},
+            "the file: ids is only for the protocol lines; with files each evaluation",
+        ),
+        ({"ids": "yes"}, "ids: Input should be a valid boolean"),
+        ({"ids": 1}, "ids: Input should be a valid boolean"),
         ({"name": "a b"}, "name: "),
         ({"timeout": 0}, "timeout: Input should be greater than 0"),
         ({"timeout": float("nan")}, "timeout: Input should be a finite number"),

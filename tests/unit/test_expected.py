@@ -10,7 +10,8 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
-from campaigns.checked.expected import boundary, expected
+from campaigns.checked.expected import SPOT_CHECKS, VIOLATIONS, again, boundary, expected
+from tests.simulators import package
 from tests.unit.cases import document
 
 FLOWN: dict[str, dict[str, int]] = {
@@ -50,6 +51,28 @@ def test_no_search_is_announced_beyond_its_budget() -> None:
             s.evaluations for s in expected(load_document(document(stages__search=[search]))) if s.kind == "search"
         ]
         assert told == 50
+
+
+@pytest.mark.parametrize(
+    ("repeats", "noisy", "halved", "expected_again"),
+    [(None, False, False, 203), (None, False, True, 206), (None, True, False, 200 + 50), (5, False, False, 200 + 10)],
+)
+def test_what_is_made_again_in_fresh_processes(
+    repeats: int | None, noisy: bool, halved: bool, expected_again: int
+) -> None:
+    """Random evaluations, the nominal case and two worst cases; with noise 10 calls of these and of two best."""
+    given = package.campaign()
+    if repeats is not None:
+        given["simulator"]["repeats"] = {"count": repeats, "combine": "worst"}
+    campaign = load_document(given)
+    assert (len(campaign.stages.search), len(campaign.uncertain)) == (2, 2)
+    assert again(campaign, noisy, halved) == expected_again
+
+
+def test_as_many_are_made_again_as_the_stage_makes() -> None:
+    from worker.stages.parts import offered
+
+    assert (SPOT_CHECKS, VIOLATIONS) == (offered.SPOT_CHECKS, offered.AT_MOST)
 
 
 def test_a_violation_adds_what_its_boundary_takes() -> None:

@@ -44,6 +44,37 @@ def test_whatever_is_proposed_fits_and_can_be_run(cost: float, parameters: int, 
         assert check(searching(*stages), catalogue()) == []
 
 
+@pytest.mark.parametrize("start", [0.3, 5.0, 1e3])
+def test_the_start_of_the_processes_is_part_of_the_time(start: float) -> None:
+    for cost, parameters, slots, patience in GRID:
+        found = proposed(cost, parameters, slots, patience, start)
+        assert bool(found.searches) == (start + cost <= patience)
+        if found.searches:
+            rounds = sum(math.ceil(s.evaluations / slots) for s in found.searches)
+            assert found.seconds == pytest.approx(start + rounds * cost)
+            assert found.seconds <= patience * (1 + 1e-9)
+        elif start > cost:
+            assert f"the start of its process {lasting(start)}, longer than the {lasting(patience)}" in found.sentence
+
+
+@pytest.mark.parametrize(
+    ("calls", "recycle", "each", "fresh"),
+    [(1, 0, 2.0, 5.0), (1, 1, 5.0, 5.0), (1, 3, 3.0, 5.0), (2, 3, 3.0, 5.0), (5, 3, 6.0, 10.0)],
+)
+def test_processes_that_are_replaced_or_fresh_take_their_start(
+    calls: int, recycle: int, each: float, fresh: float
+) -> None:
+    """On four slots: five calls of an evaluation take two turns."""
+    cost = Cost("R-0001", 2.0, 4, 15, start=3.0, recycle=recycle)
+    at_once = cost.of(calls)[1]
+    assert cost.of(calls) == (pytest.approx(each), {1: 4, 2: 2, 5: 1}[calls])
+    assert cost.again(at_once, calls) == pytest.approx(fresh)
+    seconds, known = cost.lasts(10 * at_once, calls, again=2 * at_once)
+    assert seconds == pytest.approx(3.0 + 10 * each + 2 * fresh)
+    assert "and the start of a process 3 s" in known
+    assert known.endswith(f", on 4 slots; {2 * at_once} more, each in a fresh process, confirm results.")
+
+
 def test_two_methods_each_get_enough_to_count_as_a_search() -> None:
     assert FEW == GLOBAL_LEAST
     for cost, parameters, slots, patience in GRID:
@@ -67,6 +98,7 @@ def test_where_two_methods_do_not_fit_the_sentence_names_what_is_missing() -> No
 @pytest.mark.parametrize(
     ("given", "names"),
     [((0.0, 3), "cost 0"), ((float("nan"), 3), "cost nan"), ((float("inf"), 3), "cost inf"), ((-1.0, 3), "cost -1"),
+     ((1.0, 3, 1, 9.0, -1.0), "start -1"), ((1.0, 3, 1, 9.0, float("nan")), "start nan"),
      ((1.0, 0), "parameters 0"), ((1.0, 3, 0), "slots 0"), ((1.0, 3, 1, 0.0), "patience 0")],
 )  # fmt: skip
 def test_impossible_values_are_refused(given: tuple[float, int], names: str) -> None:

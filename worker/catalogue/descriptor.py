@@ -6,6 +6,7 @@ The operator lists folders of such folders in CLEARANCE_SIMULATORS; a campaign o
 
 from __future__ import annotations
 
+import operator
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -70,6 +71,7 @@ class Descriptor(Basics):
     `{results}` are the two files.
     protocol: "lines" for a process that reads one JSON object a line and writes one for each; "files" for a process for
     each evaluation, which reads parameters from one JSON file and writes results to another.
+    ids: with "lines", whether each request has an `id`, which its answer must repeat.
     step: the parameter that is its step; it is not offered to campaigns, passed with its nominal value, and halved when
     cases are confirmed.
     trace: the quantities over time that the program returns on request, `time` [s] among them; with protocol "files"
@@ -78,6 +80,8 @@ class Descriptor(Basics):
 
     command: Annotated[tuple[str, ...], Field(min_length=1)]
     protocol: Literal["lines", "files"] = "lines"
+    ids: Annotated[bool, Field(exclude_if=operator.not_, strict=True)] = False
+    """Omitted from the description if false, so that commands of campaign files without it keep their digests."""
     parameters: Annotated[dict[Identifier, DescribedParameter], Field(min_length=1)]
     results: Annotated[dict[Identifier, DescribedResult], Field(min_length=1)]
     step: Identifier | None = None
@@ -88,6 +92,12 @@ class Descriptor(Basics):
     def drawn(self) -> Scene | None:
         """What is drawn of a trace; raises ValueError."""
         return None if self.scene is None else scene_of(self.scene, {name: c.unit for name, c in self.trace.items()})
+
+    @model_validator(mode="after")
+    def _ids_can_be_repeated(self) -> Self:
+        if self.ids and self.protocol == "files":
+            raise ValueError("ids is only for the protocol lines; with files each evaluation has its own process")
+        return self
 
     @model_validator(mode="after")
     def _trace_can_be_asked_for(self) -> Self:

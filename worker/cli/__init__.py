@@ -16,6 +16,7 @@ import typer
 
 from backend.db.access import AccessError
 from campaigns import CampaignError
+from worker.kernels.jit import JitDisabledError
 
 CLEARED, VIOLATED, INCONCLUSIVE, WRONG_INPUT, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 4, 130
 """Exit codes: the verdicts, wrong input or usage, a failure of Clearance itself, interrupted."""
@@ -40,7 +41,7 @@ def invoke(arguments: Sequence[str]) -> int:
     """Run one command; returns its exit code. Commands end with `typer.Exit(code)` or an error named here."""
     try:
         code = build()(list(arguments), prog_name="clearance", standalone_mode=False)
-    except (typer.TyperException, CampaignError, AccessError, WrongInputError) as error:
+    except (typer.TyperException, CampaignError, AccessError, WrongInputError, JitDisabledError) as error:
         _explain(error)
         return WRONG_INPUT
     except UnreachableError as error:

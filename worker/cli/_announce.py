@@ -23,17 +23,19 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
     Nothing is printed of a scenario, or if the database has no measurement of the simulator as it is now.
     """
     from campaigns.asked.proposal import lasting
-    from campaigns.checked.expected import expected
+    from campaigns.checked.expected import again, expected
 
-    cost = _measured(campaign, data, database)
-    if cost is None or campaign.simulator is None:
+    found = _measured(campaign, data, database)
+    if found is None or campaign.simulator is None:
         return
+    cost, halved = found
     evaluations = sum(stage.evaluations for stage in expected(campaign))
-    seconds, known = cost.lasts(evaluations, campaign.simulator.calls)
+    seconds, known = cost.lasts(evaluations, campaign.simulator.calls, again(campaign, cost.noisy, halved))
     typer.echo(f"About {evaluations:,} evaluations, {lasting(seconds)}; an estimate. {known}", err=True)
 
 
-def _measured(campaign: Campaign, data: Path, database: str) -> Cost | None:
+def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool] | None:
+    """What was measured of its simulator, and whether that has a step, which is halved to confirm results."""
     import sqlalchemy as sa
 
     from backend.db import costs
@@ -55,7 +57,8 @@ def _measured(campaign: Campaign, data: Path, database: str) -> Cost | None:
         return None
     try:
         with read(engine) as reader:
-            return costs.newest(reader, entry, known.digests.get(name))[0]
+            cost = costs.newest(reader, entry, known.digests.get(name))[0]
+            return None if cost is None else (cost, entry.step is not None)
     except sa.exc.SQLAlchemyError:  # such as a database of another version, which a run does not migrate
         return None
     finally:

@@ -67,6 +67,8 @@ def check_simulator(
         typer.echo(f"  failed: {reason}")
     if measured.seconds is not None:
         typer.echo(f"time per evaluation: {measured.seconds:.3g} s")
+    if measured.start_seconds is not None:
+        typer.echo(f"time that the start of a process adds: {measured.start_seconds:.3g} s")
     typer.echo(measured.text if values else "whether it repeats is unknown: no evaluation has a value")
     _advise(measured, bool(values), unit)
     if values:
@@ -182,6 +184,8 @@ def _propose(measured: Measured, parameters: int) -> None:
     """The command that proposes methods and budgets for the time that was measured."""
     if measured.call_seconds is not None:
         given = f"--cost {measured.call_seconds:.3g} --parameters {parameters} --slots {measured.slots}"
+        if measured.start_seconds:
+            given += f" --start {measured.start_seconds:.3g}" + (f" --recycle {n}" if (n := measured.recycle) else "")
         typer.echo(f"methods and budgets for it: clearance propose {given}")
 
 

@@ -23,6 +23,7 @@ from backend.db.private import SharedFolderError, keep_private
 from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
 from worker.cli._where import DATA, Data, Database, url_of
 from worker.cli.login_link import ADDRESS_FILE
+from worker.kernels import jit
 from worker.processes.lifeline import Wakeup
 from worker.processes.serving import Server, Servers
 
@@ -48,6 +49,7 @@ def serve(
     ] = 1,
 ) -> None:
     """Start the service and its workers, print a login link, and stop everything on Ctrl-C."""
+    jit.refuse(jit.by_environment())
     _closed_to_others(data, database)
     url = url_of(data, database)
     with _alone(data):

@@ -34,10 +34,12 @@ def worker(
     from backend.db.private import UMASK
     from worker.catalogue.descriptor import unusable
     from worker.catalogue.files import unusable_files
+    from worker.kernels import jit
     from worker.processes.supervisor import Supervisor, default_name
 
     if check:
         raise typer.Exit(0 if _alive(data, database) else 1)
+    jit.refuse(jit.by_environment())
     evaluators.use(evaluator)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)

@@ -13,8 +13,12 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
-from numba import njit
+from numba import config, njit
 from numba.core.registry import CPUDispatcher
+
+from worker.kernels import jit
+
+jit.refuse(bool(config.DISABLE_JIT))  # type: ignore[attr-defined]
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -207,6 +207,11 @@ class System(ABC):
         return 0
 
     @property
+    def recycle(self) -> int:
+        """Calls after which a process of a slot is replaced by a fresh one; 0: never."""
+        return 0
+
+    @property
     @abstractmethod
     def digest(self) -> str:
         """Identifies everything that could change a result, except the vector, the seeds and the machine."""

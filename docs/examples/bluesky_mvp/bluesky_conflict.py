@@ -153,10 +153,9 @@ def unsuitable() -> str:
     return ""
 
 
-def answered(line: str) -> dict[str, Any]:
-    """The answer to one line: results, or an error with its reason."""
+def answered(asked: dict[str, Any]) -> dict[str, Any]:
+    """The answer to one request: results, or an error with its reason."""
     try:
-        asked = json.loads(line)
         rows: list[dict[str, float]] | None = [] if asked.get("trace") else None
         answer: dict[str, Any] = {"results": separation(asked["parameters"], rows)}
         return answer | ({"trace": {name: [row[name] for row in rows] for name in rows[0]}} if rows else {})
@@ -170,5 +169,6 @@ if __name__ == "__main__":
         wrong = wrong or initialised()
     for line in sys.stdin:
         with contextlib.redirect_stdout(sys.stderr):
-            answer = {"error": wrong} if wrong else answered(line)
-        print(json.dumps(answer), flush=True)
+            asked = json.loads(line)
+            answer = {"error": wrong} if wrong else answered(asked)
+        print(json.dumps({"id": asked.get("id"), **answer}), flush=True)

@@ -1,7 +1,8 @@
 /* A parachute drop past a mast: a program of JSON lines. Build: cc -O2 -o drop drop.c -lm
 
-   Each line of standard input is {"parameters": {"mass": 1.9, "wind": 2.0}}; each line of standard output the results,
-   or an error. With "trace": true in the line, the answer also has the trace, a row every 0.05 s. A point mass falls 100 m with drag F = 0.5 rho A C v |v - w|; the mast stands 12 m downwind. */
+   Each line of standard input is {"id": 17, "parameters": {"mass": 1.9, "wind": 2.0}}; each line of standard output the
+   results, or an error, and the same id. With "trace": true in the line, the answer also has the trace, a row every
+   0.05 s. A point mass falls 100 m with drag F = 0.5 rho A C v |v - w|; the mast stands 12 m downwind. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -21,9 +22,11 @@ static const char *columns[] = {"time", "x", "z", "descent"};
 int main(void) {
     char line[4096];
     while (fgets(line, sizeof line, stdin)) {
-        double mass, wind;
+        double id, mass, wind;
+        char same[40] = "";
+        if (number(line, "id", &id)) snprintf(same, sizeof same, "\"id\": %.0f, ", id);
         if (!number(line, "mass", &mass) || !number(line, "wind", &wind)) {
-            printf("{\"error\": \"the parameters mass and wind are expected\"}\n");
+            printf("{%s\"error\": \"the parameters mass and wind are expected\"}\n", same);
             fflush(stdout);
             continue;
         }
@@ -42,7 +45,7 @@ int main(void) {
             double distance = fabs(x - 12.0) + (z > 30.0 ? z - 30.0 : 0.0);
             if (distance < least) least = distance;
         }
-        printf("{\"results\": {\"separation\": %.17g, \"impact\": %.17g}", least, -w);
+        printf("{%s\"results\": {\"separation\": %.17g, \"impact\": %.17g}", same, least, -w);
         if (traced) {
             printf(", \"trace\": {");
             for (int column = 0; column < 4; column++) {

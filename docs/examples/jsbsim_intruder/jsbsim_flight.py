@@ -217,14 +217,19 @@ def separation(p: Mapping[str, float], trace: list[dict[str, float]] | None = No
 
 
 def answered(line: str) -> dict[str, Any]:
-    """The answer to one line: results, or an error with its reason."""
+    """The answer to one line: the id of the request, and results or an error with its reason."""
+    asked = json.loads(line)
+    return {"id": asked.get("id"), **evaluated(asked)}
+
+
+def evaluated(asked: Mapping[str, Any]) -> dict[str, Any]:
+    """Results, and their trace if it is requested, or an error."""
     if jsbsim.__version__ != VERSION:
         return {
             "error": f"jsbsim {jsbsim.__version__} is installed, and this example is written for {VERSION}: install "
             f"that version, or change VERSION in {__file__}"
         }
     try:
-        asked = json.loads(line)
         rows: list[dict[str, float]] | None = [] if asked.get("trace") else None
         answer: dict[str, Any] = {"results": separation(asked["parameters"], rows)}
         return answer | ({"trace": {name: [row[name] for row in rows] for name in rows[0]}} if rows else {})

@@ -74,7 +74,8 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
     last = len(columns.seconds) - chosen - 1
     seconds = None if last < 1 else float(columns.seconds[: last + 1].max() - columns.seconds[0]) / last
     slots, asked = max(problem.system.slots, 1), problem.campaign.simulator
-    call = call_seconds(columns, chosen, slots, 1 if asked is None else asked.calls)
+    calls = 1 if asked is None else asked.calls
+    call = call_seconds(columns, chosen, slots, calls)
     return Measured(
         points=chosen,
         evaluations=status.size,
@@ -87,6 +88,8 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
         seconds=seconds,
         call_seconds=call,
         slots=None if call is None else slots,
+        start_seconds=start_seconds(columns, chosen, slots, calls) if problem.system.slots else None,
+        recycle=problem.system.recycle or None,
         said=_said(chosen, status.size, failed, identical, declared, spread, problem.unit),
     )
 
@@ -101,6 +104,18 @@ def call_seconds(columns: Columns, chosen: int, slots: int, calls: int) -> float
         return None
     took = float(ended[chosen : 2 * chosen].max() - ended[:chosen].max())
     return took / -(-chosen * calls // slots) if took > 0.0 else None
+
+
+def start_seconds(columns: Columns, chosen: int, slots: int, calls: int) -> float | None:
+    """Time that the start of a process adds to a call [s], from the last round, in which each has a process of its own.
+
+    None where it was not measured; 0 if the last round was no slower, as where each call has its own process anyway.
+    """
+    call, ended = call_seconds(columns, chosen, slots, calls), columns.seconds
+    if call is None or len(ended) < TIMES * chosen:
+        return None
+    took = float(ended[-chosen:].max() - ended[:-chosen].max())
+    return max(took / -(-chosen * calls // slots) - call, 0.0)
 
 
 def _said(

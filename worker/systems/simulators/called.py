@@ -67,6 +67,10 @@ class Called(Simulated):
     def slots(self) -> int:
         return self.inner.slots
 
+    @property
+    def recycle(self) -> int:
+        return self.inner.recycle
+
     def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
         return gathered([self._attempt(vector) for _ in range(self.asked.calls)], self._combined)
 

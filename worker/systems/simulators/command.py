@@ -102,7 +102,7 @@ class CommandSimulator(Spread):
         words = [word.replace("{python}", sys.executable) for word in d.command]
         command = [word.replace("{folder}", str(self.described.folder)) for word in words]
         if d.protocol == "lines":
-            return Program(command, "lines", d.environment, folder)
+            return Program(command, "lines", d.environment, folder, d.ids)
         child = [sys.executable, str(files.CHILD), f"{files.__file__}:evaluate"]
         return Program(child, "framed", {**d.environment, files.COMMAND: files.packed(command)}, folder)
 

@@ -53,6 +53,10 @@ class Slotted(Simulated):
         """Processes side by side."""
 
     @property
+    def recycle(self) -> int:
+        return self._limits.recycle
+
+    @property
     @abstractmethod
     def _limits(self) -> Limits: ...
 

@@ -18,7 +18,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 
 from worker.systems.simulators.slots.outcome import Limits, Outcome, Request
-from worker.systems.simulators.slots.program import Program, TooLong
+from worker.systems.simulators.slots.program import Program, TooLong, misidentified
 from worker.systems.simulators.slots.slot import Slot
 
 AHEAD = 8
@@ -26,6 +26,7 @@ AHEAD = 8
 SHORT = 0.002
 """[s]"""
 UNASKED = "its process wrote an answer that nothing had asked for: earlier results may be those of other points"
+HARMLESS = "its process wrote an answer that nothing had asked for; no result is affected, as each has its request's id"
 NEVER = "; it has never answered: does it flush its standard output after every answer?"
 PAUSE = 0.02
 """Time from the first answer of a process of JSON lines to its second request [s]: an answer too many, which would be
@@ -49,12 +50,14 @@ class SlotPool:
         self.size = slots
         self.starts = 0
         self._jobs: dict[int, _Job] = {}
-        self._next = 0
+        self._next = 1  # 0 is what a program may send that reads no id
         self._waiting: deque[int] = deque()
         self._lock = threading.Lock()
         self._failed_starts = 0
-        self._answered = self._unasked = False
-        """Whether any process has answered, and whether one did while nothing waited for an answer."""
+        self._answered = False
+        """Whether any process has answered."""
+        self._unasked = ""
+        """What the next evaluation fails with, after an answer while nothing waited for one."""
         self._mean = 1.0
         self._stop = False
         self._ended = "cancelled"
@@ -205,6 +208,9 @@ class SlotPool:
             if not slot.ready:
                 slot.ready, slot.since, self._failed_starts = True, time.monotonic(), 0
             elif slot.waiting:
+                if slot.ids and (wrong := misidentified(message, slot.waiting[0])):
+                    self._replace(slot, wrong)
+                    return False
                 self._answer(slot, message)
                 if slot.lines and not _is_answer(message):  # the answer itself may follow, and is not the next one's
                     self._replace(slot, "retired")
@@ -212,10 +218,13 @@ class SlotPool:
         return True
 
     def _astray(self, slot: Slot, messages: Sequence[object]) -> str:
-        """Why these objects of a process of JSON lines cannot be the answers that are waited for; empty if they can."""
+        """Why these objects of a process of JSON lines cannot be the answers that are waited for; empty if they can, or
+        if nothing is waited for and they are no answers."""
         if not slot.waiting:
-            self._unasked |= any(map(_is_answer, messages))
-            return UNASKED if self._unasked else ""
+            if not any(map(_is_answer, messages)):
+                return ""
+            self._unasked = HARMLESS if slot.ids else UNASKED
+            return self._unasked
         if len(messages) <= len(slot.waiting):
             return ""
         asked = len(slot.waiting)
@@ -226,8 +235,8 @@ class SlotPool:
         with self._lock:
             job = self._waiting.popleft() if self._waiting else None
         if job is not None:
-            self._unasked = False
-            self._finish(job, Outcome("wrong answer", None, UNASKED))
+            why, self._unasked = self._unasked, ""
+            self._finish(job, Outcome("wrong answer", None, why))
 
     def _answer(self, slot: Slot, message: object) -> None:
         now = time.monotonic()

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from worker.systems.simulators.slots.outcome import Request
@@ -23,12 +23,14 @@ class Program:
 
     protocol "framed": each message is its length (4 bytes, little-endian) and JSON; the first one from the process says
     that it is ready. "lines": one JSON object a line on standard input and output; other lines are ordinary output.
+    ids: with "lines", each request has an `id`, and its answer must have the same one.
     """
 
     command: Sequence[str]
     protocol: Literal["framed", "lines"]
     environment: Mapping[str, str] = field(default_factory=dict)
     folder: str = "."
+    ids: bool = False
 
     def placed(self, slot: int) -> Program:
         """The same for one slot."""
@@ -36,11 +38,11 @@ class Program:
         def at(text: str) -> str:
             return text.replace("{slot}", str(slot))
 
-        return Program(
-            [at(word) for word in self.command],
-            self.protocol,
-            {name: at(value) for name, value in self.environment.items()},
-            at(self.folder),
+        return replace(
+            self,
+            command=[at(word) for word in self.command],
+            environment={name: at(value) for name, value in self.environment.items()},
+            folder=at(self.folder),
         )
 
 
@@ -53,6 +55,24 @@ def framed(message: Request) -> bytes:
 def line(message: Request) -> bytes:
     """A message as a line."""
     return json.dumps(message).encode() + b"\n"
+
+
+def identified(message: Request, number: int) -> Request:
+    """A request with its id, which comes first: a program that searches the text of the line finds it before any
+    parameter of that name."""
+    return {"id": number, **message}
+
+
+def misidentified(answer: object, number: int) -> str:
+    """Why an answer is not that of the request with this id; empty if it is."""
+    given = answer.get("id") if isinstance(answer, dict) else None
+    if given is None:
+        return f"its answer has no id; its descriptor states ids, so the id of the request, {number}, is expected in it"
+    if isinstance(given, bool) or given != number:
+        shown = f"{json.dumps(given):.40}" if isinstance(given, (str, int, float)) else "[...] or {...}"
+        how = "it answered twice, too late or in another order"
+        return f"its answer has the id {shown}, and the request has {number}: {how}"
+    return ""
 
 
 class TooLong(ValueError):

@@ -18,7 +18,7 @@ from collections import deque
 from pathlib import Path
 
 from worker.systems.simulators.slots.outcome import Limits, Request
-from worker.systems.simulators.slots.program import Program, framed, line, unframed, unlined
+from worker.systems.simulators.slots.program import Program, framed, identified, line, unframed, unlined
 
 LAUNCH = Path(__file__).with_name("launch.py")
 TAG = "CLEARANCE_SLOT"
@@ -36,6 +36,8 @@ class Slot:
         self.number = number
         self.tag = f"{os.getpid()}-{id(self):x}-{generation}"
         self.lines = program.protocol == "lines"
+        self.ids = self.lines and program.ids
+        """Whether a request has an id, which is the number of its job."""
         self.waiting: deque[int] = deque()
         """The jobs that it was sent and has not answered, oldest first."""
         self.since = time.monotonic()
@@ -102,6 +104,7 @@ class Slot:
         if not self.waiting:
             self.since = time.monotonic()
         self.waiting.append(job)
+        request = identified(request, job) if self.ids else request
         self._unsent += line(request) if self.lines else framed(request)
         self.flush()
 

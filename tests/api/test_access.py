@@ -62,7 +62,8 @@ def test_a_login_link_is_good_once(service: Service) -> None:
         cookie = answer.headers["set-cookie"]
         assert "HttpOnly" in cookie
         assert "SameSite=lax" in cookie
-        assert first.get("/api/v1/session").json() == {"user": "local", "via": "link"}
+        by_link = {"user": "local", "via": "link", "account": "local", "role": "admin", "scope": None}
+        assert first.get("/api/v1/session").json() == {**by_link, "has_password": False}
     with service.visitor() as second:
         answer = second.get("/login", params={"code": code})
         assert answer.status_code == 403
@@ -136,7 +137,8 @@ def test_signing_out_ends_the_session_for_good(service: Service, client: httpx.C
 def test_a_token_signs_in_and_its_use_is_noted(service: Service) -> None:
     token = service.token("ci")
     with service.visitor(authorization=f"Bearer {token}") as program:
-        assert program.get("/api/v1/session").json() == {"user": "ci", "via": "token"}
+        by_token = {"user": "ci", "via": "token", "account": "local", "role": "admin", "scope": "admin"}
+        assert program.get("/api/v1/session").json() == {**by_token, "has_password": False}
     assert until(lambda: last_used(service)) == pytest.approx(time.time(), abs=10)
 
 

@@ -38,6 +38,7 @@ SESSION_ID = 16
 """Leading digits of a session's hash by which its owner names it: they reveal nothing of the cookie."""
 
 _NAME = re.compile(r"[\w.+-]{1,64}")
+_OF_USER = (User.role, User.disabled, User.password.is_not(None).label("has_password"))
 
 
 class AccessError(ValueError):
@@ -59,6 +60,8 @@ class Visitor:
     """The account's role; a token is limited by its scope, too."""
     scope: Scope | None = field(default=None, compare=False)
     """The token's scope; None for a browser session."""
+    has_password: bool = field(default=False, compare=False)
+    """Whether the account can sign in with a password."""
 
     @property
     def sees_all(self) -> bool:
@@ -207,24 +210,24 @@ def close_sessions(connection: sa.Connection, user: str, but: str = "") -> int:
 
 def by_session(connection: sa.Connection, secret: str) -> Visitor | None:
     """The visitor to whom a session cookie belongs."""
-    columns = (Session.hash, Session.user, Session.expires, Session.via, User.role, User.disabled)
+    columns = (Session.hash, Session.user, Session.expires, Session.via, *_OF_USER)
     of = sa.select(*columns).join(User, User.name == Session.user)
     row = _found(connection, of, Session.hash, secret)
     if row is None or row.expires <= engine.now(connection) or row.disabled is not None or row.role not in ROLES:
         return None
-    return Visitor(row.user, row.via, row.hash, row.user, row.role)
+    return Visitor(row.user, row.via, row.hash, row.user, row.role, None, row.has_password)
 
 
 def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | None:
     """The visitor to whom an API token belongs, and whether its use should be recorded now."""
     columns = (Token.hash, Token.name, Token.revoked, Token.last_used, Token.owner, Token.scope, Token.expires)
-    of = sa.select(*columns, User.role, User.disabled).join(User, User.name == Token.owner)
+    of = sa.select(*columns, *_OF_USER).join(User, User.name == Token.owner)
     row, at = _found(connection, of, Token.hash, secret), engine.now(connection)
     if row is None or row.revoked is not None or row.disabled is not None:
         return None
     if (row.expires is not None and row.expires <= at) or row.role not in ROLES or row.scope not in SCOPES:
         return None
-    visitor = Visitor(row.name, "token", row.hash, row.owner, row.role, row.scope)
+    visitor = Visitor(row.name, "token", row.hash, row.owner, row.role, row.scope, row.has_password)
     return visitor, at - (row.last_used or 0.0) > USE_NOTED
 
 

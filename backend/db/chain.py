@@ -58,6 +58,7 @@ class Verified(NamedTuple):
 def verify(rows: Iterable[Mapping[str, Any]], stored: Head | None = None, noted: Head | None = None) -> Verified:
     """Verify rows in ascending order; stored: the head that the database holds; noted: one that was noted elsewhere."""
     last = Head(0, FIRST)
+    found: list[str]
     seen: str | None = FIRST if noted is not None and noted.row == 0 else None
 
     def passed() -> Iterator[Mapping[str, Any]]:
@@ -68,15 +69,17 @@ def verify(rows: Iterable[Mapping[str, Any]], stored: Head | None = None, noted:
             if noted is not None and noted.row == last.row:
                 seen = last.hash
 
-    found = list(_broken(passed()))
+    found, more = [], 0
+    for fault in _broken(passed()):
+        found, more = ([*found, fault], more) if len(found) < MOST else (found, more + 1)
+    if more:
+        found.append(f"and {more:,} more faults")
     if stored is not None and stored != last:
         found.append(_short(last, stored, "the database's own head names"))
     if noted is not None and seen is None:
         found.append(_short(last, noted, "the noted head names"))
     elif noted is not None and seen != noted.hash:
         found.append(f"row {noted.row} has another hash than the noted head: it or a row before it was changed")
-    if len(found) > MOST:
-        found[MOST:] = [f"and {len(found) - MOST} more faults"]
     return Verified(found, last)
 
 

@@ -38,14 +38,14 @@ def hashed(password: str) -> str:
 def matches(stored: str | None, password: str) -> bool:
     """Whether a password is that of the hash. Takes equally long if there is no hash: no oracle for accounts."""
     try:
-        right = _HASHER.verify(stored or _nobody(), _bytes(password[: LONGEST + 1]))
+        right = _HASHER.verify(stored or _decoy(), _bytes(password[: LONGEST + 1]))
     except (VerificationError, InvalidHashError):
         return False
     return right and stored is not None
 
 
 @cache
-def _nobody() -> str:
+def _decoy() -> str:
     """The hash that is compared where there is none."""
     return _HASHER.hash(b"")
 

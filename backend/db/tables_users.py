@@ -30,7 +30,7 @@ class Signoff(Base):
 
 
 class Draft(Base):
-    """The original text of a campaign in preparation; it may be incomplete or invalid. Any user may edit it."""
+    """The original text of a campaign in preparation; it may be incomplete or invalid. Its owner may edit it."""
 
     __tablename__ = "drafts"
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)

@@ -105,6 +105,11 @@ def invited(reader: sa.Connection, code: str) -> str | None:
     return reader.scalar(of.where(*_open(reader, code), User.disabled.is_(None)))
 
 
+def has_joined(reader: sa.Connection, name: str) -> bool:
+    """Whether a user has accepted an invitation before."""
+    return reader.scalar(sa.select(User.joined).where(User.name == name)) is not None
+
+
 def accept(writer: sa.Connection, code: str, password: str) -> str | None:
     """Use an invitation: store the (hashed) password and end the user's sessions. The user; None as for `invited`."""
     name, at = invited(writer, code), now(writer)

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Request, Response, status
 
 from backend.access.auth import CurrentVisitor
-from backend.db import access, users
+from backend.db import access
 from backend.http.deps import Engine, Reader
 from backend.http.errors import RefusedError, problems
 from backend.sessions import service
@@ -21,7 +21,7 @@ SessionId = Annotated[str, Path(pattern="^[0-9a-f]{16}$", description="The sessi
 
 
 @router.get("/session")
-def get_session(visitor: CurrentVisitor, reader: Reader) -> SessionInfo:
+async def get_session(visitor: CurrentVisitor) -> SessionInfo:
     """The user who is signed in."""
     return SessionInfo(
         user=visitor.user,
@@ -29,7 +29,7 @@ def get_session(visitor: CurrentVisitor, reader: Reader) -> SessionInfo:
         account=visitor.account,
         role=visitor.role,
         scope=visitor.scope,
-        has_password=users.password_of(reader, visitor.account) is not None,
+        has_password=visitor.has_password,
     )
 
 

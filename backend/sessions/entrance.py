@@ -5,6 +5,8 @@ No answer tells whether a name has an account: unknown names take as long, wait 
 
 from __future__ import annotations
 
+import urllib.parse
+
 from fastapi import APIRouter, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse
@@ -45,7 +47,7 @@ async def open_session(request: Request, engine: Engine, code: str = "", next: s
 async def sign_in(request: Request, engine: Engine) -> Response:
     """Sign in with name and password; after several failures there is a pause, which doubles."""
     given = await forms.fields(request)
-    name, back, browser = given.get("name", "").strip().lower()[:200], given.get("next", ""), _browser(request)
+    name, back, browser = _name(given.get("name", "")), given.get("next", ""), _browser(request)
     lockout: Lockout = request.app.state.lockout
     hashing: Hashing = request.app.state.hashing
     if hashing.full is not None:
@@ -101,9 +103,21 @@ def _signed_in(request: Request, secret: str, back: str) -> Response:
         max_age=int(access.SESSION_LIFETIME),
         httponly=True,
         samesite="lax",
-        secure=request.url.scheme == "https" or settings.public_url.startswith("https://"),
+        secure=request.url.scheme == "https" or _behind_tls(request, settings.public_url),
     )
     return response
+
+
+def _behind_tls(request: Request, public_url: str) -> bool:
+    """Whether the browser came through a proxy with TLS: by the public address, not by that of this machine."""
+    public = urllib.parse.urlsplit(public_url)
+    return public.scheme == "https" and public.netloc == request.headers.get("host", "")
+
+
+def _name(typed: str) -> str:
+    """The name as users have it; empty for what no name can be, such as null characters."""
+    name = typed.strip().lower()[:200]
+    return name if name.isprintable() else ""
 
 
 def _browser(request: Request) -> Browser:

@@ -44,10 +44,13 @@ def accept(engine: sa.Engine, code: str, password: str, browser: Browser) -> str
     """Use an invitation; the secret of a new session, None if it is not valid."""
     hashed = passwords.hashed(password)
     with engine.begin() as writer:
+        invited = users.invited(writer, code)
+        again = invited is not None and users.has_joined(writer, invited)
         name = users.accept(writer, code, hashed)
         if name is None:
             return None
-        audit.note_sign_in(writer, name, "password", "user.joined", {"address": browser.address})
+        action = "user.password_set" if again else "user.joined"
+        audit.note_sign_in(writer, name, "password", action, {"address": browser.address})
         return _opened(writer, name, "password", browser)
 
 

@@ -180,3 +180,9 @@ def test_the_command_line_verifies_and_prints_the_head(tmp_path: Path, capsys: p
     assert invoke(["audit", "verify", "--head", f"2:{'0' * 64}", *data]) == VIOLATED
     assert "another hash than the noted head" in capsys.readouterr().out
     assert invoke(["audit", "verify", "--head", "nonsense", *data]) == WRONG_INPUT
+
+
+def test_a_line_that_is_nested_too_deeply_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "x").write_text("[" * 200_000)
+    assert invoke(["audit", "verify", "--file", str(tmp_path / "x")]) == WRONG_INPUT
+    assert "line 1" in capsys.readouterr().err

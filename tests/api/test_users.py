@@ -126,6 +126,8 @@ def test_a_forgotten_password_is_replaced_by_a_link_which_ends_all_sessions(
         problem(before.get(f"{API}/session"), 401)
         assert sign_in(before, user).status_code == 403
         assert sign_in(before, user, "another good password").status_code == 303
+    done = ["user.invited", "user.joined", "session.opened", "user.link_made", "user.password_set", "session.opened"]
+    assert actions(service, user)[:6] == done
 
 
 @pytest.mark.parametrize("given", ["Ada Lovelace", "", "../x", "ada\nbea", "-ada", "é", "a" * 65, "local"])
@@ -196,6 +198,13 @@ def test_the_form_shows_no_markup_of_what_was_typed(service: Service, admin: htt
         assert "<script" not in answer.text
         assert "<script" not in client.get("/login", params={"next": '/runs?q="><script>'}).text
         assert "<script" not in client.get("/invite", params={"code": '"><script>'}).text
+
+
+@pytest.mark.parametrize("typed", ["\0", "a\0b", "\u202e", "x" * 5000, "%", "' or 1=1 --"])
+def test_a_strange_name_is_a_wrong_one(service: Service, typed: str) -> None:
+    with service.visitor() as client:
+        assert sign_in(client, typed, "x").status_code == 403
+        assert client.get("/invite", params={"code": typed}).status_code == 403
 
 
 @pytest.mark.parametrize("path", ["/login", "/invite"])
@@ -344,6 +353,14 @@ def test_changing_a_password_needs_the_current_one_and_signs_out_other_browsers(
         for _ in range(ACCOUNT.free):
             one.put(path, json={"current": "wrong", "new": "a new good password"})
         problem(one.put(path, json={"current": "wrong", "new": "a new good password"}), 429)
+
+
+def test_behind_a_proxy_with_tls_the_cookie_is_sent_over_tls_only(fresh_sqlite: Fresh, tmp_path: Path) -> None:
+    with running(fresh_sqlite, tmp_path, public_url="https://clearance.example") as service:
+        with service.visitor(host="clearance.example") as client:
+            assert "Secure" in client.get("/login", params={"code": service.login_code()}).headers["set-cookie"]
+        with service.visitor() as client:
+            assert "Secure" not in client.get("/login", params={"code": service.login_code()}).headers["set-cookie"]
 
 
 def test_no_secret_is_in_the_audit_trail_and_it_is_unbroken(service: Service, admin: httpx.Client) -> None:

@@ -50,6 +50,10 @@ PAGES = {
     "help-verdicts": ("/help", "role=heading[name=Verdicts]"),
     "help-components": ("/help/components", "#vehicle-unicycle"),
     "api": ("/docs", "#list_runs"),
+    "users": ("/access/users", "text=Names stay in the records"),
+    "tokens": ("/access/tokens", "text=There are no tokens"),
+    "sessions": ("/access/sessions", "text=this browser"),
+    "audit": ("/access/audit", "role=cell[name=session.opened]"),
 }
 """Each with its address and what is seen once it is there."""
 PARTS = {

@@ -43,6 +43,8 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "help-components": ("/help/components", ["#vehicle-unicycle", "#simulator-two_basins"]),
     "help-evidence": ("/help/evidence", ["main table"]),
     "api": ("/docs", ["#list_runs"]),
+    "users": ("/access/users", ["text=Names stay in the records"]),
+    "audit": ("/access/audit", ["role=cell[name=session.opened]"]),
 }
 """Each with its address and what is drawn once it is scrolled to."""
 GUIDES = (
@@ -55,6 +57,7 @@ GUIDES = (
     "methods",
     "evidence",
     "ci",
+    "access",
     "operation",
     "architecture",
 )

@@ -83,7 +83,7 @@ def _rows(file: Path, lines: Any) -> Iterator[dict[str, Any]]:
     for number, line in enumerate(lines, 1):
         try:
             row = json.loads(line)
-        except ValueError:
+        except (ValueError, RecursionError):
             row = None
         whole = isinstance(row, dict) and {*COVERED, "hash"} <= row.keys() and type(row["id"]) is int
         if not whole or not isinstance(row["hash"], str):

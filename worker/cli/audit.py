@@ -27,9 +27,11 @@ WORDS = {True: "agree", False: "disagree", None: "not auditable"}
 class _RunFirst(TyperGroup):
     """A group whose command `run` may be left out: `clearance audit R-0001`."""
 
+    usual = "run"
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         if args and args[0] not in self.commands and "--help" not in args[:1]:
-            args = ["run", *args]
+            args = [self.usual, *args]
         return super().parse_args(ctx, args)
 
 

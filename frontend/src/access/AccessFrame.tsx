@@ -24,7 +24,7 @@ export function AccessFrame({ title, actions, children }: AccessFrameProps) {
   useTitle(title)
   const { data } = useQuery(sessionQuery)
   return (
-    <>
+    <div className={styles.page}>
       <div className="ph">
         <div className="t">
           <h1>{title}</h1>
@@ -42,6 +42,6 @@ export function AccessFrame({ title, actions, children }: AccessFrameProps) {
         </Link>
       </nav>
       {children}
-    </>
+    </div>
   )
 }

@@ -74,8 +74,8 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
         <tbody>
           {sessions.map((session) => (
             <tr key={session.id}>
-              <td className="m">{session.user}</td>
-              <td title={session.agent}>{browserOf(session.agent)}</td>
+              <td className="m nw">{session.user}</td>
+              <td className="nw" title={session.agent}>{browserOf(session.agent)}</td>
               <td className="sec">{session.address || 'not recorded'}</td>
               <td className="sec nw" title={moment(session.created)}>
                 {when(session.created)}, by {session.via === 'link' ? 'login link' : 'password'}

@@ -86,8 +86,8 @@ function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (toke
       <tbody>
         {tokens.map((token) => (
           <tr key={token.name}>
-            <td className="m">{token.name}</td>
-            <td>{token.owner}</td>
+            <td className="m nw">{token.name}</td>
+            <td className="nw">{token.owner}</td>
             <td>{token.scope}</td>
             <td className="nw">
               <State token={token} />

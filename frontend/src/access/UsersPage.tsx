@@ -102,7 +102,7 @@ function Table({ users, onChange }: { users: readonly User[]; onChange: (user: U
 function Access({ user }: { user: User }) {
   const link = user.invited_until !== null && <span className="mut">, link valid until {moment(user.invited_until)}</span>
   if (user.state === 'disabled') return <span className="bad-t">withdrawn</span>
-  if (user.state === 'invited') return <span className="sec">{link ? <>invited{link}</> : 'invited, the link has expired'}</span>
+  if (user.state === 'invited') return <span className="sec nw">{link ? <>invited{link}</> : 'invited, the link has expired'}</span>
   return (
     <span className="sec">
       {user.has_password ? 'password' : 'login link'}

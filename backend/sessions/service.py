@@ -50,8 +50,7 @@ def accept(engine: sa.Engine, code: str, password: str, browser: Browser) -> str
         if name is None:
             return None
         action = "user.password_set" if again else "user.joined"
-        audit.note_sign_in(writer, name, "password", action, {"address": browser.address})
-        return _opened(writer, name, "password", browser)
+        return _opened(writer, name, "password", browser, action)
 
 
 def note_failure(engine: sa.Engine, name: str, failures: int, address: str) -> None:
@@ -94,7 +93,9 @@ def change_password(engine: sa.Engine, current: str | None, new: str, visitor: V
         audit.note(writer, visitor, "user.password_changed", visitor.account, {})
 
 
-def _opened(writer: sa.Connection, user: str, via: str, browser: Browser) -> str:
+def _opened(writer: sa.Connection, user: str, via: str, browser: Browser, *before: str) -> str:
+    """Open a session; before: the actions that are recorded before that one. Recording comes last, see `audit`."""
     secret = access.open_session(writer, user, via, browser.agent, browser.address)
-    audit.note_sign_in(writer, user, via, "session.opened", {"address": browser.address})
+    for action in (*before, "session.opened"):
+        audit.note_sign_in(writer, user, via, action, {"address": browser.address})
     return secret

@@ -11,8 +11,9 @@ from pathlib import Path
 import httpx
 import pytest
 import sqlalchemy as sa
+from argon2 import PasswordHasher
 
-from backend.db import access, audit, users
+from backend.db import access, audit, passwords, users
 from backend.db.engine import read
 from backend.db.tables import Audit, Invitation, Session, Token, User
 from backend.sessions.lockout import ACCOUNT, Lockout
@@ -29,9 +30,13 @@ API = "/api/v1"
 
 @pytest.fixture(scope="module")
 def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    with running(fresh_sqlite, tmp_path_factory.mktemp("users")) as service:
+    with pytest.MonkeyPatch.context() as patch, running(fresh_sqlite, tmp_path_factory.mktemp("users")) as service:
+        # Tens of passwords are hashed here; `tests/unit/test_passwords.py` tests the real cost.
+        patch.setattr(passwords, "_HASHER", PasswordHasher(time_cost=1, memory_cost=8, parallelism=1))
+        passwords._decoy.cache_clear()
         service.publish()
         yield service
+    passwords._decoy.cache_clear()
 
 
 @pytest.fixture(scope="module")

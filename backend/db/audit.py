@@ -6,7 +6,9 @@ other rows first and call `note` last, or two transactions may wait for each oth
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import contextlib
+import json
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import sqlalchemy as sa
@@ -20,7 +22,12 @@ from campaigns.documents import JsonObject
 PAGE = 1000
 """Rows that are read at a time."""
 
-_COLUMNS = tuple(getattr(Audit, name) for name in (*COVERED, "hash"))
+COLUMNS = tuple(
+    # As text: a value that was changed to what is not JSON must not prevent the others from being read.
+    sa.cast(Audit.detail, sa.Text).label("detail") if name == "detail" else getattr(Audit, name)
+    for name in (*COVERED, "hash")
+)
+"""What a row consists of; for `as_row`."""
 
 
 def note(writer: sa.Connection, visitor: Visitor, action: str, subject: str, detail: JsonObject) -> None:
@@ -52,14 +59,22 @@ def head(reader: sa.Connection) -> Head:
     return Head(0, FIRST) if row is None else Head(row.row, row.hash)
 
 
+def as_row(found: Mapping[Any, Any]) -> dict[str, Any]:
+    """A row of `COLUMNS`; a detail that is not JSON stays text, of which the hash is another one."""
+    row = dict(found)
+    with contextlib.suppress(ValueError, RecursionError, TypeError):
+        row["detail"] = json.loads(row["detail"])
+    return row
+
+
 def rows(reader: sa.Connection, until: int | None = None) -> Iterator[dict[str, Any]]:
     """All rows in ascending order, at most up to a number; a limited number of them in memory."""
     after = None
     while True:
-        of = sa.select(*_COLUMNS).order_by(Audit.id).limit(PAGE)
+        of = sa.select(*COLUMNS).order_by(Audit.id).limit(PAGE)
         of = of if after is None else of.where(Audit.id > after)
         found = reader.execute(of if until is None else of.where(Audit.id <= until)).mappings().all()
-        yield from (dict(row) for row in found)
+        yield from map(as_row, found)
         if len(found) < PAGE:
             return
         after = found[-1]["id"]

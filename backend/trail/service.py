@@ -13,6 +13,7 @@ from backend.db.engine import read
 from backend.db.tables import Audit, Token
 from backend.http.errors import RefusedError
 from backend.trail.schemas import AuditEntry, AuditPage
+from campaigns.documents import JsonObject
 
 MOST_ACTORS = 500
 
@@ -29,9 +30,9 @@ def page(reader: sa.Connection, actor: str, action: str, cursor: str | None, lim
         )
     if cursor is not None:
         filters.append(Audit.id < _number(cursor))
-    of = sa.select(Audit.__table__).where(*filters).order_by(Audit.id.desc()).limit(limit + 1)
+    of = sa.select(*audit.COLUMNS).where(*filters).order_by(Audit.id.desc()).limit(limit + 1)
     found = reader.execute(of).mappings().all()
-    items = [AuditEntry.model_validate(dict(row)) for row in found[:limit]]
+    items = [_entry(audit.as_row(row)) for row in found[:limit]]
     more = len(found) > limit
     return AuditPage(
         items=items,
@@ -55,6 +56,12 @@ def _lines(engine: sa.Engine, until: int) -> Iterator[str]:
     with read(engine) as reader:
         for row in audit.rows(reader, until):
             yield json.dumps(row, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
+
+
+def _entry(row: JsonObject) -> AuditEntry:
+    """A row; a detail that is not an object was changed, and is shown as it is."""
+    detail = row["detail"] if isinstance(row["detail"], dict) else {"unreadable": str(row["detail"])}
+    return AuditEntry.model_validate({**row, "detail": detail})
 
 
 def _number(cursor: str) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, status
+from fastapi import APIRouter, Path, Request, status
 
 from backend.access.auth import CurrentVisitor
 from backend.http.deps import Engine, Reader
@@ -24,9 +24,9 @@ def list_users(reader: Reader) -> list[User]:
 
 
 @router.post("/users", status_code=status.HTTP_201_CREATED, responses=problems("access-conflict"))
-def invite_user(given: UserInvite, engine: Engine, visitor: CurrentVisitor) -> Invitation:
+def invite_user(given: UserInvite, request: Request, engine: Engine, visitor: CurrentVisitor) -> Invitation:
     """Create a user and a single-use link, valid for three days, with which the user sets a password."""
-    return service.invite(engine, given, visitor)
+    return service.invite(engine, given, request.app.state.settings.public_url, visitor)
 
 
 @router.patch("/users/{user}", responses=problems("not-found", "access-conflict", "invalid"))
@@ -40,9 +40,9 @@ def change_user(user: UserName, given: UserChange, engine: Engine, visitor: Curr
     status_code=status.HTTP_201_CREATED,
     responses=problems("not-found", "access-conflict"),
 )
-def renew_invitation(user: UserName, engine: Engine, visitor: CurrentVisitor) -> Invitation:
+def renew_invitation(user: UserName, request: Request, engine: Engine, visitor: CurrentVisitor) -> Invitation:
     """A new link for a user to set a password; earlier unused ones become invalid."""
-    return service.renew(engine, user, visitor)
+    return service.renew(engine, user, request.app.state.settings.public_url, visitor)
 
 
 @router.get("/settings")

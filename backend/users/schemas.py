@@ -52,6 +52,8 @@ class Invitation(Schema):
     user: str
     path: str
     """The path of the link, below the address of the service."""
+    address: str | None
+    """The public address of the service from its settings; null if none is set."""
     expires: float
 
 

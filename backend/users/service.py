@@ -20,17 +20,17 @@ def listed(reader: sa.Connection) -> list[User]:
     return [_user(row) for row in users.users(reader)]
 
 
-def invite(engine: sa.Engine, given: UserInvite, visitor: Visitor) -> Invitation:
+def invite(engine: sa.Engine, given: UserInvite, public_url: str, visitor: Visitor) -> Invitation:
     """Create a user and the link; 409 if the name cannot be used."""
     with engine.begin() as writer:
         name = given.name.strip().lower()
         with _conflicts():
             code = users.invite(writer, name, given.role, visitor.account)
         audit.note(writer, visitor, "user.invited", name, {"role": given.role})
-        return _link(writer, name, code)
+        return _link(writer, name, code, public_url)
 
 
-def renew(engine: sa.Engine, name: str, visitor: Visitor) -> Invitation:
+def renew(engine: sa.Engine, name: str, public_url: str, visitor: Visitor) -> Invitation:
     """A new link for a user who lost the first one or forgot the password. 409 for a disabled user."""
     with engine.begin() as writer:
         user = _one(writer, name)
@@ -38,7 +38,7 @@ def renew(engine: sa.Engine, name: str, visitor: Visitor) -> Invitation:
             raise RefusedError(409, "access-conflict", f"the access of {name} is withdrawn: grant it again first")
         code = users.renew(writer, name, visitor.account)
         audit.note(writer, visitor, "user.link_made", name, {})
-        return _link(writer, name, code)
+        return _link(writer, name, code, public_url)
 
 
 def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor) -> User:
@@ -93,8 +93,10 @@ def _one(reader: sa.Connection, name: str) -> User:
     return found
 
 
-def _link(writer: sa.Connection, name: str, code: str) -> Invitation:
-    return Invitation(user=name, path=f"/invite?code={code}", expires=now(writer) + users.INVITATION_LIFETIME)
+def _link(writer: sa.Connection, name: str, code: str, public_url: str) -> Invitation:
+    expires = now(writer) + users.INVITATION_LIFETIME
+    address = public_url.rstrip("/") or None
+    return Invitation(user=name, path=f"/invite?code={code}", address=address, expires=expires)
 
 
 def _user(row: users.UserRow) -> User:

@@ -186,3 +186,32 @@ def test_a_line_that_is_nested_too_deeply_is_refused(tmp_path: Path, capsys: pyt
     (tmp_path / "x").write_text("[" * 200_000)
     assert invoke(["audit", "verify", "--file", str(tmp_path / "x")]) == WRONG_INPUT
     assert "line 1" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("detail = 'not JSON'", "Row 2 was changed"),
+        ("detail = '[' || replace(hex(zeroblob(60000)), '0', '[')", "Row 2 was changed"),
+        ("detail = '{\"number\": NaN}'", "Row 2 was changed"),
+        ("at = 'yesterday'", "Row 2 was changed"),
+        ("at = 9e999", "Row 2 was changed"),
+        ("user = x'ff'", "Row 2 was changed"),
+        ("user = cast(x'ff' as text)", "The trail cannot be read to its end"),
+        ("id = 7", "Row 7 was changed"),
+    ],
+)
+def test_strange_values_are_found_and_the_rest_is_read(
+    bare: Service, change: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with bare.engine.begin() as writer:
+        for i in range(2):
+            audit.note(writer, ADA, "run.edited", "R-0001", {"number": i})
+        for lift in unlocked(bare):
+            writer.exec_driver_sql(lift)
+        writer.exec_driver_sql(f"update audit set {change} where id = 2")
+    assert invoke(["audit", "verify", "--data", str(bare.settings.data)]) == VIOLATED
+    assert said in capsys.readouterr().out
+    if "JSON" in change:
+        with bare.signed_in() as admin:
+            assert admin.get(AUDIT).json()["items"][-2]["detail"] == {"unreadable": "not JSON"}

@@ -364,6 +364,9 @@ def test_behind_a_proxy_with_tls_the_cookie_is_sent_over_tls_only(fresh_sqlite: 
     with running(fresh_sqlite, tmp_path, public_url="https://clearance.example") as service:
         with service.visitor(host="clearance.example") as client:
             assert "Secure" in client.get("/login", params={"code": service.login_code()}).headers["set-cookie"]
+        with service.signed_in() as client:
+            made = client.post(f"{API}/users", json={"name": "ada", "role": "viewer"}).json()
+            assert made["address"] == "https://clearance.example"
         with service.visitor() as client:
             assert "Secure" not in client.get("/login", params={"code": service.login_code()}).headers["set-cookie"]
 

@@ -11,7 +11,7 @@ import sqlalchemy as sa
 import typer
 
 from backend.db import audit
-from backend.db.chain import COVERED, Head, Verified, head, verify
+from backend.db.chain import COVERED, FIRST, Head, Verified, head, verify
 from backend.db.engine import connect, read
 from worker.cli import VIOLATED, WrongInputError
 from worker.cli._where import DATA, Data, Database, existing_url_of
@@ -67,6 +67,8 @@ def _of_database(data: Path, database: str, noted: Head | None) -> Verified:
         with read(engine) as reader:
             _migrated(reader)
             return audit.verified(reader, noted)
+    except sa.exc.DBAPIError as error:  # such as text that is not UTF-8
+        return Verified([f"the trail cannot be read to its end: {error.orig}"], Head(0, FIRST))
     finally:
         engine.dispose()
 

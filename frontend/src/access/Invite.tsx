@@ -1,9 +1,11 @@
 // Inviting a user: name and role, then the link, which is shown only once.
 import { useMutation, useQueryClient } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { inviteUser, type Role, ROLES } from '../api/access'
 import type { Invitation } from '../client'
 import { moment } from '../format/time'
+import { isLocal } from './hosts'
 import { Secret } from './Secret'
 import styles from './access.module.css'
 
@@ -58,10 +60,21 @@ export function InviteForm({ onDone }: { onDone: () => void }) {
 }
 
 export function InvitationLink({ invitation, onDone }: { invitation: Invitation; onDone: () => void }) {
+  const link = (invitation.address ?? window.location.origin) + invitation.path
   return (
-    <Secret text={window.location.origin + invitation.path} copy="Copy the link" onDone={onDone}>
+    <Secret text={link} copy="Copy the link" onDone={onDone}>
       Send this link to {invitation.user}. It is shown only now, can be used once, and is valid until {moment(invitation.expires)}. Opening it
       asks for a password.
+      {isLocal(new URL(link).hostname) && (
+        <>
+          {' '}
+          <b>This address works only on the machine of the service.</b> For other machines see{' '}
+          <Link to="/help/guides/$name" params={{ name: 'access' }}>
+            the guide
+          </Link>
+          .
+        </>
+      )}
     </Secret>
   )
 }

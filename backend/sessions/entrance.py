@@ -1,6 +1,6 @@
 """/login and /invite: a login link, a password or an invitation opens a session and leads on to one of our own pages.
 
-No answer tells whether a name has an account: unknown names take as long, wait as long and read the same.
+No answer shows whether a name has an account: unknown names cost the same work, wait as long and read the same.
 """
 
 from __future__ import annotations
@@ -28,14 +28,15 @@ WRONG = "The name or the password is wrong."
 @router.api_route("/login", methods=["GET", "HEAD"])
 async def open_session(request: Request, engine: Engine, code: str = "", next: str = "") -> Response:  # noqa: A002
     """Use a login link, or show the form. HEAD does not use a link, because link previews send HEAD."""
-    with_passwords = await _door(request).ask(users.with_passwords)
     if not code or request.method == "HEAD":
-        return forms.sign_in(200, with_passwords, next)
+        return forms.sign_in(200, await _door(request).ask(users.with_passwords), next)
     attempts = request.app.state.attempts
     good = await attempts.good(code)
     secret = await run_in_threadpool(service.open_by_link, engine, code, _browser(request)) if good else None
     if secret is None:
         wrong = "This login link is invalid or expired"
+        # Above the rate of wrong codes nothing is read for each of them.
+        with_passwords = not attempts.over and await _door(request).ask(users.with_passwords)
         answer: Response = forms.sign_in(429 if attempts.over else 403, with_passwords, next, wrong)
         if attempts.over:
             answer.headers["Retry-After"] = "60"

@@ -176,6 +176,7 @@ def test_wrong_codes_are_bounded_in_number_and_a_good_one_is_taken_all_the_same(
         assert [a.status_code for a in answers[: BURST // 2]] == [403] * (BURST // 2)
         assert (answers[-1].status_code, answers[-1].headers["retry-after"]) == (429, "60")
         assert len([sql for sql in looked if "login_links" in sql]) < BURST + 15
+        assert len([sql for sql in looked if "users" in sql]) < BURST + 15
         assert stranger.get("/login", params={"code": code}).status_code == 303
         assert stranger.get("/api/v1/session").status_code == 200
 

@@ -11,6 +11,7 @@ from starlette.middleware import Middleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
 from backend import openapi
+from backend.access import routes
 from backend.access.auth import Guard
 from backend.access.door import Door
 from backend.cases import endpoints as cases
@@ -41,11 +42,17 @@ from backend.scenes.control.viewers import Viewers
 from backend.scenes.live.live import Live
 from backend.scenes.recordings import pages as recordings
 from backend.sessions import endpoints as sessions
+from backend.sessions import entrance
 from backend.sessions.attempts import Attempts
+from backend.sessions.hashing import Hashing
+from backend.sessions.lockout import Lockout
 from backend.settings import Settings
 from backend.signoffs import endpoints as signoffs
 from backend.sweeps import endpoints as sweeps
+from backend.tokens import endpoints as tokens
+from backend.trail import endpoints as trail
 from backend.trends import endpoints as trends
+from backend.users import endpoints as users
 from backend.webhooks import endpoints as webhooks
 from backend.webhooks.dispatcher import Dispatcher
 from backend.workers import endpoints as workers
@@ -98,6 +105,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.webhooks = Dispatcher(engine, settings.hooks, settings.public_url)
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
+    app.state.lockout, app.state.hashing = Lockout(), Hashing()
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     app.state.readers = bodies.Readers()
     app.state.turns = Turns()
@@ -105,12 +113,13 @@ def create(settings: Settings) -> FastAPI:
     errors.install(app)
     api = APIRouter(responses=errors.PROBLEMS)
     features = (health, workers, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
-    for feature in (*features, flights, cases, proposals, trends, sweeps, webhooks, views):
+    for feature in (*features, flights, cases, proposals, trends, sweeps, webhooks, views, users, tokens, trail):
         api.include_router(feature.router)
     app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
-    app.include_router(sessions.login)
+    app.include_router(entrance.router)
     app.include_router(recordings.router)  # before the viewer, whose routes match any suffix
     app.include_router(scenes.router)
     pages.serve(app, settings.pages)
+    app.state.rules = routes.of_app(app)  # refuses to start with a route that the table of rules lacks
     openapi.install(app)
     return app

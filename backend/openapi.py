@@ -16,6 +16,7 @@ from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
+from backend.access.rules import RULES, Rule
 from backend.events.schemas import NewImprovements
 from backend.http.errors import ProblemDocument, declare
 from backend.runs.schemas import RunSubmit
@@ -59,6 +60,7 @@ _LEFT_OUT = {
 _PARTIAL = frozenset(
     {
         *("RunSubmit", "SweepSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
+        *("PasswordChange", "UserInvite", "UserChange", "AccessSettingsChange", "TokenRequest"),
         *("DraftContent", "DraftReplace", "ViewChange", "LayersChange", "FlightRequest", "CaseRequest"),
     }
 )
@@ -76,7 +78,10 @@ _HOLDING = (("RunDetail", "campaign"), ("LibraryCampaign", "document"), ("Checke
 
 TAGS = [
     {"name": "service", "description": "Health"},
-    {"name": "session", "description": "Who is signed in"},
+    {"name": "session", "description": "Who is signed in, and in which browsers"},
+    {"name": "users", "description": "Users, roles, invitations, settings"},
+    {"name": "tokens", "description": "API tokens"},
+    {"name": "audit", "description": "The audit trail"},
     {"name": "catalog", "description": "Components, methods, the library of campaigns"},
     {"name": "drafts", "description": "Drafts of campaigns, as original text"},
     {"name": "runs", "description": "Submitting, listing, watching, cancelling, notes"},
@@ -91,7 +96,7 @@ TAGS = [
 ]
 HEALTH = "/api/v1/health"
 SECURITY = {
-    "session": {"type": "apiKey", "in": "cookie", "name": "clearance_PORT", "description": "Set by the login link."},
+    "session": {"type": "apiKey", "in": "cookie", "name": "clearance_PORT", "description": "Set by signing in."},
     "token": {"type": "http", "scheme": "bearer", "description": "From `clearance token create NAME`."},
 }
 
@@ -123,7 +128,7 @@ def _document(app: FastAPI) -> JsonObject:
         schemas[name]["required"] = [key for key in answered if key not in _LEFT_OUT.get(name, ())]
     for path, operations in found["paths"].items():
         for method, operation in operations.items():
-            _declare(operation, method, is_open=path == HEALTH)
+            _declare(operation, method, RULES[method.upper(), path])
     components["schemas"] = dict(sorted(schemas.items()))
     components["securitySchemes"] = SECURITY
     found["security"] = [{name: []} for name in SECURITY]
@@ -131,11 +136,14 @@ def _document(app: FastAPI) -> JsonObject:
     return found
 
 
-def _declare(operation: JsonObject, method: str, is_open: bool) -> None:
+def _declare(operation: JsonObject, method: str, rule: Rule) -> None:
     """Add the problem types that the middleware and the framework can return for any route."""
     kinds = ["bad-request", "too-long", "invalid-request", "internal", "busy", "too-many-requests"]
-    if not is_open:
+    if rule.role is not None:
         kinds.append("not-signed-in")
+        kinds += ["role-too-low"] if rule.role != "viewer" else []
+        kinds += ["scope-too-narrow"] if rule.scope != "read" else []
+        kinds += ["not-yours"] if rule.own and rule.role != "viewer" else []
     if method != "get":
         kinds += ["foreign-origin", "too-large"]
     for kind in kinds:

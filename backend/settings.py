@@ -68,9 +68,9 @@ class Settings(BaseModel):
     def _loopback(self) -> Settings:
         if not self.allow_any_host and not _is_loopback(self.host):
             raise ValueError(
-                f"refusing to listen on {self.host!r}: only the loopback address is allowed, because there are no "
-                f"accounts yet; set {PREFIX}ALLOW_ANY_HOST=true if a proxy in front blocks "
-                f"unauthenticated clients, as the compose file does"
+                f"refusing to listen on {self.host!r}: only the loopback address is allowed, because the service does "
+                f"not encrypt passwords and cookies; set {PREFIX}ALLOW_ANY_HOST=true behind a proxy with TLS, or where "
+                f"the port is published on loopback only, as the compose file does"
             )
         return self
 

@@ -1,4 +1,4 @@
-"""Authorisation: only health, the login link and the pages' static files are accessible without authentication.
+"""Authorisation: who may call which route, by the table in `backend.access.rules`.
 
 A browser authenticates with a session cookie, a program with `Authorization: Bearer` (RFC 6750). Writes and sockets
 must come from the service's own pages (RFC 6454, Origin). Start reading at `Guard`.
@@ -17,12 +17,14 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from backend.access.door import Door
+from backend.access.routes import Rules
+from backend.access.rules import Rule
+from backend.db import users
 from backend.db.access import Visitor
-from backend.http import pages
+from backend.db.roles import has_role, has_scope
+from backend.http import forms, pages
 from backend.http.errors import RefusedError, respond
 
-OPEN = frozenset({"/api/v1/health", "/login", "/favicon.ico", "/favicon.svg"})
-OPEN_FOLDERS = ("/assets/",)
 SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
@@ -35,12 +37,17 @@ class Guard:
         self._open: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] not in ("http", "websocket") or _is_open(scope["path"]):
+        if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
-        connection = HTTPConnection(scope)
+        rules: Rules = scope["app"].state.rules
+        connection, rule = HTTPConnection(scope), rules.of(scope)
+        if rule.role is None:
+            foreign = _foreign(scope, connection.headers, required=False)
+            await (self.app if foreign is None else respond(foreign, scope["path"]))(scope, receive, send)
+            return
         visitor = await self.door.visitor(connection)
-        refused = _refusal(scope, connection.headers, visitor) or self._too_many(visitor)
+        refused = _refusal(scope, connection.headers, visitor, rule) or self._too_many(visitor)
         if refused is None and visitor is not None:
             scope.setdefault("state", {}).update(visitor=visitor, still=partial(self.door.still, connection))
             await self._let_in(visitor, scope, receive, send)
@@ -50,7 +57,8 @@ class Guard:
             await receive()  # the handshake; closing before accepting it responds with 403
             await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
         elif refused.status == 401 and pages.wants_page(connection.headers):
-            await pages.sign_in(401)(scope, receive, send)
+            passwords = await self.door.ask(users.with_passwords)
+            await forms.sign_in(401, passwords, forms.address_of(scope))(scope, receive, send)
         else:
             await respond(refused, scope["path"])(scope, receive, send)
 
@@ -70,27 +78,47 @@ class Guard:
         return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": "1"})
 
 
-def _is_open(path: str) -> bool:
-    return path in OPEN or path.startswith(OPEN_FOLDERS)
-
-
-def _refusal(scope: Scope, headers: Headers, visitor: Visitor | None) -> RefusedError | None:
+def _refusal(scope: Scope, headers: Headers, visitor: Visitor | None, rule: Rule) -> RefusedError | None:
     if visitor is None:
         detail = (
             "sign in first: open the login link that `clearance serve` printed (a new one: `clearance login-link`), "
-            "or send an API token as `Authorization: Bearer TOKEN` (`clearance token create NAME`)"
+            "sign in with your password at /login, or send an API token as `Authorization: Bearer TOKEN` "
+            "(`clearance token create NAME`)"
         )
         return RefusedError(401, "not-signed-in", detail, headers={"WWW-Authenticate": 'Bearer realm="clearance"'})
-    socket = scope["type"] == "websocket"
-    if (socket or scope["method"] not in SAFE) and not _from_our_pages(
-        headers, required=socket and visitor.via == "link"
-    ):
+    required = scope["type"] == "websocket" and visitor.via != "token"
+    return _foreign(scope, headers, required) or forbidden(visitor, rule)
+
+
+def forbidden(visitor: Visitor, rule: Rule) -> RefusedError | None:
+    """The reason why the rule does not permit a visitor's request: the role, or the token's scope."""
+    if rule.role is not None and not has_role(visitor.role, rule.role):
         detail = (
-            f"the request comes from {headers.get('origin', 'no Origin')!r}, not from a page of "
-            f"{headers.get('host', '')!r}: writes and sockets are accepted from the service's own pages only"
+            f"this needs the role {rule.role}, and {visitor.account} has the role {visitor.role}: "
+            "an administrator can change it"
         )
-        return RefusedError(403, "foreign-origin", detail)
+        return RefusedError(403, "role-too-low", detail)
+    if visitor.scope is None:
+        return None
+    if rule.scope is None:
+        return RefusedError(403, "scope-too-narrow", "API tokens cannot do this: sign in with a browser")
+    if not has_scope(visitor.scope, rule.scope):
+        detail = (
+            f"this needs a token with the scope {rule.scope}, and the token {visitor.user!r} has the scope "
+            f"{visitor.scope}: use another token"
+        )
+        return RefusedError(403, "scope-too-narrow", detail)
     return None
+
+
+def _foreign(scope: Scope, headers: Headers, required: bool) -> RefusedError | None:
+    if (scope["type"] != "websocket" and scope["method"] in SAFE) or _from_our_pages(headers, required):
+        return None
+    detail = (
+        f"the request comes from {headers.get('origin', 'no Origin')!r}, not from a page of "
+        f"{headers.get('host', '')!r}: writes and sockets are accepted from the service's own pages only"
+    )
+    return RefusedError(403, "foreign-origin", detail)
 
 
 def _from_our_pages(headers: Headers, required: bool) -> bool:

@@ -1,7 +1,7 @@
 """API tokens, login links and sessions as rows: only the SHA-256 of a secret is stored; the secret is shown once.
 
 A secret has 256 random bits, so a plain hash is sufficient (OWASP Session Management Cheat Sheet, entropy), and looking
-up a hash leaks nothing about the secret.
+up a hash leaks nothing about the secret. Roles are read with every request: a change applies at once.
 """
 
 from __future__ import annotations
@@ -16,7 +16,11 @@ from typing import Any, Literal
 import sqlalchemy as sa
 
 from backend.db import engine
-from backend.db.tables import LoginLink, Session, Token
+from backend.db.roles import ROLES, SCOPES, Role, Scope, has_scope, widest
+from backend.db.tables import LoginLink, Session, Token, User
+
+LOCAL = "local"
+"""The user of every login link: an administrator from the first start, because a link is made on the machine itself."""
 
 TOKEN_PREFIX = "clr_"
 """Prefix of every API token, so that a token that leaked into a file can be found by searching."""
@@ -30,7 +34,11 @@ SESSION_LIFETIME = 14 * 24 * 3600.0
 USE_NOTED = 60.0
 """The time of a token's last use is written at most this often [s]."""
 
+SESSION_ID = 16
+"""Leading digits of a session's hash by which its owner names it: they reveal nothing of the cookie."""
+
 _NAME = re.compile(r"[\w.+-]{1,64}")
+_OF_USER = (User.role, User.disabled, User.password.is_not(None).label("has_password"))
 
 
 class AccessError(ValueError):
@@ -42,32 +50,92 @@ class Visitor:
     """The user behind a request, and how they authenticated."""
 
     user: str
-    via: Literal["link", "token"]
+    """What records name: the user, or the token's name."""
+    via: Literal["link", "password", "token"]
     key: str = field(default="", compare=False, repr=False)
     """Identifies the browser session or the token: its stored hash."""
+    account: str = LOCAL
+    """The user, or the token's owner."""
+    role: Role = field(default="viewer", compare=False)
+    """The account's role; a token is limited by its scope, too."""
+    scope: Scope | None = field(default=None, compare=False)
+    """The token's scope; None for a browser session."""
+    has_password: bool = field(default=False, compare=False)
+    """Whether the account can sign in with a password."""
+
+    @property
+    def sees_all(self) -> bool:
+        """Whether what belongs to other users is theirs to change."""
+        return self.role == "admin" and self.scope in (None, "admin")
+
+
+@dataclass(frozen=True)
+class TokenInfo:
+    """An API token without its secret; times in seconds since 1970."""
+
+    name: str
+    owner: str
+    scope: str
+    created: float
+    expires: float | None
+    last_used: float | None
+    revoked: float | None
+
+
+@dataclass(frozen=True)
+class SessionRow:
+    """An open browser session without its secret."""
+
+    id: str
+    user: str
+    via: str
+    created: float
+    expires: float
+    agent: str
+    address: str
 
 
 def hashed(secret: str) -> str:
     """The stored form of a token, a login code or a session cookie: SHA-256, 64 hexadecimal digits."""
-    return hashlib.sha256(secret.encode()).hexdigest()
+    return hashlib.sha256(secret.encode("utf-8", "surrogatepass")).hexdigest()
 
 
-def create_token(connection: sa.Connection, name: str) -> str:
-    """Create an API token under a new name and return it; it cannot be read again later."""
+def create_token(
+    connection: sa.Connection,
+    name: str,
+    owner: str = LOCAL,
+    scope: Scope = "admin",
+    lifetime: float | None = None,
+) -> str:
+    """Create an API token under a new name and return it; it cannot be read again later. lifetime: [s], None: no end.
+
+    Raises `AccessError` if the name is taken, also by a user, and if the scope is wider than the owner's role.
+    """
     if not _NAME.fullmatch(name):
         raise AccessError(f"the name {name!r} is invalid: use 1 to 64 letters, digits and . _ + -, no spaces")
-    if connection.scalar(sa.select(Token.id).where(Token.name == name)) is not None:
+    lower = name.lower()
+    if connection.scalar(sa.select(Token.id).where(sa.func.lower(Token.name) == lower)) is not None:
         raise AccessError(f"a token named {name!r} exists or existed; choose another name")
-    secret = TOKEN_PREFIX + secrets.token_urlsafe(32)
-    values = {"name": name, "hash": hashed(secret), "created": engine.now(connection)}
+    if connection.scalar(sa.select(User.name).where(User.name == lower)) is not None:
+        raise AccessError(f"{name!r} is the name of a user; choose another name, such as {name[:60]}-ci")
+    role = connection.scalar(sa.select(User.role).where(User.name == owner, User.disabled.is_(None)))
+    if role not in ROLES:
+        raise AccessError(f"there is no active user {owner!r} to own the token")
+    if not has_scope(widest(role), scope):
+        raise AccessError(f"the scope {scope} is wider than the role {role} of {owner!r}: give {widest(role)} or less")
+    secret, created = TOKEN_PREFIX + secrets.token_urlsafe(32), engine.now(connection)
+    values = {"name": name, "hash": hashed(secret), "created": created, "owner": owner, "scope": scope}
+    values["expires"] = None if lifetime is None else created + lifetime
     connection.execute(sa.insert(Token).values(**values))
     return secret
 
 
-def tokens(connection: sa.Connection) -> list[sa.Row[tuple[str, float, float | None, float | None]]]:
-    """Name, created, last used and revoked [s since 1970] of every token, oldest first."""
-    columns = (Token.name, Token.created, Token.last_used, Token.revoked)
-    return list(connection.execute(sa.select(*columns).order_by(Token.id)))
+def tokens(connection: sa.Connection, owner: str | None = None) -> list[TokenInfo]:
+    """The tokens of a user, or all, oldest first."""
+    columns = (Token.name, Token.owner, Token.scope, Token.created, Token.expires, Token.last_used, Token.revoked)
+    of = sa.select(*columns).order_by(Token.id)
+    rows = connection.execute(of if owner is None else of.where(Token.owner == owner))
+    return [TokenInfo(**row._mapping) for row in rows]
 
 
 def revoke_token(connection: sa.Connection, name: str) -> None:
@@ -75,6 +143,11 @@ def revoke_token(connection: sa.Connection, name: str) -> None:
     known = sa.update(Token).where(Token.name == name)
     if connection.execute(known.values(revoked=sa.func.coalesce(Token.revoked, engine.now(connection)))).rowcount == 0:
         raise AccessError(f"there is no token named {name!r}; `clearance token list` lists all tokens")
+
+
+def account_of(reader: sa.Connection, name: str) -> str:
+    """The account behind a name in a record: a token's owner, otherwise the name itself."""
+    return reader.scalar(sa.select(Token.owner).where(Token.name == name)) or name
 
 
 def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME) -> str:
@@ -94,42 +167,79 @@ def valid_codes(connection: sa.Connection) -> frozenset[str]:
     return frozenset(connection.scalars(sa.select(LoginLink.hash).where(*good)))
 
 
-def open_session(connection: sa.Connection, code: str, user: str) -> str | None:
-    """Use a login code; returns the secret of a new session, or None if the code is wrong, used or expired."""
+def use_login_code(connection: sa.Connection, code: str) -> bool:
+    """Use a login code; false if it is wrong, used or expired."""
     at = engine.now(connection)
     good = (LoginLink.hash == hashed(code), LoginLink.used.is_(None), LoginLink.expires > at)
-    if connection.execute(sa.update(LoginLink).where(*good).values(used=at)).rowcount != 1:
-        return None
-    secret = secrets.token_urlsafe(32)
+    return connection.execute(sa.update(LoginLink).where(*good).values(used=at)).rowcount == 1
+
+
+def open_session(connection: sa.Connection, user: str, via: str, agent: str = "", address: str = "") -> str:
+    """Open a browser session; returns its secret."""
+    secret, at = secrets.token_urlsafe(32), engine.now(connection)
     connection.execute(sa.delete(Session).where(Session.expires < at))
     values = {"hash": hashed(secret), "user": user, "created": at, "expires": at + SESSION_LIFETIME}
+    values |= {"via": via, "agent": agent[:200], "address": address[:64]}
     connection.execute(sa.insert(Session).values(**values))
     return secret
 
 
-def close_session(connection: sa.Connection, secret: str) -> None:
-    """Sign a browser out."""
-    connection.execute(sa.delete(Session).where(Session.hash == hashed(secret)))
+def sessions(reader: sa.Connection, user: str | None = None) -> list[SessionRow]:
+    """The open sessions of a user, or all, newest first."""
+    of = sa.select(Session.__table__).where(Session.expires > engine.now(reader)).order_by(Session.created.desc())
+    found = reader.execute(of if user is None else of.where(Session.user == user)).mappings()
+    names = ("user", "via", "created", "expires", "agent", "address")
+    return [SessionRow(row["hash"][:SESSION_ID], **{name: row[name] for name in names}) for row in found]
+
+
+def close_session(connection: sa.Connection, secret: str) -> str | None:
+    """Sign a browser out; returns the user of the session, None if there was none."""
+    return _closed(connection, Session.hash == hashed(secret))
+
+
+def revoke_session(connection: sa.Connection, session_id: str, user: str | None) -> str | None:
+    """Close the session of this id, of this user or of any; returns its user, None if there is none."""
+    mine = () if user is None else (Session.user == user,)
+    return _closed(connection, sa.func.substr(Session.hash, 1, SESSION_ID) == session_id, *mine)
+
+
+def close_sessions(connection: sa.Connection, user: str, but: str = "") -> int:
+    """Close all sessions of a user but the one of this hash; returns how many."""
+    return connection.execute(sa.delete(Session).where(Session.user == user, Session.hash != but)).rowcount
 
 
 def by_session(connection: sa.Connection, secret: str) -> Visitor | None:
     """The visitor to whom a session cookie belongs."""
-    row = _found(connection, sa.select(Session.hash, Session.user, Session.expires), Session.hash, secret)
-    return Visitor(row.user, "link", row.hash) if row is not None and row.expires > engine.now(connection) else None
+    columns = (Session.hash, Session.user, Session.expires, Session.via, *_OF_USER)
+    of = sa.select(*columns).join(User, User.name == Session.user)
+    row = _found(connection, of, Session.hash, secret)
+    if row is None or row.expires <= engine.now(connection) or row.disabled is not None or row.role not in ROLES:
+        return None
+    return Visitor(row.user, row.via, row.hash, row.user, row.role, None, row.has_password)
 
 
 def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | None:
     """The visitor to whom an API token belongs, and whether its use should be recorded now."""
-    columns = (Token.hash, Token.name, Token.revoked, Token.last_used)
-    row = _found(connection, sa.select(*columns), Token.hash, secret)
-    if row is None or row.revoked is not None:
+    columns = (Token.hash, Token.name, Token.revoked, Token.last_used, Token.owner, Token.scope, Token.expires)
+    of = sa.select(*columns, *_OF_USER).join(User, User.name == Token.owner)
+    row, at = _found(connection, of, Token.hash, secret), engine.now(connection)
+    if row is None or row.revoked is not None or row.disabled is not None:
         return None
-    return Visitor(row.name, "token", row.hash), engine.now(connection) - (row.last_used or 0.0) > USE_NOTED
+    if (row.expires is not None and row.expires <= at) or row.role not in ROLES or row.scope not in SCOPES:
+        return None
+    visitor = Visitor(row.name, "token", row.hash, row.owner, row.role, row.scope, row.has_password)
+    return visitor, at - (row.last_used or 0.0) > USE_NOTED
 
 
 def note_use(connection: sa.Connection, name: str) -> None:
     """Record the time of a token's last use."""
     connection.execute(sa.update(Token).where(Token.name == name).values(last_used=engine.now(connection)))
+
+
+def _closed(connection: sa.Connection, *which: sa.ColumnElement[bool]) -> str | None:
+    user = connection.scalar(sa.select(Session.user).where(*which))
+    connection.execute(sa.delete(Session).where(*which))
+    return user
 
 
 def _found(connection: sa.Connection, query: Any, column: Any, secret: str) -> Any:

@@ -1,13 +1,33 @@
-"""The audit trail: who did what to which run, and when. Rows are only added, never changed."""
+"""The audit trail: who did what, and when. Rows are only added, each with the hash of the one before it.
+
+Writers take turns at the row of `AuditHead` until they commit. On PostgreSQL a transaction must therefore lock all
+other rows first and call `note` last, or two transactions may wait for each other. Start reading at `note`.
+"""
 
 from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import sqlalchemy as sa
 
 from backend.db.access import Visitor
+from backend.db.chain import COVERED, FIRST, Head, Verified, digest, verify
 from backend.db.engine import now
-from backend.db.tables import Audit
+from backend.db.tables import Audit, AuditHead
 from campaigns.documents import JsonObject
+
+PAGE = 1000
+"""Rows that are read at a time."""
+
+COLUMNS = tuple(
+    # As text: a value that was changed to what is not JSON must not prevent the others from being read.
+    sa.cast(Audit.detail, sa.Text).label("detail") if name == "detail" else getattr(Audit, name)
+    for name in (*COVERED, "hash")
+)
+"""What a row consists of; for `as_row`."""
 
 
 def note(writer: sa.Connection, visitor: Visitor, action: str, subject: str, detail: JsonObject) -> None:
@@ -20,5 +40,55 @@ def note_command(writer: sa.Connection, user: str, action: str, subject: str, de
     _write(writer, action, subject, detail, {"user": user[:64], "via": "cli"})
 
 
+def note_unchained(writer: sa.Connection, user: str, action: str, subject: str, detail: JsonObject) -> None:
+    """The same in migrations up to 0017: the next one adds the chain."""
+    names = ("at", "user", "via", "action", "subject")
+    table = sa.table("audit", *map(sa.column, names), sa.column("detail", sa.JSON()))
+    values = (now(writer), user[:64], "cli", action, subject)
+    writer.execute(sa.insert(table).values(detail=detail, **dict(zip(names, values, strict=True))))
+
+
+def note_sign_in(writer: sa.Connection, user: str, via: str, action: str, detail: JsonObject) -> None:
+    """Record an action of a user who is not yet signed in."""
+    _write(writer, action, user, detail, {"user": user[:64], "via": via})
+
+
+def head(reader: sa.Connection) -> Head:
+    """The head of the trail, as the database holds it."""
+    row = reader.execute(sa.select(AuditHead.row, AuditHead.hash)).one_or_none()
+    return Head(0, FIRST) if row is None else Head(row.row, row.hash)
+
+
+def as_row(found: Mapping[Any, Any]) -> dict[str, Any]:
+    """A row of `COLUMNS`; a detail that is not JSON stays text, of which the hash is another one."""
+    row = dict(found)
+    with contextlib.suppress(ValueError, RecursionError, TypeError):
+        row["detail"] = json.loads(row["detail"])
+    return row
+
+
+def rows(reader: sa.Connection, until: int | None = None) -> Iterator[dict[str, Any]]:
+    """All rows in ascending order, at most up to a number; a limited number of them in memory."""
+    after = None
+    while True:
+        of = sa.select(*COLUMNS).order_by(Audit.id).limit(PAGE)
+        of = of if after is None else of.where(Audit.id > after)
+        found = reader.execute(of if until is None else of.where(Audit.id <= until)).mappings().all()
+        yield from map(as_row, found)
+        if len(found) < PAGE:
+            return
+        after = found[-1]["id"]
+
+
+def verified(reader: sa.Connection, noted: Head | None = None) -> Verified:
+    """The faults of the whole trail; none: it is unbroken, up to what `backend.db.chain` states."""
+    return verify(rows(reader), head(reader), noted)
+
+
 def _write(writer: sa.Connection, action: str, subject: str, detail: JsonObject, who: dict[str, str]) -> None:
-    writer.execute(sa.insert(Audit).values(at=now(writer), action=action, subject=subject, detail=detail, **who))
+    row, hash_ = writer.execute(sa.select(AuditHead.row, AuditHead.hash).with_for_update()).one()
+    values = {"id": row + 1, "at": now(writer), "action": action, "subject": subject[:80], "detail": detail, **who}
+    values["previous"] = hash_
+    values["hash"] = digest(values)
+    writer.execute(sa.insert(Audit).values(**values))
+    writer.execute(sa.update(AuditHead).values(row=values["id"], hash=values["hash"]))

@@ -36,4 +36,6 @@ def bind_again(writer: sa.Connection, run_id: int, before: str, after: str, by: 
     for signoff_id in writer.scalars(sa.select(Signoff.id).where(*mine)).all():
         writer.execute(sa.update(Signoff).where(Signoff.id == signoff_id).values(digest=after))
         detail = {"signoff": signoff_id, "before": before, "after": after}
-        audit.note_command(writer, by, "signoff.bound", run_name(run_id), detail)
+        chained = sa.inspect(writer).has_table("audit_head")
+        note = audit.note_command if chained else audit.note_unchained
+        note(writer, by, "signoff.bound", run_name(run_id), detail)

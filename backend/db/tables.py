@@ -12,9 +12,12 @@ import sqlalchemy as sa
 from sqlalchemy import orm
 
 from backend.db.base import Base as Base
+from backend.db.tables_access import Invitation as Invitation
 from backend.db.tables_access import LoginLink as LoginLink
+from backend.db.tables_access import ServiceSetting as ServiceSetting
 from backend.db.tables_access import Session as Session
 from backend.db.tables_access import Token as Token
+from backend.db.tables_access import User as User
 from backend.db.tables_installed import CatalogueDocument as CatalogueDocument
 from backend.db.tables_installed import CatalogueSnapshot as CatalogueSnapshot
 from backend.db.tables_installed import CodeVersion as CodeVersion
@@ -24,6 +27,7 @@ from backend.db.tables_labels import RunLabel as RunLabel
 from backend.db.tables_sweeps import Sweep as Sweep
 from backend.db.tables_sweeps import SweepRun as SweepRun
 from backend.db.tables_users import Audit as Audit
+from backend.db.tables_users import AuditHead as AuditHead
 from backend.db.tables_users import Draft as Draft
 from backend.db.tables_users import Signoff as Signoff
 from backend.db.tables_webhooks import WebhookDelivery as WebhookDelivery

@@ -30,7 +30,7 @@ class Signoff(Base):
 
 
 class Draft(Base):
-    """The original text of a campaign in preparation; it may be incomplete or invalid. Any user may edit it."""
+    """The original text of a campaign in preparation; it may be incomplete or invalid. Its owner may edit it."""
 
     __tablename__ = "drafts"
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
@@ -52,13 +52,28 @@ class Draft(Base):
 
 
 class Audit(Base):
-    """Who did what, and when; see `backend.db.audit`."""
+    """Who did what, and when; append-only, and each row holds the hash of the one before; see `backend.db.audit`."""
 
     __tablename__ = "audit"
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
+    """Consecutive, from 1."""
     at: orm.Mapped[float] = orm.mapped_column(index=True)
     user: orm.Mapped[str] = orm.mapped_column(sa.String(64))
     via: orm.Mapped[str] = orm.mapped_column(sa.String(12))
-    action: orm.Mapped[str] = orm.mapped_column(sa.String(40))
+    action: orm.Mapped[str] = orm.mapped_column(sa.String(40), index=True)
     subject: orm.Mapped[str] = orm.mapped_column(sa.String(80), index=True)
     detail: orm.Mapped[JsonObject]
+    previous: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    hash: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    """SHA-256 of all other columns as canonical JSON; see `backend.db.chain`."""
+
+
+class AuditHead(Base):
+    """The newest row of the audit trail, in one row: writers lock it, and it shows that rows at the end are missing."""
+
+    __tablename__ = "audit_head"
+    id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=False)
+    """Always 1."""
+    row: orm.Mapped[int]
+    """0 in an empty trail."""
+    hash: orm.Mapped[str] = orm.mapped_column(sa.String(64))

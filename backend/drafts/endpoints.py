@@ -49,5 +49,5 @@ def delete_draft(
     visitor: CurrentVisitor,
     version: Annotated[Number32 | None, Query(description="Delete only if this is the newest version.")] = None,
 ) -> None:
-    """Delete a draft of any user; the deletion is recorded in the audit trail."""
+    """Delete a draft; the deletion is recorded in the audit trail."""
     service.delete(engine, service.number(draft), version, visitor)

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 import sqlalchemy as sa
 
+from backend.access.own import require_own
 from backend.db import audit
 from backend.db.access import Visitor
 from backend.db.engine import now
@@ -68,9 +69,15 @@ def create(engine: sa.Engine, given: DraftContent, visitor: Visitor) -> Draft:
 
 
 def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visitor) -> Draft:
-    """Save a draft over the named version; 409 if another version was saved since, 404 if there is no such draft."""
+    """Save a draft over the named version.
+
+    404 if there is no such draft, 403 if it is another user's, 409 if another version was saved since.
+    """
     values: JsonObject = given.model_dump(exclude={"version", "run"})
     with engine.begin() as writer:
+        owner = writer.scalar(sa.select(Row.owner).where(Row.id == draft_id))
+        if owner is not None:
+            require_own(writer, visitor, owner, name(draft_id))
         if given.run is not None:
             values["run_id"] = _run(writer, given.run)
         values |= {"version": given.version + 1, "saved": now(writer), "saved_by": visitor.user}
@@ -81,9 +88,10 @@ def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visi
 
 
 def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visitor) -> None:
-    """Delete a draft; 404 if there is none, 409 if `version` is given and is not the newest."""
+    """Delete a draft; 404 if there is none, 403 if it is another user's, 409 if `version` is not the newest."""
     with engine.begin() as writer:
         draft = one(writer, draft_id)
+        require_own(writer, visitor, draft.owner, draft.id)
         if version is not None and version != draft.version:
             raise _conflict(draft, version)
         writer.execute(sa.delete(Row).where(Row.id == draft_id))

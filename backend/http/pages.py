@@ -24,9 +24,16 @@ _STYLE = (
     "header{display:flex;align-items:center;gap:9px;margin-bottom:24px;font-weight:600}"
     "h1{font-size:20px;line-height:28px;margin:0 0 8px}p{margin:0 0 12px;color:#435061}p:last-child{margin:0}"
     "code{font:12.5px ui-monospace,monospace;color:#15202b;background:#f1f3f6;padding:2px 5px;border-radius:4px}"
+    "form{display:grid;gap:4px;margin:0 0 20px}label{font-weight:500;margin-top:8px}"
+    "input{font:inherit;color:inherit;background:#fff;border:1px solid #7b8794;border-radius:6px;padding:7px 10px}"
+    "button{font:inherit;font-weight:600;color:#fff;background:#15202b;border:0;border-radius:6px;padding:9px 14px;"
+    "margin-top:14px;cursor:pointer}:is(input,button,a):focus-visible{outline:2px solid #0072b2;outline-offset:2px}"
+    "a{color:#005a8f}b{color:#15202b}.wrong{color:#a3330a;font-weight:500}"
     "@media(max-width:600px){main{padding:20px}}"
     "@media(prefers-color-scheme:dark){body{color:#e7ecf2;background:#0d1115}"
-    "main{background:#14191f;border-color:#28313a}p{color:#b0bbc7}code{color:#e7ecf2;background:#1a2027}}"
+    "main{background:#14191f;border-color:#28313a}p{color:#b0bbc7}code{color:#e7ecf2;background:#1a2027}"
+    "input{background:#0d1115;border-color:#6b7783}button{color:#0d1115;background:#e7ecf2}a{color:#56b4e9}"
+    "b{color:#e7ecf2}.wrong{color:#ff9466}}"
 )
 _BRAND = (
     '<header><svg viewBox="0 0 24 24" width="22" height="22" fill="none" aria-hidden="true">'
@@ -99,14 +106,3 @@ def plain(title: str, body: str, status: int) -> HTMLResponse:
         f"<body><main>{_BRAND}<h1>{html.escape(title)}</h1>{body}</main></body></html>"
     )
     return HTMLResponse(text, status)
-
-
-def sign_in(status: int, why: str = "Sign in to Clearance") -> HTMLResponse:
-    """The page shown without a session or with an invalid login link."""
-    body = (
-        "<p>Open the login link that the service printed when it started: look at the output of "
-        "<code>clearance serve</code> or <code>make run</code>, or at the container's log.</p>"
-        "<p>Each link is single-use, expires after 15 minutes, and is replaced by a newer link. "
-        "For a new link run <code>clearance login-link</code>.</p>"
-    )
-    return plain(why, body, status)

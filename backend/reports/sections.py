@@ -287,7 +287,8 @@ def signoffs(held: Held) -> list[Row]:
 def _standing(signoff: Signoff) -> str:
     if signoff.withdrawn is not None:
         return f"withdrawn {words.moment(signoff.withdrawn)} by {signoff.withdrawn_by}: {signoff.withdrawn_reason}"
-    return "of these results" if signoff.current else "of earlier results, which have changed since"
+    said = "of these results" if signoff.current else "of earlier results, which have changed since"
+    return f"{said}, by the user who launched the run" if signoff.own else said
 
 
 def components(held: Held) -> dict[str, str]:

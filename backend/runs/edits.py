@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import sqlalchemy as sa
 
+from backend.access.own import require_own
 from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.engine import read
@@ -22,8 +23,8 @@ from campaigns.runs import run_name
 
 
 def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> None:
-    """Change the given fields. 404 if there is no such run, 422 if no field is given, 409 if the notes have changed
-    or the run is removed.
+    """Change the given fields. 404 if there is no such run, 403 if it is another user's, 422 if no field is given, 409
+    if the notes have changed or the run is removed.
     """
     values = given.model_dump(exclude_unset=True, exclude={"notes_before"})
     empty = [key for key, value in values.items() if value is None]
@@ -34,6 +35,9 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> No
         values["tags"] = list(dict.fromkeys(given.tags))
     with engine.begin() as writer:
         refuse_removed(writer, run_id)
+        owner = writer.scalar(sa.select(Run.owner).where(Run.id == run_id))
+        if owner is not None:
+            require_own(writer, visitor, owner, run_name(run_id))
         if given.notes is not None and given.notes_before is not None:
             _unchanged(writer, run_id, given.notes_before)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
@@ -59,14 +63,20 @@ def _audited(values: JsonObject) -> JsonObject:
 
 
 def cancel(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[RunSummary]:
-    """Cancel several runs; those that have ended are unchanged. 404 if one does not exist; then none is cancelled."""
+    """Cancel several runs; those that have ended are unchanged.
+
+    404 if one does not exist, 403 if one is another user's; then none is cancelled.
+    """
     with engine.begin() as writer:
-        known = set(writer.scalars(sa.select(Run.id).where(Run.id.in_(run_ids))))
+        owners = dict(writer.execute(sa.select(Run.id, Run.owner).where(Run.id.in_(run_ids))).all())
+        states = []
         for run_id in run_ids:
-            if run_id not in known:
+            if run_id not in owners:
                 raise not_found("run", run_name(run_id))
+            require_own(writer, visitor, owners[run_id], run_name(run_id))
             refuse_purged(writer, run_id)
-            state = queue.request_cancel(writer, run_id)
+            states.append((run_id, queue.request_cancel(writer, run_id)))
+        for run_id, state in states:
             audit.note(writer, visitor, "run.cancelled", run_name(run_id), {"state": state})
     with read(engine) as reader:
         found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}

@@ -29,24 +29,23 @@ def remove(engine: sa.Engine, run_ids: Sequence[int], reason: str, visitor: Visi
     with engine.begin() as writer:
         rows = _locked(writer, run_ids)
         _refuse(_standing(writer, rows))
-        at = now(writer)
-        for row in rows:
-            if row.removed is None:
-                values = {"removed": at, "removed_by": visitor.user, "removed_reason": reason}
-                writer.execute(sa.update(Run).where(Run.id == row.id).values(**values))
-                audit.note(writer, visitor, "run.removed", run_name(row.id), {"reason": reason})
+        values = {"removed": now(writer), "removed_by": visitor.user, "removed_reason": reason}
+        listed = [row for row in rows if row.removed is None]
+        writer.execute(sa.update(Run).where(Run.id.in_([row.id for row in listed])).values(**values))
+        for row in listed:
+            audit.note(writer, visitor, "run.removed", run_name(row.id), {"reason": reason})
     return _summaries(engine, run_ids)
 
 
 def restore(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[RunSummary]:
     """Restore runs to the lists; listed ones are unchanged. 404 for an unknown run, 410 for a purged one."""
     with engine.begin() as writer:
-        for row in _locked(writer, run_ids):
-            if row.removed is not None:
-                values = dict.fromkeys(("removed", "removed_by", "removed_reason"))
-                writer.execute(sa.update(Run).where(Run.id == row.id).values(**values))
-                told = {"removed_by": row.removed_by, "reason": row.removed_reason}
-                audit.note(writer, visitor, "run.restored", run_name(row.id), told)
+        removed = [row for row in _locked(writer, run_ids) if row.removed is not None]
+        values = dict.fromkeys(("removed", "removed_by", "removed_reason"))
+        writer.execute(sa.update(Run).where(Run.id.in_([row.id for row in removed])).values(**values))
+        for row in removed:
+            told = {"removed_by": row.removed_by, "reason": row.removed_reason}
+            audit.note(writer, visitor, "run.restored", run_name(row.id), told)
     return _summaries(engine, run_ids)
 
 

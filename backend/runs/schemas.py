@@ -71,7 +71,7 @@ class HistoryEntry(Schema):
     """Seconds since 1970."""
     user: str
     via: str
-    """The authentication: link, token, or cli for the command line."""
+    """The authentication: link, password, token, or cli for the command line."""
     action: str
     """run.submitted, run.edited, run.cancelled, run.removed, run.restored, run.purged, signoff.created,
     signoff.withdrawn, signoff.bound"""

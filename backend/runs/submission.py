@@ -91,6 +91,8 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         if key is not None and repeated is None:
             values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id, "created": at}
             writer.execute(sa.insert(IdempotencyKey).values(**values))
+        if repeated is None and reused is None:
+            audit.note(writer, visitor, "run.submitted", run_name(run_id), _noted(submission, asked))
     with read(engine) as reader:
         return _answer(reader, run_id, at, asked)
 
@@ -122,13 +124,15 @@ def _queue(
     )
     if submission.text is not None:
         writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
-    told: JsonObject = {"campaign": asked.campaign.digest, "name": submission.name}
-    told |= {"labels": submission.labels} if submission.labels else {}
     if submission.baseline is not None:
         baselines.store(writer, run_id, submission.baseline, asked.run_id)
-        told["baseline"] = submission.baseline
-    audit.note(writer, visitor, "run.submitted", run_name(run_id), told)
     return run_id
+
+
+def _noted(submission: Submission, asked: Resolved) -> JsonObject:
+    told: JsonObject = {"campaign": asked.campaign.digest, "name": submission.name}
+    told |= {"labels": submission.labels} if submission.labels else {}
+    return told | ({} if submission.baseline is None else {"baseline": submission.baseline})
 
 
 def _answer(reader: sa.Connection, run_id: int, at: float, asked: Resolved | None = None) -> RunSubmitted:

@@ -1,67 +1,77 @@
-"""The login link opens a session; GET and DELETE /session show and end it."""
+"""GET and DELETE /session, its password, and the sessions of a user. Signing in is in `backend.sessions.entrance`."""
 
 from __future__ import annotations
 
-import sqlalchemy as sa
-from fastapi import APIRouter, Request, Response, status
-from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import RedirectResponse
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Request, Response, status
 
 from backend.access.auth import CurrentVisitor
 from backend.db import access
-from backend.http import pages
-from backend.http.deps import Engine
-from backend.sessions.schemas import SessionInfo
-
-USER = "local"
-"""The user of every login link; there are no accounts yet."""
+from backend.http.deps import Engine, Reader
+from backend.http.errors import RefusedError, problems
+from backend.sessions import service
+from backend.sessions.hashing import Hashing
+from backend.sessions.lockout import Lockout, seconds
+from backend.sessions.schemas import BrowserSession, PasswordChange, SessionInfo
 
 router = APIRouter(tags=["session"])
-login = APIRouter(include_in_schema=False)
 
-
-@login.api_route("/login", methods=["GET", "HEAD"])
-async def open_session(request: Request, engine: Engine, code: str = "") -> Response:
-    """Use a login link and redirect to the runs. HEAD does not use it, because link previews send HEAD."""
-    if not code or request.method == "HEAD":
-        return pages.sign_in(200)
-    attempts = request.app.state.attempts
-    secret = await run_in_threadpool(_opened, engine, code) if await attempts.good(code) else None
-    if secret is None:
-        answer = pages.sign_in(429 if attempts.over else 403, "This login link is invalid or expired")
-        if attempts.over:
-            answer.headers["Retry-After"] = "60"
-        return answer
-    response = RedirectResponse("/runs", status.HTTP_303_SEE_OTHER)
-    response.set_cookie(
-        request.app.state.settings.cookie,
-        secret,
-        max_age=int(access.SESSION_LIFETIME),
-        httponly=True,
-        samesite="lax",
-        secure=request.url.scheme == "https",
-    )
-    return response
-
-
-def _opened(engine: sa.Engine, code: str) -> str | None:
-    with engine.begin() as connection:
-        return access.open_session(connection, code, USER)
+SessionId = Annotated[str, Path(pattern="^[0-9a-f]{16}$", description="The session by its id.")]
 
 
 @router.get("/session")
 async def get_session(visitor: CurrentVisitor) -> SessionInfo:
     """The user who is signed in."""
-    return SessionInfo(user=visitor.user, via=visitor.via)
+    return SessionInfo(
+        user=visitor.user,
+        via=visitor.via,
+        account=visitor.account,
+        role=visitor.role,
+        scope=visitor.scope,
+        has_password=visitor.has_password,
+    )
 
 
 @router.delete("/session", status_code=status.HTTP_204_NO_CONTENT)
-def end_session(request: Request, engine: Engine) -> Response:
+def end_session(request: Request, engine: Engine, visitor: CurrentVisitor) -> Response:
     """Sign out this browser; an API token stays valid."""
     cookie = request.app.state.settings.cookie
     if cookie in request.cookies:
-        with engine.begin() as connection:
-            access.close_session(connection, request.cookies[cookie])
+        service.close(engine, request.cookies[cookie], visitor)
     response = Response(status_code=status.HTTP_204_NO_CONTENT)
     response.delete_cookie(cookie, httponly=True, samesite="lax")
     return response
+
+
+@router.put(
+    "/session/password",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=problems("wrong-password", "scope-too-narrow"),
+)
+async def change_password(given: PasswordChange, request: Request, engine: Engine, visitor: CurrentVisitor) -> None:
+    """Change your own password; your other browsers are signed out. After wrong attempts there is a pause."""
+    lockout: Lockout = request.app.state.lockout
+    hashing: Hashing = request.app.state.hashing
+    wait = lockout.enter(visitor.account, "")
+    if wait:
+        detail = f"too many wrong passwords: try again in {seconds(wait)} s"
+        raise RefusedError(429, "too-many-requests", detail, headers={"Retry-After": str(seconds(wait))})
+    current = None if given.current is None else given.current.get_secret_value()
+    new = given.new.get_secret_value()
+    await hashing.run(lambda: service.change_password(engine, current, new, visitor))
+    lockout.succeeded(visitor.account, "")
+
+
+@router.get("/sessions")
+def list_sessions(visitor: CurrentVisitor, reader: Reader) -> list[BrowserSession]:
+    """The browsers that are signed in as you, newest first; for administrators those of all users."""
+    rows = access.sessions(reader, None if visitor.sees_all else visitor.account)
+    own = visitor.key[: access.SESSION_ID]
+    return [BrowserSession(**row.__dict__, current=visitor.scope is None and row.id == own) for row in rows]
+
+
+@router.delete("/sessions/{session}", status_code=status.HTTP_204_NO_CONTENT, responses=problems("not-found"))
+def revoke_session(session: SessionId, engine: Engine, visitor: CurrentVisitor) -> None:
+    """Sign another browser out."""
+    service.revoke(engine, session, visitor)

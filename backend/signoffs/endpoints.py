@@ -28,7 +28,7 @@ def list_signoffs(run: RunName, reader: Reader) -> Signoffs:
 @router.post(
     "/runs/{run}/signoffs",
     status_code=status.HTTP_201_CREATED,
-    responses=problems("not-found", "no-verdict", "results-changed", "already-signed", "removed", "purged"),
+    responses=problems("not-found", "no-verdict", "results-changed", "already-signed", "own-run", "removed", "purged"),
 )
 def sign_off(run: RunName, given: SignoffRequest, engine: Engine, visitor: CurrentVisitor) -> Signoff:
     """Sign off the results of a run; the digest identifies the reviewed results and must match the current ones."""

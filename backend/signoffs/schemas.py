@@ -40,6 +40,8 @@ class Signoff(Schema):
     """Whether the results are still those that were signed."""
     user: str
     """The user who was signed in to the service."""
+    own: bool
+    """Whether this user also launched the run: such a sign-off is not independent."""
     created: float
     withdrawn: float | None
     withdrawn_by: str | None

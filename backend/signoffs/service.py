@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db import audit
-from backend.db.access import Visitor
+from backend.access.own import require_own
+from backend.db import audit, users
+from backend.db.access import Visitor, account_of
 from backend.db.digest import results_digest
 from backend.db.engine import now
 from backend.db.tables import Run
@@ -27,16 +28,24 @@ def listed(reader: sa.Connection, run_id: int) -> Signoffs:
     removed = reader.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
     digest = results_digest(reader, run_id)
     rows = reader.execute(sa.select(Row.__table__).where(Row.run_id == run_id).order_by(Row.id)).mappings()
-    items = [_signoff(dict(row), digest) for row in rows]
+    launcher = _launcher(reader, run_id)
+    items = [_signoff(reader, dict(row), digest, launcher) for row in rows]
     return Signoffs(digest=digest, can_sign=verdict is not None and not removed, items=items)
 
 
 def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor) -> Signoff:
-    """Sign off the results. 409 without a verdict, for other results, for a repetition, and for a removed run."""
+    """Sign off the results. 409 without a verdict, for other results, for a repetition, and for a removed run.
+
+    403 for the user who launched the run, unless an administrator permits it; then the sign-off says so (`own`).
+    """
     with engine.begin() as writer:
         refuse_removed(writer, run_id)
         if _verdict(writer, run_id) is None:
             raise _conflict("no-verdict", f"{run_name(run_id)} has no verdict: it cannot be signed off")
+        own = _launcher(writer, run_id) == visitor.account
+        if own and not users.own_sign_offs(writer):
+            detail = f"you launched {run_name(run_id)}: another reviewer must sign it off"
+            raise RefusedError(403, "own-run", detail)
         digest = results_digest(writer, run_id)
         if given.digest != digest:
             detail = (
@@ -49,14 +58,18 @@ def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor
             raise _conflict("already-signed", f"{given.name} has already signed off these results as {given.role}")
         values = given.model_dump() | {"run_id": run_id, "user": visitor.user, "created": now(writer)}
         signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
-        audit.note(writer, visitor, "signoff.created", run_name(run_id), {"signoff": signoff_id, **given.model_dump()})
+        told = {"signoff": signoff_id, **given.model_dump()} | ({"own": True} if own else {})
+        audit.note(writer, visitor, "signoff.created", run_name(run_id), told)
         return _one(writer, run_id, signoff_id)
 
 
 def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visitor: Visitor) -> Signoff:
-    """Withdraw a sign-off with a reason; it stays on record. 404 if there is none, 409 if it is already withdrawn."""
+    """Withdraw a sign-off with a reason; it stays on record. 404 if there is none, 403 if it is another user's, 409 if
+    it is already withdrawn.
+    """
     with engine.begin() as writer:
         standing = _one(writer, run_id, signoff_id)
+        require_own(writer, visitor, standing.user, f"sign-off {signoff_id} of {run_name(run_id)}")
         if standing.withdrawn is not None:
             raise _conflict("withdrawn", f"this sign-off was already withdrawn by {standing.withdrawn_by}")
         values = {"withdrawn": now(writer), "withdrawn_by": visitor.user, "withdrawn_reason": reason}
@@ -72,12 +85,18 @@ def _one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
     row = reader.execute(query).mappings().one_or_none()
     if row is None:
         raise not_found(f"sign-off of {run_name(run_id)} with the number", str(signoff_id))
-    return _signoff(dict(row), results_digest(reader, run_id))
+    return _signoff(reader, dict(row), results_digest(reader, run_id), _launcher(reader, run_id))
 
 
-def _signoff(row: JsonObject, digest: str) -> Signoff:
+def _signoff(reader: sa.Connection, row: JsonObject, digest: str, launcher: str) -> Signoff:
     del row["run_id"]
-    return Signoff(**row, current=row["digest"] == digest)
+    own = account_of(reader, row["user"]) == launcher
+    return Signoff(**row, current=row["digest"] == digest, own=own)
+
+
+def _launcher(reader: sa.Connection, run_id: int) -> str:
+    """The account that launched a run, itself or by a token."""
+    return account_of(reader, reader.scalar(sa.select(Run.owner).where(Run.id == run_id)) or "")
 
 
 def _verdict(reader: sa.Connection, run_id: int) -> str | None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
+from backend.access.own import require_own
 from backend.catalog.service import required
 from backend.db import audit, queue
 from backend.db.access import Visitor
@@ -113,13 +114,15 @@ def _launch(
         "body": submission.digest,
     }
     sweep_id = int(writer.execute(sa.insert(Sweep).values(**row).returning(Sweep.id)).scalar_one())
-    runs = []
+    runs, notes = [], []
     for position, (value, campaign) in enumerate(zip(given.values, campaigns, strict=True)):
         run_id = _queue(writer, campaign, _named(name, given.path, value, entry.unit), given, visitor, catalogue)
         runs.append({"sweep_id": sweep_id, "position": position, "value": value, "run_id": run_id})
         noted = {"campaign": campaign.digest, "name": name, "sweep": sweep_name(sweep_id), given.path: value}
-        audit.note(writer, visitor, "run.submitted", run_name(run_id), noted)
+        notes.append((run_id, noted))
     writer.execute(sa.insert(SweepRun), runs)
+    for run_id, noted in notes:
+        audit.note(writer, visitor, "run.submitted", run_name(run_id), noted)
     return sweep_id
 
 
@@ -178,8 +181,12 @@ def detail(reader: sa.Connection, sweep_id: int) -> SweepDetail:
 
 
 def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
-    """Cancel all runs of a sweep that have not ended; 404 if there is no such sweep."""
+    """Cancel all runs of a sweep that have not ended; 404 if there is no such sweep, 403 if it is another user's."""
     with engine.begin() as writer:
+        owner = writer.scalar(sa.select(Sweep.owner).where(Sweep.id == sweep_id))
+        if owner is not None:
+            require_own(writer, visitor, owner, sweep_name(sweep_id))
+        changed = []
         of = sa.select(Run.id).join(SweepRun, SweepRun.run_id == Run.id)
         # Runs of which the results were purged have ended.
         active = of.where(SweepRun.sweep_id == sweep_id, Run.purged.is_(None)).order_by(Run.id)
@@ -187,8 +194,10 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
             before = writer.scalar(sa.select(Run.state).where(Run.id == run_id))
             state = queue.request_cancel(writer, run_id)
             if state != before:
-                noted = {"state": state, "sweep": sweep_name(sweep_id)}
-                audit.note(writer, visitor, "run.cancelled", run_name(run_id), noted)
+                changed.append((run_id, state))
+        for run_id, state in changed:
+            noted = {"state": state, "sweep": sweep_name(sweep_id)}
+            audit.note(writer, visitor, "run.cancelled", run_name(run_id), noted)
     with read(engine) as reader:
         return detail(reader, sweep_id)
 

@@ -62,7 +62,8 @@ def test_a_login_link_is_good_once(service: Service) -> None:
         cookie = answer.headers["set-cookie"]
         assert "HttpOnly" in cookie
         assert "SameSite=lax" in cookie
-        assert first.get("/api/v1/session").json() == {"user": "local", "via": "link"}
+        by_link = {"user": "local", "via": "link", "account": "local", "role": "admin", "scope": None}
+        assert first.get("/api/v1/session").json() == {**by_link, "has_password": False}
     with service.visitor() as second:
         answer = second.get("/login", params={"code": code})
         assert answer.status_code == 403
@@ -136,7 +137,8 @@ def test_signing_out_ends_the_session_for_good(service: Service, client: httpx.C
 def test_a_token_signs_in_and_its_use_is_noted(service: Service) -> None:
     token = service.token("ci")
     with service.visitor(authorization=f"Bearer {token}") as program:
-        assert program.get("/api/v1/session").json() == {"user": "ci", "via": "token"}
+        by_token = {"user": "ci", "via": "token", "account": "local", "role": "admin", "scope": "admin"}
+        assert program.get("/api/v1/session").json() == {**by_token, "has_password": False}
     assert until(lambda: last_used(service)) == pytest.approx(time.time(), abs=10)
 
 
@@ -174,6 +176,7 @@ def test_wrong_codes_are_bounded_in_number_and_a_good_one_is_taken_all_the_same(
         assert [a.status_code for a in answers[: BURST // 2]] == [403] * (BURST // 2)
         assert (answers[-1].status_code, answers[-1].headers["retry-after"]) == (429, "60")
         assert len([sql for sql in looked if "login_links" in sql]) < BURST + 15
+        assert len([sql for sql in looked if "users" in sql]) < BURST + 15
         assert stranger.get("/login", params={"code": code}).status_code == 303
         assert stranger.get("/api/v1/session").status_code == 200
 

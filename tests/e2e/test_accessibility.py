@@ -1,6 +1,6 @@
 """Every page in light and in dark by axe: nothing serious or critical against WCAG 2.1, levels A and AA.
 
-Source: Deque, axe-core API, "axe.run". The pages show stored runs; nothing is simulated. Start reading at `violations`.
+Source: Deque, axe-core API, "axe.run". The pages show stored runs; nothing is simulated. Start reading at `clean`.
 """
 
 from __future__ import annotations
@@ -17,18 +17,15 @@ from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
 from tests.api.reported import finish_fully
 from tests.api.server import Service
+from tests.e2e.axe import AXE, RULES, violations
 from tests.e2e.browser import Visit, nightly_but, visiting
 from tests.e2e.stored import VIEW, served
 from tests.e2e.written import editor, write_over, written
-from tests.faults.processes import REPOSITORY
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
 
-AXE = REPOSITORY / "frontend/node_modules/axe-core/axe.min.js"
-RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 COLOURS = {"type": "rule", "values": ["color-contrast", "link-in-text-block"]}
 """What differs between the themes."""
-SERIOUS = ("serious", "critical")
 
 PAGES = {
     "runs": ("/runs", "tr[data-run=R-0004]"),
@@ -50,9 +47,13 @@ PAGES = {
     "help-verdicts": ("/help", "role=heading[name=Verdicts]"),
     "help-components": ("/help/components", "#vehicle-unicycle"),
     "api": ("/docs", "#list_runs"),
+    "users": ("/access/users", "text=Names stay in the records"),
+    "tokens": ("/access/tokens", "text=There are no tokens"),
+    "sessions": ("/access/sessions", "text=this browser"),
+    "audit": ("/access/audit", "role=cell[name=session.opened]"),
 }
 """Each with its address and what is seen once it is there."""
-BY_DAY = ("runs", "run", "launch", "compare", "help-components")
+BY_DAY = ("runs", "run", "launch", "compare", "help-components", "users")
 """One of each kind; the others are tested nightly."""
 PARTS = {
     "help-components": ["vehicle-unicycle", "avoider-potential_field"],
@@ -108,25 +109,6 @@ def filled(service: Service) -> Service:
 def submit(client: httpx.Client, document: dict[str, Any], name: str) -> None:
     answer = client.post("/api/v1/runs", json={"campaign": document, "name": name, "tags": ["baseline"]})
     assert answer.status_code == 201, answer.text
-
-
-def violations(page: Page, rules: Any = RULES, within: Sequence[str] = ()) -> list[str]:
-    """Serious and critical findings of axe: rule, element, message. The 3D view's frame is third-party.
-
-    within: the parts of the page that are tested, as selectors; by default all of it.
-    """
-    found = page.evaluate(
-        "([rules, within]) =>"
-        " axe.run(within.length ? {include: within.map((part) => [part])} : document,"
-        " {runOnly: rules, resultTypes: ['violations'], iframes: false})",
-        [rules, list(within)],
-    )
-    return [
-        f"{rule['id']} ({rule['impact']}): {node['target']}: {node['failureSummary']}"
-        for rule in found["violations"]
-        if rule["impact"] in SERIOUS
-        for node in rule["nodes"]
-    ]
 
 
 def clean(page: Page, within: Sequence[str] = ()) -> None:

@@ -43,6 +43,8 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "help-components": ("/help/components", ["#vehicle-unicycle", "#simulator-two_basins"]),
     "help-evidence": ("/help/evidence", ["main table"]),
     "api": ("/docs", ["#list_runs"]),
+    "users": ("/access/users", ["text=Names stay in the records"]),
+    "audit": ("/access/audit", ["role=cell[name=session.opened]"]),
 }
 """Each with its address and what is drawn once it is scrolled to."""
 BY_DAY = ("runs", "run", "launch", "compare", "first-campaign")
@@ -57,6 +59,7 @@ GUIDES = (
     "methods",
     "evidence",
     "ci",
+    "access",
     "operation",
     "architecture",
 )

@@ -1,6 +1,7 @@
 """`clearance audit RUN`: checks with an independent program whether a run's verdict follows from its stored data.
 
 The exit code is 0 if it follows, 1 if it does not, 3 if there is nothing to audit. The program is `worker.audit`.
+`clearance audit verify` and `head` are about the audit trail of the service instead; see `worker.cli._trail`.
 """
 
 from __future__ import annotations
@@ -10,8 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from worker.cli import VIOLATED, WrongInputError
+from worker.cli._trail import print_head, verify_trail
 from worker.cli._where import DATA, Data, Database, loaded_run
 
 if TYPE_CHECKING:
@@ -21,6 +24,27 @@ if TYPE_CHECKING:
 WORDS = {True: "agree", False: "disagree", None: "not auditable"}
 
 
+class _RunFirst(TyperGroup):
+    """A group whose command `run` may be left out: `clearance audit R-0001`."""
+
+    usual = "run"
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        if args and args[0] not in self.commands and "--help" not in args[:1]:
+            args = [self.usual, *args]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(
+    cls=_RunFirst,
+    help="RUN: recompute the verdict of a run independently. verify, head: the audit trail of the service.",
+    no_args_is_help=True,
+)
+app.command("verify")(verify_trail)
+app.command("head")(print_head)
+
+
+@app.command("run")
 def audit(
     run: Annotated[str, typer.Argument(help="The folder of a `run --out`, or the id of a stored run, such as R-0001.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,

@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
-from backend.db import access
+from backend.db import access, audit
 from backend.db.registered import Running, folder, services
 from worker.cli import WrongInputError
+from worker.cli._operator import operator
 from worker.cli._where import DATA, Database, opened
 
 STANDARD = "http://127.0.0.1:8000"
@@ -43,6 +44,7 @@ def login_link(
         data = DATA if database else _found()
     with opened(data, database) as connection:
         code = access.create_login_code(connection)
+        audit.note_command(connection, operator(), "login_link.made", access.LOCAL, {})
     typer.echo(f"{(url or _serving(data) or STANDARD).rstrip('/')}/login?code={code}")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import getpass
 import re
 import time
 from typing import TYPE_CHECKING, Annotated
@@ -11,6 +10,7 @@ import typer
 
 from campaigns.runs import run_name
 from worker.cli import WrongInputError
+from worker.cli._operator import operator
 from worker.cli._where import DATA, Data, Database, existing_url_of
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def purge(
         if dry_run:
             typer.echo("Nothing was deleted: this was a dry run.")
         elif not runs or yes or _agreed(runs):
-            gone = [run for run in runs if stored.purge(engine, run.id, age, _user())]
+            gone = [run for run in runs if stored.purge(engine, run.id, age, operator())]
             if runs:
                 typer.echo(f"{_counted(len(gone))} purged.")
             _reclaim(engine)
@@ -118,13 +118,6 @@ def _reclaim(engine: sa.Engine) -> None:
         )
         return
     typer.echo(f"The file was reduced from {_size(space.before)} to {_size(space.after)}.")
-
-
-def _user() -> str:
-    try:
-        return getpass.getuser()
-    except (KeyError, OSError):
-        return "unknown"
 
 
 def _counted(number: int) -> str:

@@ -58,7 +58,7 @@ interface Answer<T> {
   response?: Response
 }
 
-async function answer<T>(request: Promise<Answer<T>>): Promise<T> {
+export async function answer<T>(request: Promise<Answer<T>>): Promise<T> {
   const { data, error, response } = await request
   if (!response?.ok) throw refusalOf(error, response)
   return data as T

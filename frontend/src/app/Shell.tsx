@@ -4,16 +4,22 @@ import {
   IconApi,
   IconBell,
   IconBellFilled,
+  IconDeviceLaptop,
+  IconHistory,
+  IconKey,
   IconKeyboard,
   IconLogout,
   IconMoon,
   IconSearch,
   IconSun,
+  IconUserPlus,
+  IconUsers,
 } from '@tabler/icons-react'
 import { usePrefetchQuery, useQuery } from '@tanstack/react-query'
 import { Link, Outlet, useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { lazy, Suspense, useCallback, useState } from 'react'
+import { hasRole } from '../api/access'
 import { endSession } from '../api/calls'
 import { useBaseStream } from '../api/events'
 import { catalogueQuery, sessionQuery } from '../api/queries'
@@ -119,8 +125,10 @@ function ThemeToggle() {
 
 function Session() {
   const { data } = useQuery(sessionQuery)
+  const navigate = useNavigate()
   if (!data) return null
   const initials = data.user.slice(0, 2).toUpperCase()
+  const admin = hasRole(data.role, 'admin')
   const leave = () => void endSession().then(signedOut, signedOut)
   return (
     <Menu position="bottom-end" width={220}>
@@ -131,12 +139,34 @@ function Session() {
       </Menu.Target>
       <Menu.Dropdown>
         <Menu.Label>
-          Signed in as {data.user} by {data.via === 'link' ? 'login link' : 'token'}
+          Signed in as {data.user} by {{ link: 'login link', password: 'password', token: 'token' }[data.via]}, role {data.role}
         </Menu.Label>
         <NotifyMine />
         <Menu.Item leftSection={<IconApi className="i s" />} component={Link} to="/docs">
           API
         </Menu.Item>
+        <Menu.Divider />
+        {admin && (
+          <>
+            <Menu.Item leftSection={<IconUserPlus className="i s" />} onClick={() => void navigate({ to: '/access/users', search: { invite: true } })}>
+              Invite
+            </Menu.Item>
+            <Menu.Item leftSection={<IconUsers className="i s" />} component={Link} to="/access/users">
+              Users
+            </Menu.Item>
+          </>
+        )}
+        <Menu.Item leftSection={<IconKey className="i s" />} component={Link} to="/access/tokens">
+          API tokens
+        </Menu.Item>
+        <Menu.Item leftSection={<IconDeviceLaptop className="i s" />} component={Link} to="/access/sessions">
+          Sessions
+        </Menu.Item>
+        {admin && (
+          <Menu.Item leftSection={<IconHistory className="i s" />} component={Link} to="/access/audit">
+            Audit trail
+          </Menu.Item>
+        )}
         <Menu.Divider />
         <Menu.Item leftSection={<IconLogout className="i s" />} onClick={leave}>
           Sign out

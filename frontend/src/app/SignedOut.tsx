@@ -7,6 +7,8 @@ export function SignedOut() {
   useEffect(() => {
     document.title = 'Sign in · Clearance'
   }, [])
+  // A link of the service, not of these pages: it shows the form for a password, and leads back here.
+  const back = `/login?next=${encodeURIComponent(window.location.pathname + window.location.search)}`
   return (
     <main className={styles.signin}>
       <div className="card">
@@ -20,6 +22,9 @@ export function SignedOut() {
           For a new link, run this on the machine where Clearance runs; earlier unused links become invalid:
         </p>
         <pre className="mono">clearance login-link</pre>
+        <p>
+          With a name and a password: <a href={back}>sign in</a>.
+        </p>
         <p className="small mut">Programs use an API token instead, created with clearance token create NAME.</p>
       </div>
     </main>

@@ -1,5 +1,6 @@
 // The routes of the pages; the state of a page is in its address.
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from '@tanstack/react-router'
+import { readAudit, readUsers } from '../access/search'
 import { readCompare } from '../compare/search'
 import { readChosen } from '../run/data/chosen'
 import { readReports } from '../reports/search'
@@ -143,8 +144,34 @@ const reports = createRoute({
   component: lazyRouteComponent(lazy.reports, 'ReportsPage'),
 })
 
+const users = createRoute({
+  getParentRoute: () => root,
+  path: '/access/users',
+  validateSearch: onlyKnown(readUsers),
+  component: lazyRouteComponent(lazy.users, 'UsersPage'),
+})
+
+const tokens = createRoute({
+  getParentRoute: () => root,
+  path: '/access/tokens',
+  component: lazyRouteComponent(lazy.tokens, 'TokensPage'),
+})
+
+const sessions = createRoute({
+  getParentRoute: () => root,
+  path: '/access/sessions',
+  component: lazyRouteComponent(lazy.sessions, 'SessionsPage'),
+})
+
+const audit = createRoute({
+  getParentRoute: () => root,
+  path: '/access/audit',
+  validateSearch: onlyKnown(readAudit),
+  component: lazyRouteComponent(lazy.audit, 'AuditPage'),
+})
+
 export const router = createRouter({
-  routeTree: root.addChildren([start, runs, launch, run.addChildren([runPage, flight]), docs, verdicts, evidence, methods, components, guide, compare, trends, sweeps, sweep, reports]),
+  routeTree: root.addChildren([start, runs, launch, run.addChildren([runPage, flight]), docs, verdicts, evidence, methods, components, guide, compare, trends, sweeps, sweep, reports, users, tokens, sessions, audit]),
   defaultPreload: 'intent',
   parseSearch,
   stringifySearch,

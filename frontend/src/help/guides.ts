@@ -11,6 +11,7 @@ export const GUIDES = [
   { name: 'methods', title: 'Methods' },
   { name: 'evidence', title: 'Evidence' },
   { name: 'ci', title: 'Continuous integration' },
+  { name: 'access', title: 'Users and access' },
   { name: 'operation', title: 'Operation' },
   { name: 'architecture', title: 'Architecture' },
 ] as const

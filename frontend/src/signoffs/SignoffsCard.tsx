@@ -3,6 +3,7 @@ import { Modal } from '@mantine/core'
 import { IconCircleCheck, IconCircleX, IconSignature } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
+import { hasRole } from '../api/access'
 import { getSignoffs, signOff, withdrawSignoff } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import type { RunDetail, Signoff, Signoffs } from '../client'
@@ -15,6 +16,7 @@ const signoffsQuery = (run: string) =>
 
 export function SignoffsCard({ run, className }: { run: RunDetail; className: string }) {
   const { data, error } = useQuery(signoffsQuery(run.id))
+  const may = hasRole(useQuery(sessionQuery).data?.role, 'reviewer')
   const [signing, setSigning] = useState(false)
   const [leaving, setLeaving] = useState<Signoff | null>(null)
   return (
@@ -34,7 +36,8 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
       id="signoff"
       flush={(data?.items.length ?? 0) > 0}
       right={
-        data?.can_sign && (
+        data?.can_sign &&
+        may && (
           <button type="button" className="btn s" onClick={() => setSigning(true)}>
             <IconSignature className="i s" aria-hidden /> Sign off
           </button>
@@ -51,7 +54,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
               : 'A removed run cannot be signed off.'}
         </p>
       )}
-      {data && data.items.length > 0 && <Rows items={data.items} onWithdraw={setLeaving} />}
+      {data && data.items.length > 0 && <Rows items={data.items} onWithdraw={may ? setLeaving : undefined} />}
       <Modal opened={signing} onClose={() => setSigning(false)} title={`Sign off ${run.id}`} centered lockScroll={false}>
         {signing && data && <SignForm run={run} seen={data} onDone={() => setSigning(false)} />}
       </Modal>
@@ -62,7 +65,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
   )
 }
 
-function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (signoff: Signoff) => void }) {
+function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw?: (signoff: Signoff) => void }) {
   return (
     <table>
       <thead>
@@ -85,6 +88,11 @@ function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (s
             <td>{item.role}</td>
             <td className="sec nw">
               {moment(item.created)}, {item.user}
+              {item.own && (
+                <span className="unk-t" style={{ display: 'block' }}>
+                  who also launched the run
+                </span>
+              )}
             </td>
             <td className="sec" style={{ whiteSpace: 'pre-line' }}>
               {item.comment}
@@ -95,7 +103,7 @@ function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (s
               )}
             </td>
             <td className="num">
-              {item.withdrawn === null && (
+              {item.withdrawn === null && onWithdraw && (
                 <button type="button" className="btn s" onClick={() => onWithdraw(item)}>
                   Withdraw …
                 </button>

@@ -16,7 +16,7 @@ export interface Saved {
   draft: Draft | null
   saving: boolean
   trouble: Error | null
-  /** Another user has saved it in the meantime. */
+  /** Another user has saved it in the meantime, or it is another user's: it can be kept as a new draft. */
   overtaken: boolean
   /** Saves it, optionally as a new draft; does not call `onSaved` if the page is left. */
   save: (how?: { another?: boolean; leaving?: boolean }) => Promise<Draft>
@@ -51,7 +51,7 @@ export function useSaved(first: Draft | null, content: () => Promise<Content>, o
     draft,
     saving: saving.isPending,
     trouble: saving.error,
-    overtaken: saving.error instanceof Refusal && saving.error.status === 409,
+    overtaken: saving.error instanceof Refusal && [403, 409].includes(saving.error.status),
     save: (how = {}) => saving.mutateAsync(how),
     launched,
   }

@@ -1,0 +1,117 @@
+"""Who may call which route: every route and method of the service, with its least role and its least token scope.
+
+This table is the only place where that is decided; `backend.access.routes` enforces it and refuses to start a service
+with a route that is not here. What a route does beyond that (own runs, own sign-offs) is in `backend.access.own` and in
+the services. `docs/access.md` shows the table. Start reading at `RULES`.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+from backend.db.roles import Role, Scope
+
+Method = Literal["GET", "POST", "PUT", "PATCH", "DELETE", "SOCKET"]
+
+
+class Rule(NamedTuple):
+    """The least role and the least token scope of a route."""
+
+    role: Role | None
+    """None: no sign-in."""
+    scope: Scope | None
+    """None: browser sessions only."""
+    own: bool = False
+    """Whether users other than administrators may call it for what is their own only."""
+
+
+OPEN = Rule(None, None)
+READ = Rule("viewer", "read")
+RUN = Rule("engineer", "run")
+CHANGE_OWN = Rule("engineer", "run", own=True)
+SIGN = Rule("reviewer", "admin")
+SIGN_OWN = Rule("reviewer", "admin", own=True)
+ADMIN = Rule("admin", "admin")
+MINE = Rule("viewer", None)
+"""What users do with their own access in the browser, such as changing their password."""
+MY_ACCESS = Rule("viewer", "admin", own=True)
+"""Tokens and sessions: their own; administrators all."""
+
+API = "/api/v1"
+PAGES = "/{path:path}"
+"""The pages; their static files are open, see `STATIC`."""
+
+STATIC = frozenset({"/favicon.ico", "/favicon.svg"})
+STATIC_FOLDER = "/assets/"
+
+_RUN = f"{API}/runs/{{run}}"
+
+_READING = (
+    f"{API}/openapi.json",
+    *(f"{API}/{name}" for name in ("workers", "components", "events", "reports", "trends", "session")),
+    *(f"{API}/campaigns{rest}" for rest in ("", "/schema", "/{name}")),
+    *(f"{API}/drafts", f"{API}/drafts/{{draft}}"),
+    *(f"{API}/runs", f"{API}/runs/facets", _RUN),
+    *(f"{_RUN}/{name}" for name in ("campaign.yaml", "stages", "components", "code", "history", "related")),
+    *(f"{_RUN}/{name}" for name in ("evaluations", "findings", "traces", "traces/{name}", "cases", "signoffs")),
+    *(f"{_RUN}/exports{rest}" for rest in ("", "/run.json", "/evaluations.csv", "/findings.csv", "/traces.csv")),
+    *(f"{_RUN}/exports/{file}" for file in ("traces.mat", "flight-{flight}.html")),
+    *(f"{_RUN}/report.html", f"{_RUN}/report.pdf", f"{_RUN}/views/{{key}}"),
+    f"{API}/simulators/{{name}}/proposal",
+    *(f"{API}/sweeps{rest}" for rest in ("", "/{sweep}", "/{sweep}/table.csv")),
+    *("/view/{run}", "/view/{run}/{rest:path}"),
+    *("/view/{run}/{flight}/recorded", "/view/{run}/{flight}/recorded/{rest:path}"),
+    *("/", PAGES),
+)
+"""The addresses whose GET everyone who is signed in may call."""
+
+RULES: dict[tuple[Method, str], Rule] = {
+    ("GET", f"{API}/health"): OPEN,
+    ("GET", "/login"): OPEN,
+    ("POST", "/login"): OPEN,
+    ("GET", "/invite"): OPEN,
+    ("POST", "/invite"): OPEN,
+    **{("GET", path): READ for path in _READING},
+    ("SOCKET", "/view/{run}"): READ,
+    ("SOCKET", "/view/{run}/{rest:path}"): READ,
+    # They change nothing but the 3D view that the caller has open, or nothing at all.
+    ("PATCH", f"{_RUN}/views/{{key}}"): READ,
+    ("POST", f"{API}/campaigns/check"): READ,
+    # Simulations on the service's machine.
+    ("POST", f"{API}/campaigns/preview"): RUN,
+    ("POST", f"{_RUN}/flights"): RUN,
+    ("POST", f"{_RUN}/cases"): RUN,
+    ("POST", f"{API}/drafts"): RUN,
+    ("PUT", f"{API}/drafts/{{draft}}"): CHANGE_OWN,
+    ("DELETE", f"{API}/drafts/{{draft}}"): CHANGE_OWN,
+    ("POST", f"{API}/runs"): RUN,
+    ("POST", f"{API}/runs/cancel"): CHANGE_OWN,
+    ("PATCH", _RUN): CHANGE_OWN,
+    ("POST", f"{_RUN}/cancel"): CHANGE_OWN,
+    ("POST", f"{API}/sweeps"): RUN,
+    ("POST", f"{API}/sweeps/{{sweep}}/cancel"): CHANGE_OWN,
+    ("POST", f"{_RUN}/signoffs"): SIGN,
+    ("POST", f"{_RUN}/signoffs/{{signoff}}/withdraw"): SIGN_OWN,
+    ("POST", f"{API}/runs/remove"): ADMIN,
+    ("POST", f"{API}/runs/restore"): ADMIN,
+    ("DELETE", _RUN): ADMIN,
+    ("POST", f"{_RUN}/restore"): ADMIN,
+    ("GET", f"{API}/webhooks"): ADMIN,
+    ("GET", f"{API}/webhooks/deliveries"): ADMIN,
+    ("POST", f"{API}/webhooks/test"): ADMIN,
+    ("DELETE", f"{API}/session"): READ,
+    ("PUT", f"{API}/session/password"): MINE,
+    ("GET", f"{API}/sessions"): MY_ACCESS,
+    ("DELETE", f"{API}/sessions/{{session}}"): MY_ACCESS,
+    ("GET", f"{API}/tokens"): MY_ACCESS,
+    ("POST", f"{API}/tokens"): MY_ACCESS,
+    ("DELETE", f"{API}/tokens/{{token}}"): MY_ACCESS,
+    ("GET", f"{API}/users"): ADMIN,
+    ("POST", f"{API}/users"): ADMIN,
+    ("PATCH", f"{API}/users/{{user}}"): ADMIN,
+    ("POST", f"{API}/users/{{user}}/invitation"): ADMIN,
+    ("GET", f"{API}/settings"): ADMIN,
+    ("PATCH", f"{API}/settings"): ADMIN,
+    ("GET", f"{API}/audit"): ADMIN,
+    ("GET", f"{API}/audit/export"): ADMIN,
+}

@@ -1,0 +1,1 @@
+"""API tokens: each user's own, and all for administrators."""

@@ -1,0 +1,35 @@
+"""GET and POST /tokens, DELETE of one."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, status
+
+from backend.access.auth import CurrentVisitor
+from backend.http.deps import Engine, Reader
+from backend.http.errors import problems
+from backend.tokens import service
+from backend.tokens.schemas import NewToken, Token, TokenRequest
+
+router = APIRouter(tags=["tokens"])
+
+TokenName = Annotated[str, Path(max_length=64, description="The token by name.")]
+
+
+@router.get("/tokens")
+def list_tokens(visitor: CurrentVisitor, reader: Reader) -> list[Token]:
+    """Your API tokens, newest first; for administrators those of all users."""
+    return service.listed(reader, visitor)
+
+
+@router.post("/tokens", status_code=status.HTTP_201_CREATED, responses=problems("access-conflict"))
+def create_token(given: TokenRequest, engine: Engine, visitor: CurrentVisitor) -> NewToken:
+    """Create an API token of your own; the answer is the only one that holds its secret."""
+    return service.create(engine, given, visitor)
+
+
+@router.delete("/tokens/{token}", responses=problems("not-found"))
+def revoke_token(token: TokenName, engine: Engine, visitor: CurrentVisitor) -> Token:
+    """Revoke a token at once: your own, for administrators any."""
+    return service.revoke(engine, token, visitor)

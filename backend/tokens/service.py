@@ -1,0 +1,57 @@
+"""Creating and revoking API tokens, each with its row in the audit trail."""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+
+from backend.db import access, audit
+from backend.db.access import AccessError, TokenInfo, Visitor
+from backend.db.engine import now
+from backend.http.errors import RefusedError, not_found
+from backend.tokens.schemas import NewToken, Token, TokenRequest
+
+DAY = 86400.0
+
+
+def listed(reader: sa.Connection, visitor: Visitor) -> list[Token]:
+    """The visitor's tokens, for administrators all, newest first."""
+    at = now(reader)
+    return [_token(row, at) for row in reversed(access.tokens(reader, None if visitor.sees_all else visitor.account))]
+
+
+def create(engine: sa.Engine, given: TokenRequest, visitor: Visitor) -> NewToken:
+    """Create a token of the visitor's account; 409 if the name is taken or the scope is wider than the role."""
+    lifetime = None if given.days is None else given.days * DAY
+    with engine.begin() as writer:
+        try:
+            secret = access.create_token(writer, given.name, visitor.account, given.scope, lifetime)
+        except AccessError as error:
+            raise RefusedError(409, "access-conflict", f"{error}") from None
+        told = {"owner": visitor.account, "scope": given.scope, "days": given.days}
+        audit.note(writer, visitor, "token.created", given.name, told)
+        return NewToken(token=_one(writer, given.name), secret=secret)
+
+
+def revoke(engine: sa.Engine, name: str, visitor: Visitor) -> Token:
+    """Revoke a token; 404 if there is none of that name, or it is another user's. Revoked ones are unchanged."""
+    with engine.begin() as writer:
+        token = _one(writer, name)
+        if token.owner != visitor.account and not visitor.sees_all:
+            raise not_found("token", name)
+        if token.revoked is None:
+            access.revoke_token(writer, name)
+            audit.note(writer, visitor, "token.revoked", name, {"owner": token.owner})
+        return _one(writer, name)
+
+
+def _one(reader: sa.Connection, name: str) -> Token:
+    found = next((row for row in access.tokens(reader) if row.name == name), None)
+    if found is None:
+        raise not_found("token", name)
+    return _token(found, now(reader))
+
+
+def _token(row: TokenInfo, at: float) -> Token:
+    expired = row.expires is not None and row.expires <= at
+    state = "revoked" if row.revoked is not None else "expired" if expired else "active"
+    return Token.model_validate({**row.__dict__, "state": state})

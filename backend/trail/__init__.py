@@ -1,0 +1,1 @@
+"""The audit trail, for administrators: in pages, and as a file."""

@@ -1,0 +1,1 @@
+"""Users, their roles and invitations, and the settings of access, for administrators."""

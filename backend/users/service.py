@@ -1,0 +1,105 @@
+"""Inviting and changing users, and the settings, each with its row in the audit trail."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import sqlalchemy as sa
+
+from backend.db import audit, users
+from backend.db.access import LOCAL, AccessError, Visitor
+from backend.db.engine import now
+from backend.http.errors import RefusedError, not_found
+from backend.users.schemas import AccessSettings, Invitation, User, UserChange, UserInvite
+from campaigns import Problem
+
+
+def listed(reader: sa.Connection) -> list[User]:
+    """All users, by name."""
+    return [_user(row) for row in users.users(reader)]
+
+
+def invite(engine: sa.Engine, given: UserInvite, public_url: str, visitor: Visitor) -> Invitation:
+    """Create a user and the link; 409 if the name cannot be used."""
+    with engine.begin() as writer:
+        name = given.name.strip().lower()
+        with _conflicts():
+            code = users.invite(writer, name, given.role, visitor.account)
+        audit.note(writer, visitor, "user.invited", name, {"role": given.role})
+        return _link(writer, name, code, public_url)
+
+
+def renew(engine: sa.Engine, name: str, public_url: str, visitor: Visitor) -> Invitation:
+    """A new link for a user who lost the first one or forgot the password. 409 for a disabled user."""
+    with engine.begin() as writer:
+        user = _one(writer, name)
+        if user.disabled is not None:
+            raise RefusedError(409, "access-conflict", f"the access of {name} is withdrawn: grant it again first")
+        code = users.renew(writer, name, visitor.account)
+        audit.note(writer, visitor, "user.link_made", name, {})
+        return _link(writer, name, code, public_url)
+
+
+def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor) -> User:
+    """Change role or access; 409 for yourself and for the user of the login link, 422 without a change."""
+    if given.role is None and given.disabled is None:
+        message = "give at least one of role and disabled"
+        raise RefusedError(422, "invalid", message, [Problem("role", "", message)])
+    with engine.begin() as writer:
+        user = _one(writer, name)
+        if name == visitor.account:
+            detail = "you cannot change your own role or access: ask another administrator"
+            raise RefusedError(409, "access-conflict", detail)
+        with _conflicts():
+            if given.role is not None and given.role != user.role:
+                users.set_role(writer, name, given.role)
+            if given.disabled is not None and given.disabled != (user.disabled is not None):
+                users.set_disabled(writer, name, given.disabled)
+        if given.role is not None and given.role != user.role:
+            audit.note(writer, visitor, "user.role_changed", name, {"before": user.role, "after": given.role})
+        if given.disabled is not None and given.disabled != (user.disabled is not None):
+            audit.note(writer, visitor, "user.disabled" if given.disabled else "user.enabled", name, {})
+        return _one(writer, name)
+
+
+def settings(reader: sa.Connection) -> AccessSettings:
+    """The settings, with their defaults."""
+    return AccessSettings(own_sign_offs=users.own_sign_offs(reader))
+
+
+def change_settings(engine: sa.Engine, own_sign_offs: bool, visitor: Visitor) -> AccessSettings:
+    """Store the settings."""
+    with engine.begin() as writer:
+        before = users.own_sign_offs(writer)
+        users.set_own_sign_offs(writer, own_sign_offs)
+        told = {"before": before, "after": own_sign_offs}
+        audit.note(writer, visitor, "setting.changed", users.OWN_SIGN_OFFS, told)
+        return settings(writer)
+
+
+@contextmanager
+def _conflicts() -> Iterator[None]:
+    try:
+        yield
+    except AccessError as error:
+        raise RefusedError(409, "access-conflict", f"{error}") from None
+
+
+def _one(reader: sa.Connection, name: str) -> User:
+    found = next((user for user in listed(reader) if user.name == name), None)
+    if found is None:
+        raise not_found("user", name)
+    return found
+
+
+def _link(writer: sa.Connection, name: str, code: str, public_url: str) -> Invitation:
+    expires = now(writer) + users.INVITATION_LIFETIME
+    address = public_url.rstrip("/") or None
+    return Invitation(user=name, path=f"/invite?code={code}", address=address, expires=expires)
+
+
+def _user(row: users.UserRow) -> User:
+    joined = row.has_password or row.name == LOCAL
+    state = "disabled" if row.disabled is not None else "active" if joined else "invited"
+    return User.model_validate({**row.__dict__, "state": state, "fixed": row.name == LOCAL})

@@ -1,0 +1,151 @@
+// The audit trail for administrators: in pages, newest first, by user and action; its head, and its export.
+import { IconDownload } from '@tabler/icons-react'
+import { infiniteQueryOptions, useInfiniteQuery } from '@tanstack/react-query'
+import { useNavigate, useSearch } from '@tanstack/react-router'
+import { listAudit } from '../api/access'
+import type { AuditEntry, AuditPage as Page } from '../client'
+import { count } from '../format/numbers'
+import { moment } from '../format/time'
+import { Loading, Trouble } from '../page/Trouble'
+import { Card } from '../ui/Card'
+import { CopyButton } from '../ui/files'
+import { AccessFrame } from './AccessFrame'
+import styles from './access.module.css'
+
+const auditQuery = (actor: string, action: string) =>
+  infiniteQueryOptions({
+    queryKey: ['audit', actor, action],
+    queryFn: ({ pageParam }) => listAudit(actor, action, pageParam),
+    initialPageParam: null as string | null,
+    getNextPageParam: (page) => page.next_cursor,
+    placeholderData: (before) => before,
+    staleTime: 0,
+  })
+
+export function AuditPage() {
+  const { actor = '', action = '' } = useSearch({ from: '/access/audit' })
+  const query = useInfiniteQuery(auditQuery(actor, action))
+  const first = query.data?.pages[0]
+  return (
+    <AccessFrame
+      title="Audit trail"
+      actions={
+        first && (
+          <a className="btn" href="/api/v1/audit/export" download="clearance-audit.jsonl">
+            <IconDownload className="i s" aria-hidden /> Export as JSON lines
+          </a>
+        )
+      }
+    >
+      {query.isError && !query.data ? (
+        <Trouble error={query.error} retry={() => void query.refetch()} />
+      ) : !first ? (
+        <Loading what="audit trail" />
+      ) : (
+        <>
+          <Filters page={first} actor={actor} action={action} />
+          <Card
+            title="What was done"
+            note={`${count(first.total)} ${first.total === 1 ? 'row' : 'rows'} in all; each holds the hash of the one before`}
+            flush
+            footer={
+              query.hasNextPage && (
+                <button type="button" className="btn s" disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
+                  {query.isFetchingNextPage ? 'Loading …' : 'Show earlier ones'}
+                </button>
+              )
+            }
+          >
+            <Table entries={query.data?.pages.flatMap((page) => page.items) ?? []} />
+          </Card>
+          <Card title="Head" note="Number and hash of the newest row" right={<CopyButton text={() => first.head}>Copy the head</CopyButton>}>
+            <code className={`mono ${styles.secret ?? ''}`}>{first.head}</code>
+            <p className="small sec">
+              Note it where this service cannot write. <code>clearance audit verify --head HEAD</code> then shows whether rows up to it were changed
+              or are missing; without a noted head, whoever may write the database could compute the whole chain again.
+            </p>
+          </Card>
+        </>
+      )}
+    </AccessFrame>
+  )
+}
+
+function Filters({ page, actor, action }: { page: Page; actor: string; action: string }) {
+  const navigate = useNavigate({ from: '/access/audit' })
+  const set = (change: { actor?: string; action?: string }) =>
+    void navigate({ search: (before) => ({ ...before, ...change }), replace: true })
+  return (
+    <div className={styles.filters}>
+      <Choice label="User or token" value={actor} options={page.actors} onChange={(text) => set({ actor: text })} />
+      <Choice label="Action" value={action} options={page.actions} onChange={(text) => set({ action: text })} />
+    </div>
+  )
+}
+
+interface ChoiceProps {
+  label: string
+  value: string
+  options: readonly string[]
+  onChange: (value: string | undefined) => void
+}
+
+function Choice({ label, value, options, onChange }: ChoiceProps) {
+  const all = value && !options.includes(value) ? [value, ...options] : options
+  return (
+    <label className="lbl">
+      {label}
+      <select className="inp" value={value} onChange={(event) => onChange(event.target.value || undefined)}>
+        <option value="">any</option>
+        {all.map((option) => (
+          <option key={option}>{option}</option>
+        ))}
+      </select>
+    </label>
+  )
+}
+
+function Table({ entries }: { entries: readonly AuditEntry[] }) {
+  if (entries.length === 0) return <p className="sec" style={{ padding: 12 }}>No row matches.</p>
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th className="num">Row</th>
+          <th>When</th>
+          <th>User</th>
+          <th>Action</th>
+          <th>Subject</th>
+          <th>Detail</th>
+          <th>Hash</th>
+        </tr>
+      </thead>
+      <tbody>
+        {entries.map((entry) => (
+          <tr key={entry.id}>
+            <td className="num">{entry.id}</td>
+            <td className="sec nw">{moment(entry.at)}</td>
+            <td className="nw">
+              {entry.user} <span className="mut">{entry.via}</span>
+            </td>
+            <td className="nw">{entry.action}</td>
+            <td>{entry.subject}</td>
+            <td className={`small sec ${styles.detail ?? ''}`}>{told(entry.detail)}</td>
+            <td>
+              <span className="mono" title={entry.hash}>
+                {entry.hash.slice(0, 8)}
+              </span>
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}
+
+/** The details as `name: value`, in the order in which they were stored. */
+function told(detail: AuditEntry['detail']): string {
+  return Object.entries(detail)
+    .map(([name, value]) => `${name}: ${typeof value === 'string' ? value : JSON.stringify(value)}`)
+    .join(', ')
+}

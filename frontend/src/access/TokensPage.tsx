@@ -1,0 +1,226 @@
+// API tokens: your own, for administrators all; creating and revoking.
+import { Modal } from '@mantine/core'
+import { IconKey } from '@tabler/icons-react'
+import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useState } from 'react'
+import { createToken, hasRole, revokeToken, tokensQuery } from '../api/access'
+import { sessionQuery } from '../api/queries'
+import type { Token } from '../client'
+import { moment, when } from '../format/time'
+import { Loading, Trouble } from '../page/Trouble'
+import { Card } from '../ui/Card'
+import { AccessFrame } from './AccessFrame'
+import { Secret } from './Secret'
+import styles from './access.module.css'
+
+const SCOPES = [
+  { scope: 'read', may: 'reads everything', least: 'viewer' },
+  { scope: 'run', may: 'also launches, cancels and edits what is yours: for clearance submit', least: 'engineer' },
+  { scope: 'admin', may: 'everything that you may', least: 'admin' },
+] as const
+
+const LIFETIMES = [
+  { days: 30, name: '30 days' },
+  { days: 90, name: '90 days' },
+  { days: 365, name: 'a year' },
+  { days: null, name: 'never' },
+] as const
+
+export function TokensPage() {
+  const { data, error, isError, refetch } = useQuery(tokensQuery)
+  const [creating, setCreating] = useState(false)
+  const [leaving, setLeaving] = useState<Token | null>(null)
+  return (
+    <AccessFrame
+      title="API tokens"
+      actions={
+        data && (
+          <button type="button" className="btn p" onClick={() => setCreating(true)}>
+            <IconKey className="i s" aria-hidden /> New token
+          </button>
+        )
+      }
+    >
+      {isError && !data ? (
+        <Trouble error={error} retry={() => void refetch()} />
+      ) : !data ? (
+        <Loading what="tokens" />
+      ) : (
+        <Card title="Tokens" note="A token never has more than its owner's role" flush={data.length > 0}>
+          {data.length === 0 ? (
+            <p className="sec">
+              There are no tokens. A program sends one as <code>Authorization: Bearer TOKEN</code>; for the command line put it into{' '}
+              <code>CLEARANCE_TOKEN</code>.
+            </p>
+          ) : (
+            <Table tokens={data} onRevoke={setLeaving} />
+          )}
+        </Card>
+      )}
+      <Modal opened={creating} onClose={() => setCreating(false)} title="New API token" centered lockScroll={false}>
+        {creating && <CreateForm onDone={() => setCreating(false)} />}
+      </Modal>
+      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title={`Revoke ${leaving?.name ?? ''}`} centered lockScroll={false}>
+        {leaving && <RevokeForm token={leaving} onDone={() => setLeaving(null)} />}
+      </Modal>
+    </AccessFrame>
+  )
+}
+
+function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (token: Token) => void }) {
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th>Name</th>
+          <th>Owner</th>
+          <th>Scope</th>
+          <th>State</th>
+          <th>Created</th>
+          <th>Last use</th>
+          <th>
+            <span className="sr">Revoke</span>
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {tokens.map((token) => (
+          <tr key={token.name}>
+            <td className="m nw">{token.name}</td>
+            <td className="nw">{token.owner}</td>
+            <td>{token.scope}</td>
+            <td className="nw">
+              <State token={token} />
+            </td>
+            <td className="sec nw" title={moment(token.created)}>
+              {when(token.created)}
+            </td>
+            <td className="sec nw" title={token.last_used === null ? undefined : moment(token.last_used)}>
+              {token.last_used === null ? 'never' : when(token.last_used)}
+            </td>
+            <td className="num">
+              {token.state === 'active' && (
+                <button type="button" className="btn s" aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>
+                  Revoke …
+                </button>
+              )}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}
+
+function State({ token }: { token: Token }) {
+  if (token.revoked !== null) return <span className="bad-t">revoked {moment(token.revoked)}</span>
+  if (token.expires === null) return <span className="sec">active, does not expire</span>
+  return token.state === 'expired' ? (
+    <span className="bad-t">expired {moment(token.expires)}</span>
+  ) : (
+    <span className="sec">active until {moment(token.expires)}</span>
+  )
+}
+
+function CreateForm({ onDone }: { onDone: () => void }) {
+  const cache = useQueryClient()
+  const role = useQuery(sessionQuery).data?.role
+  const [name, setName] = useState('')
+  const [scope, setScope] = useState<'read' | 'run' | 'admin'>(hasRole(role, 'engineer') ? 'run' : 'read')
+  const [days, setDays] = useState<number | null>(90)
+  const create = useMutation({
+    mutationFn: () => createToken({ name: name.trim(), scope, days }),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ['tokens'] }),
+  })
+  if (create.data)
+    return (
+      <Secret text={create.data.secret} copy="Copy the token" onDone={onDone}>
+        The token {create.data.token.name}, shown only now. Send it as <code>Authorization: Bearer TOKEN</code>, or put it into{' '}
+        <code>CLEARANCE_TOKEN</code> for the command line.
+      </Secret>
+    )
+  return (
+    <form
+      className="panel"
+      onSubmit={(event) => {
+        event.preventDefault()
+        create.mutate()
+      }}
+    >
+      <label className="lbl">
+        Name
+        <input
+          className="inp"
+          value={name}
+          maxLength={64}
+          required
+          autoComplete="off"
+          spellCheck={false}
+          data-autofocus
+          onChange={(event) => setName(event.target.value)}
+        />
+        <span className="small mut">What it is for, such as nightly-ci. Runs that it launches show this name.</span>
+      </label>
+      <fieldset className={styles.choices}>
+        <legend className="lbl">Scope</legend>
+        {SCOPES.filter(({ least }) => hasRole(role, least)).map((one) => (
+          <label key={one.scope} className="pickrow">
+            <input type="radio" name="scope" checked={one.scope === scope} onChange={() => setScope(one.scope)} />
+            <span>
+              <b>{one.scope}</b> <span className="sec">{one.may}</span>
+            </span>
+          </label>
+        ))}
+      </fieldset>
+      <label className="lbl">
+        Expires
+        <select className="inp" value={days ?? ''} onChange={(event) => setDays(event.target.value ? Number(event.target.value) : null)}>
+          {LIFETIMES.map((one) => (
+            <option key={one.name} value={one.days ?? ''}>
+              {one.days === null ? one.name : `in ${one.name}`}
+            </option>
+          ))}
+        </select>
+      </label>
+      {create.isError && (
+        <p className="ferr" role="alert">
+          {create.error.message}
+        </p>
+      )}
+      <div className="acts" style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className="btn" onClick={onDone}>
+          Not now
+        </button>
+        <button type="submit" className="btn p" disabled={create.isPending || !name.trim()}>
+          Create
+        </button>
+      </div>
+    </form>
+  )
+}
+
+function RevokeForm({ token, onDone }: { token: Token; onDone: () => void }) {
+  const cache = useQueryClient()
+  const revoke = useMutation({
+    mutationFn: () => revokeToken(token.name),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ['tokens'] }).then(onDone),
+  })
+  return (
+    <div className="panel">
+      <p className="sec">Programs that use it are refused from now on. This cannot be undone, and the name cannot be used again.</p>
+      {revoke.isError && (
+        <p className="ferr" role="alert">
+          {revoke.error.message}
+        </p>
+      )}
+      <div className="acts" style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className="btn" onClick={onDone}>
+          Keep it
+        </button>
+        <button type="button" className="btn danger p" disabled={revoke.isPending} onClick={() => revoke.mutate()}>
+          Revoke
+        </button>
+      </div>
+    </div>
+  )
+}

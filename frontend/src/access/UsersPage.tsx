@@ -1,0 +1,179 @@
+// Users with their roles, for administrators: inviting, changing, withdrawing access; the setting of sign-offs.
+import { Modal } from '@mantine/core'
+import { IconUserPlus } from '@tabler/icons-react'
+import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useNavigate, useSearch } from '@tanstack/react-router'
+import { useState } from 'react'
+import { changeSettings, changeUser, renewInvitation, type Role, settingsQuery, usersQuery } from '../api/access'
+import { sessionQuery } from '../api/queries'
+import type { User } from '../client'
+import { count } from '../format/numbers'
+import { moment, when } from '../format/time'
+import { Loading, Trouble } from '../page/Trouble'
+import { Card } from '../ui/Card'
+import { Pick } from '../ui/Menu'
+import { AccessFrame } from './AccessFrame'
+import { InvitationLink, InviteForm, RoleChoice } from './Invite'
+
+export function UsersPage() {
+  const { invite = false } = useSearch({ from: '/access/users' })
+  const navigate = useNavigate({ from: '/access/users' })
+  const ask = (open: boolean) => void navigate({ search: { invite: open || undefined }, replace: true })
+  const { data, error, isError, refetch } = useQuery(usersQuery)
+  const [changing, setChanging] = useState<User | null>(null)
+  return (
+    <AccessFrame
+      title="Users"
+      actions={
+        data && (
+          <button type="button" className="btn p" onClick={() => ask(true)}>
+            <IconUserPlus className="i s" aria-hidden /> Invite
+          </button>
+        )
+      }
+    >
+      {isError && !data ? (
+        <Trouble error={error} retry={() => void refetch()} />
+      ) : !data ? (
+        <Loading what="users" />
+      ) : (
+        <>
+          <Card title="Users" note="Names stay in the records: a user is disabled, never deleted" flush>
+            <Table users={data} onChange={setChanging} />
+          </Card>
+          <SignOffs />
+        </>
+      )}
+      <Modal opened={invite && data !== undefined} onClose={() => ask(false)} title="Invite a user" centered lockScroll={false}>
+        <InviteForm onDone={() => ask(false)} />
+      </Modal>
+      <Modal opened={changing !== null} onClose={() => setChanging(null)} title={changing?.name ?? ''} centered lockScroll={false}>
+        {changing && <ChangeForm user={changing} onDone={() => setChanging(null)} />}
+      </Modal>
+    </AccessFrame>
+  )
+}
+
+function Table({ users, onChange }: { users: readonly User[]; onChange: (user: User) => void }) {
+  const self = useQuery(sessionQuery).data?.account
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th>Name</th>
+          <th>Role</th>
+          <th>Access</th>
+          <th className="num">Browsers</th>
+          <th>Invited</th>
+          <th>
+            <span className="sr">Change</span>
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {users.map((user) => (
+          <tr key={user.name}>
+            <td className="m">
+              {user.name}
+              {user.name === self && <span className="mut"> (you)</span>}
+            </td>
+            <td>{user.role}</td>
+            <td>
+              <Access user={user} />
+            </td>
+            <td className="num">{count(user.sessions)}</td>
+            <td className="sec nw" title={moment(user.created)}>
+              {user.fixed ? 'by the login link' : `${when(user.created)}, by ${user.created_by}`}
+            </td>
+            <td className="num">
+              {!user.fixed && user.name !== self && (
+                <button type="button" className="btn s" aria-label={`Change ${user.name}`} onClick={() => onChange(user)}>
+                  Change …
+                </button>
+              )}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}
+
+function Access({ user }: { user: User }) {
+  const link = user.invited_until !== null && <span className="mut">, link valid until {moment(user.invited_until)}</span>
+  if (user.state === 'disabled') return <span className="bad-t">withdrawn</span>
+  if (user.state === 'invited') return <span className="sec nw">{link ? <>invited{link}</> : 'invited, the link has expired'}</span>
+  return (
+    <span className="sec">
+      {user.has_password ? 'password' : 'login link'}
+      {link}
+    </span>
+  )
+}
+
+function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
+  const cache = useQueryClient()
+  const [role, setRole] = useState<Role>(user.role)
+  const refresh = () => cache.invalidateQueries({ queryKey: ['users'] })
+  const change = useMutation({
+    mutationFn: (given: { role?: Role; disabled?: boolean }) => changeUser(user.name, given),
+    onSuccess: () => refresh().then(onDone),
+  })
+  const renew = useMutation({ mutationFn: () => renewInvitation(user.name), onSuccess: refresh })
+  if (renew.data) return <InvitationLink invitation={renew.data} onDone={onDone} />
+  const disabled = user.state === 'disabled'
+  const error = change.error ?? renew.error
+  return (
+    <form
+      className="panel"
+      onSubmit={(event) => {
+        event.preventDefault()
+        change.mutate({ role })
+      }}
+    >
+      <RoleChoice value={role} onChange={setRole} />
+      <p className="small mut">A change applies at once, to open browsers and API tokens too.</p>
+      {error && (
+        <p className="ferr" role="alert">
+          {error.message}
+        </p>
+      )}
+      <div className="acts" style={{ justifyContent: 'flex-end' }}>
+        {!disabled && (
+          <button type="button" className="btn" disabled={renew.isPending} onClick={() => renew.mutate()}>
+            New link
+          </button>
+        )}
+        <button type="button" className={disabled ? 'btn' : 'btn danger'} disabled={change.isPending} onClick={() => change.mutate({ disabled: !disabled })}>
+          {disabled ? 'Grant access again' : 'Withdraw access'}
+        </button>
+        <button type="submit" className="btn p" disabled={change.isPending || role === user.role}>
+          Change the role
+        </button>
+      </div>
+    </form>
+  )
+}
+
+function SignOffs() {
+  const cache = useQueryClient()
+  const { data } = useQuery(settingsQuery)
+  const change = useMutation({
+    mutationFn: (own: boolean) => changeSettings({ own_sign_offs: own }),
+    onSuccess: (stored) => cache.setQueryData(settingsQuery.queryKey, stored),
+  })
+  return (
+    <Card title="Sign-offs" note="Independent review">
+      {data && (
+        <Pick on={data.own_sign_offs} onChange={(on) => change.mutate(on)}>
+          Users may sign off runs that they launched; each such sign-off, and the report, says so
+        </Pick>
+      )}
+      {change.isError && (
+        <p className="ferr" role="alert">
+          {change.error.message}
+        </p>
+      )}
+    </Card>
+  )
+}

@@ -1,0 +1,54 @@
+// The requests of the pages about users, tokens, sessions and the audit trail.
+import { queryOptions } from '@tanstack/react-query'
+import type {
+  AccessSettings,
+  AuditPage,
+  BrowserSession,
+  Invitation,
+  NewToken,
+  SessionInfo,
+  Token,
+  TokenRequest,
+  User,
+  UserChange,
+  UserInvite,
+} from '../client'
+import * as sdk from '../client'
+import { answer } from './calls'
+
+export type Role = SessionInfo['role']
+
+/** From the least to the most; each includes those before it. */
+export const ROLES: readonly { role: Role; may: string }[] = [
+  { role: 'viewer', may: 'reads everything' },
+  { role: 'engineer', may: 'also launches, cancels and edits their own' },
+  { role: 'reviewer', may: 'also signs off' },
+  { role: 'admin', may: 'also manages users, tokens, settings, removal and the audit trail' },
+]
+
+export const hasRole = (role: Role | undefined, least: Role): boolean =>
+  role !== undefined && ROLES.findIndex((one) => one.role === role) >= ROLES.findIndex((one) => one.role === least)
+
+export const usersQuery = queryOptions({ queryKey: ['users'], queryFn: (): Promise<User[]> => answer(sdk.listUsers()), staleTime: 0 })
+export const settingsQuery = queryOptions({
+  queryKey: ['settings'],
+  queryFn: (): Promise<AccessSettings> => answer(sdk.getSettings()),
+})
+export const tokensQuery = queryOptions({ queryKey: ['tokens'], queryFn: (): Promise<Token[]> => answer(sdk.listTokens()), staleTime: 0 })
+export const sessionsQuery = queryOptions({
+  queryKey: ['sessions'],
+  queryFn: (): Promise<BrowserSession[]> => answer(sdk.listSessions()),
+  staleTime: 0,
+})
+
+export const inviteUser = (body: UserInvite): Promise<Invitation> => answer(sdk.inviteUser({ body }))
+export const renewInvitation = (user: string): Promise<Invitation> => answer(sdk.renewInvitation({ path: { user } }))
+export const changeUser = (user: string, body: UserChange): Promise<User> => answer(sdk.changeUser({ path: { user }, body }))
+export const changeSettings = (body: AccessSettings): Promise<AccessSettings> => answer(sdk.changeSettings({ body }))
+export const createToken = (body: TokenRequest): Promise<NewToken> => answer(sdk.createToken({ body }))
+export const revokeToken = (token: string): Promise<Token> => answer(sdk.revokeToken({ path: { token } }))
+export const revokeSession = (session: string): Promise<unknown> => answer(sdk.revokeSession({ path: { session } }))
+export const changePassword = (current: string, next: string): Promise<unknown> =>
+  answer(sdk.changePassword({ body: { current: current || null, new: next } }))
+export const listAudit = (actor: string, action: string, cursor: string | null): Promise<AuditPage> =>
+  answer(sdk.listAudit({ query: { actor, action, ...(cursor ? { cursor } : {}) } }))

@@ -263,7 +263,7 @@ def test_the_text_editor_needs_no_inline_styles(visit: Visit) -> None:
     page.keyboard.press("Control+End")
     page.keyboard.press("Control+Space")
     expect(page.get_by_role("option", name="correlations")).to_be_visible()
-    assert page.locator(".code").evaluate("e => e.shadowRoot.querySelectorAll('style').length") == 0
+    assert page.locator("[data-editor]").evaluate("e => e.shadowRoot.querySelectorAll('style').length") == 0
     assert visit.wrong == []
     page.unroute("**/launch?tab=yaml")
 

@@ -11,6 +11,9 @@ import { type ColumnKey, USUAL, USUAL_REMOVED, WIDE_ONLY } from './columnKeys'
 import { RunRow } from './RunRow'
 import type { Sort, SortKey } from './search'
 import { useRows } from './useRows'
+import cards from '../ui/cards.module.css'
+import fields from '../ui/fields.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './runs.module.css'
 
 const ROW = 46
@@ -67,8 +70,8 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, mark
   )
   return (
     <div ref={holder}>
-      <div className={least > width ? clsx('card', styles.scrollx) : clsx('card', styles.clip)}>
-        <table className={styles.runs} aria-rowcount={total + 1} style={{ minWidth: least }} onMouseDown={() => setChosen(-1)}>
+      <div className={least > width ? clsx(cards.card, styles.scrollx) : clsx(cards.card, styles.clip)}>
+        <table className={clsx(tables.table, styles.runs)} aria-rowcount={total + 1} style={{ minWidth: least }} onMouseDown={() => setChosen(-1)}>
           <colgroup>
             <col style={{ width: MARK }} />
             <col />
@@ -167,7 +170,7 @@ function commonOf(runs: RunSummary[]): Common {
 
 const Space = ({ rows }: { rows: number }) =>
   rows > 0 ? (
-    <tr aria-hidden="true" className="space">
+    <tr aria-hidden="true" className={styles.space}>
       <td style={{ height: rows * ROW }} />
     </tr>
   ) : null
@@ -177,6 +180,7 @@ function MarkAll({ runs, marked, onMark }: Pick<RunTableProps, 'runs' | 'marked'
   return (
     <label>
       <input
+        className={fields.check}
         type="checkbox"
         checked={all}
         aria-label="Select all loaded runs"
@@ -209,7 +213,7 @@ function Head({ by, sort, onSort, num, inset, down: first, under, children }: He
       {under ? (
         <>
           <br />
-          <span className="u">{under}</span>
+          <span className={tables.u}>{under}</span>
         </>
       ) : null}
     </>
@@ -224,7 +228,7 @@ function Head({ by, sort, onSort, num, inset, down: first, under, children }: He
       style={inset === undefined ? undefined : { paddingRight: inset }}
       aria-sort={active ? (down ? 'descending' : 'ascending') : undefined}
     >
-      <button type="button" className={active ? clsx(styles.sorter, 'on') : styles.sorter} onClick={() => onSort(next)}>
+      <button type="button" className={active ? clsx(styles.sorter, styles.on) : styles.sorter} onClick={() => onSort(next)}>
         {lines}
         {active && <span aria-hidden> {down ? '↓' : '↑'}</span>}
       </button>

@@ -88,10 +88,10 @@ function Table({ items }: { items: readonly Report[] }) {
         <tr>
           <th>Verdict</th>
           <th>Run</th>
-          <th>Report</th>
+          <th className={layout.hideS}>Report</th>
           <th>Sign-off</th>
           <th>Finished</th>
-          <th>Results, sha256</th>
+          <th className={layout.hideS}>Results, sha256</th>
           <th>Files</th>
         </tr>
       </thead>
@@ -112,14 +112,14 @@ function Table({ items }: { items: readonly Report[] }) {
                 </small>
               </span>
             </td>
-            <td className="sec nw">{report.id}</td>
+            <td className={clsx('sec nw', layout.hideS)}>{report.id}</td>
             <td>
               <Signed report={report} />
             </td>
             <td className="sec nw" title={report.finished === null ? undefined : moment(report.finished)}>
               {report.finished === null ? 'not recorded' : when(report.finished)}
             </td>
-            <td>
+            <td className={layout.hideS}>
               <span className="mono" title={report.digest}>
                 {report.digest.slice(0, 16)}
               </span>

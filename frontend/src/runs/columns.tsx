@@ -55,7 +55,7 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     key: 'verdict',
     name: 'Verdict',
     head: named('Verdict'),
-    width: 118,
+    width: 130,
     sort: 'verdict',
     cell: (run) => <VerdictBadge outcome={outcomeOf(run)} />,
   },

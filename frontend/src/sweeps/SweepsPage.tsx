@@ -48,7 +48,7 @@ export function SweepsPage() {
                 <th>Parameter</th>
                 <th className="num">Runs</th>
                 <th>State</th>
-                <th>User</th>
+                <th className={layout.hideS}>User</th>
                 <th>Submitted</th>
               </tr>
             </thead>
@@ -68,8 +68,8 @@ export function SweepsPage() {
                   </td>
                   <td className="sec">{sweep.path}</td>
                   <td className="num">{count(sweep.runs)}</td>
-                  <td className="sec">{saidOf(sweep.states)}</td>
-                  <td className="sec">{sweep.owner}</td>
+                  <td className="sec nw">{saidOf(sweep.states)}</td>
+                  <td className={clsx('sec', layout.hideS)}>{sweep.owner}</td>
                   <td className="sec nw" title={moment(sweep.created)}>
                     {when(sweep.created)}
                   </td>

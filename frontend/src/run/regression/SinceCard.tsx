@@ -155,7 +155,7 @@ function Row({ choose, change, decimals, smallest }: RowProps) {
         <span className={badges.vd} data-tone={tone}>
           <Icon className="i" aria-hidden />
           {word}
-        </span>
+        </span>{' '}
         {change.fails && <span className={clsx('small bad-t', styles.fails)}>fails</span>}
       </td>
       <td className="mono">{change.before ?? <span className="mut">none</span>}</td>

@@ -122,6 +122,12 @@ def bottom(of: Locator) -> float:
     return box["y"] + box["height"]
 
 
+def right(of: Locator) -> float:
+    box = of.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"]
+
+
 @pytest.mark.parametrize("run", ["R-0001", "R-0002", "R-0004"])
 def test_verdict_figures_and_view_share_the_first_screen(visit: Visit, run: str) -> None:
     visit.go(f"/runs/{run}")
@@ -274,3 +280,17 @@ def test_a_run_that_is_launched_again_has_its_labels_and_its_baseline(visit: Vis
     asked = sent.value.post_data_json
     assert isinstance(asked, dict)
     assert (asked["labels"], asked["baseline"]) == ({"branch": "slow"}, "label:branch=slow")
+
+
+def test_the_verdicts_of_the_list_are_whole_in_a_narrow_window(visit: Visit) -> None:
+    page = visit.page
+    page.set_viewport_size({"width": 390, "height": 900})
+    try:
+        visit.go("/runs")
+        row = page.get_by_role("row", name=re.compile("R-0002"))
+        badge = row.get_by_text("Inconclusive")
+        expect(badge).to_be_visible()
+        for around in (badge.locator("xpath=ancestor::td"), page.get_by_role("table").locator("xpath=..")):
+            assert right(badge) < right(around)
+    finally:
+        page.set_viewport_size({"width": 1440, "height": 900})

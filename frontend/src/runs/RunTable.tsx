@@ -18,6 +18,8 @@ import styles from './runs.module.css'
 
 const ROW = 46
 const [MARK, NAME] = [42, 190]
+/** Where the list scrolls, so that the longest verdict next to the name is whole in a window of 390 px. */
+const SHORT = 172
 /** [px] Between this width and the next, some default columns are omitted. */
 const NARROW = 1300
 
@@ -46,7 +48,8 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, mark
   const [chosen, setChosen] = useKeys(runs, reveal, marked, onMark)
   const columns = useMemo(() => columnsOf(cols, width, removed), [cols, width, removed])
   const common = commonOf(runs)
-  const least = columns.reduce((sum, column) => sum + column.width, MARK + NAME)
+  const others = columns.reduce((sum, column) => sum + column.width, MARK)
+  const least = others + (others + NAME > width ? SHORT : NAME)
 
   useEffect(() => {
     if (more && !loading && end > runs.length - 30) more()

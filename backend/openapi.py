@@ -19,7 +19,7 @@ from pydantic.json_schema import JsonSchemaMode, models_json_schema
 from backend.access.rules import RULES, Rule
 from backend.events.schemas import NewImprovements
 from backend.http.errors import ProblemDocument, declare
-from backend.runs.schemas import RunSubmit
+from backend.runs.requests import RunSubmit
 from backend.sweeps.schemas import SweepSubmit
 from campaigns import Campaign
 from campaigns.documents import JsonObject

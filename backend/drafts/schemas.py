@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from backend.http.schema import Given, Number32, Schema
-from backend.runs.schemas import Tags
+from backend.runs.requests import Tags
 
 LONGEST = 500_000
 

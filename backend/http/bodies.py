@@ -1,4 +1,4 @@
-"""Campaigns as request bodies: JSON or YAML, parsed by the same rules as a file. Start reading at `campaign_text`."""
+"""Campaigns as request bodies: JSON or YAML, parsed by the same rules as a file. Start reading at `described`."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from typing import Any, TypeVar
 
 from anyio import CapacityLimiter, to_thread
 from fastapi import Request
+from pydantic import BaseModel, ValidationError
 
-from backend.http.errors import RefusedError
+from backend.http.errors import RefusedError, problem_of
 from campaigns import Campaign, CampaignError, Problem, load_text
+from campaigns.asked.problem import MOST
 from campaigns.asked.reading import LONGEST_KEY, repeated
 from campaigns.documents import JsonObject
 
@@ -20,6 +22,7 @@ READERS = 2
 WAITING = 32
 
 Value = TypeVar("Value")
+Described = TypeVar("Described", bound=BaseModel)
 JSON_TYPES = frozenset({"application/json"})
 YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml"})
 
@@ -83,6 +86,15 @@ def document(body: bytes) -> Any:
         raise unreadable(Problem(str(error), "", "this key is given twice")) from None
     except ValueError:  # Python's limit on parsing integers
         raise unreadable(Problem("", "", "not readable as JSON: a whole number of more than 4,300 digits")) from None
+
+
+def described(body: bytes, schema: type[Described]) -> Described:
+    """The body, JSON, as what a schema describes; raises `CampaignError` with each problem and its location."""
+    try:
+        return schema.model_validate(document(body))
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_context=False)
+        raise CampaignError("request", [problem_of(e, e["loc"]) for e in found[:MOST]], len(found)) from None
 
 
 def yaml_campaign(body: bytes) -> Campaign:

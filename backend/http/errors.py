@@ -233,16 +233,20 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
 async def _invalid(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
     found = error.errors()
-    errors = [_problem(e) for e in found[:MOST]]
+    errors = [problem_of(e, e["loc"][1:] if e["loc"][0] in _PARTS else e["loc"]) for e in found[:MOST]]
     if len(found) > MOST:
         errors.append(Problem("", "", f"and {len(found) - MOST} more problems"))
     detail = "the request does not match the API description: " + "; ".join(map(str, errors))
     return respond(RefusedError(422, "invalid-request", detail, errors), request.url.path)
 
 
-def _problem(error: Mapping[str, Any]) -> Problem:
-    where = [str(part) for part in error["loc"] if part not in ("body", "query", "path", "header")]
+_PARTS = {"body", "query", "path", "header"}
+"""Of a request; the first part of a location."""
+
+
+def problem_of(error: Mapping[str, Any], location: Iterable[object]) -> Problem:
+    """A problem of a request as found by pydantic, at a location in it."""
     given = error.get("input", "")
     said = given[:LONGEST] if isinstance(given, str) else shown(given) if isinstance(given, dict | list) else str(given)
     given = "" if error["type"] == "missing" else said[:LONGEST]
-    return Problem(".".join(where)[:400], given, str(error["msg"]).removeprefix("Value error, "))
+    return Problem(".".join(map(str, location))[:400], given, str(error["msg"]).removeprefix("Value error, "))

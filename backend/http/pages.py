@@ -17,13 +17,20 @@ from starlette.exceptions import HTTPException
 
 ASSET = {"Cache-Control": "public, max-age=31536000, immutable"}
 FRESH = {"Cache-Control": "no-cache"}
+FONTS = {
+    "assets/inter.woff2": "inter-latin-wght-normal-*.woff2",
+    "assets/mono.woff2": "jetbrains-mono-latin-wght-normal-*.woff2",
+}
+"""Addresses of the built fonts for the plain pages, which do not know the hashes in their names."""
 _STYLE = (
+    '@font-face{font-family:Inter;src:url(/assets/inter.woff2) format("woff2");font-weight:100 900;font-display:swap}'
+    '@font-face{font-family:Mono;src:url(/assets/mono.woff2) format("woff2");font-weight:100 800;font-display:swap}'
     "*{box-sizing:border-box}"
     "body{font:14px/22px Inter,system-ui,sans-serif;margin:0;padding:12vh 20px 48px;color:#15202b;background:#f6f7f9}"
     "main{max-width:31em;margin:0 auto;padding:28px 32px;background:#fff;border:1px solid #e2e6eb;border-radius:8px}"
     "header{display:flex;align-items:center;gap:9px;margin-bottom:24px;font-weight:600}"
     "h1{font-size:20px;line-height:28px;margin:0 0 8px}p{margin:0 0 12px;color:#435061}p:last-child{margin:0}"
-    "code{font:12.5px ui-monospace,monospace;color:#15202b;background:#f1f3f6;padding:2px 5px;border-radius:4px}"
+    "code{font:12.5px Mono,ui-monospace,monospace;color:#15202b;background:#f1f3f6;padding:2px 5px;border-radius:4px}"
     "form{display:grid;gap:4px;margin:0 0 20px}label{font-weight:500;margin-top:8px}"
     "input{font:inherit;color:inherit;background:#fff;border:1px solid #7b8794;border-radius:6px;padding:7px 10px}"
     "button{font:inherit;font-weight:600;color:#fff;background:#15202b;border:0;border-radius:6px;padding:9px 14px;"
@@ -57,6 +64,9 @@ def serve(app: FastAPI, folder: Path) -> None:
         if path.startswith("api/"):
             raise HTTPException(404)
         file = _inside(folder, path)
+        font = next((folder / "assets").glob(FONTS[path]), None) if path in FONTS else None
+        if font is not None:
+            return FileResponse(font, headers=FRESH)
         if file is not None:
             return _asset(file, request.headers) if path.startswith("assets/") else FileResponse(file, headers=FRESH)
         if path.startswith("assets/") or not wants_page(request.headers):

@@ -15,7 +15,8 @@ from backend.db.tables import Run
 from backend.http.errors import RefusedError, not_found
 from backend.runs import listing
 from backend.runs.removal import refuse_removed
-from backend.runs.schemas import RunEdit, RunSummary
+from backend.runs.requests import RunEdit
+from backend.runs.schemas import RunSummary
 from backend.runs.tombstones import refuse_purged
 from campaigns import Problem
 from campaigns.documents import JsonObject

@@ -3,43 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Annotated
 
-from fastapi import APIRouter, Header, Query, Request, Response, status
+from fastapi import APIRouter, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.http import bodies
 from backend.http.deps import Engine, Reader
 from backend.http.errors import RefusedError, problems
+from backend.http.keys import Key
 from backend.http.schema import RunName, Seconds
 from backend.runs import edits, listing, removal, service, submission, texts
+from backend.runs.asked import Asked, AskedFor
 from backend.runs.code import changes
 from backend.runs.components import components
 from backend.runs.facets import facets
 from backend.runs.filters import Filters
 from backend.runs.history import history
 from backend.runs.order import Sort
+from backend.runs.requests import Reason, RunEdit, RunsNamed, RunsRemoved, RunSubmit
 from backend.runs.schemas import (
     CodeChanges,
     HistoryEntry,
-    Reason,
     RunComponents,
     RunDetail,
-    RunEdit,
     RunFacets,
     RunPage,
-    RunsNamed,
-    RunsRemoved,
-    RunSubmit,
     RunSubmitted,
     RunSummary,
     StageDetail,
 )
 from campaigns import CampaignError, Problem
-from campaigns.asked.problem import shown
 from campaigns.documents import JsonObject
 from campaigns.labels import pair
 from campaigns.results.verdict import VerdictWord
@@ -69,15 +66,6 @@ CAMPAIGN_FILE: dict[int | str, JsonObject] = {
 MOST = 50
 """Alternative values of one filter."""
 Word = Annotated[str, Field(max_length=200)]
-Key = Annotated[
-    str | None,
-    Header(
-        alias="Idempotency-Key",
-        min_length=1,
-        max_length=128,
-        description="Any text: a repeated request with the same key returns the run queued by the first one.",
-    ),
-]
 
 
 @router.post(
@@ -90,39 +78,24 @@ Key = Annotated[
     ),
 )
 async def submit_run(
-    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, key: Key = None
+    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, asked: AskedFor, key: Key = None
 ) -> RunSubmitted:
-    """Queue a run of a campaign, given as JSON or as YAML; labels, baseline and reuse only as JSON."""
+    """Queue a run of a campaign, given as JSON or as YAML; labels, baseline and reuse in the address or in the JSON."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
-    given = await bodies.apart(request, lambda: _submission(body, yaml))
+    given = await bodies.apart(request, lambda: _submission(body, yaml, asked))
     run = await run_in_threadpool(submission.submit, engine, given, visitor, key)
     response.headers["Location"] = f"{request.url.path}/{run.id}"
     return run
 
 
-def _submission(body: bytes, yaml: bool) -> submission.Submission:
+def _submission(body: bytes, yaml: bool, asked: Asked) -> submission.Submission:
     try:
-        return submission.from_yaml(body) if yaml else submission.from_json(body, _described(body))
+        if yaml:
+            return submission.from_yaml(body, asked)
+        return submission.from_json(body, bodies.described(body, RunSubmit), asked)
     except CampaignError as error:
         raise bodies.invalid(error) from None
-
-
-def _described(body: bytes) -> RunSubmit:
-    try:
-        return RunSubmit.model_validate(bodies.document(body))
-    except ValidationError as error:
-        found = error.errors(include_url=False, include_context=False)
-        wrong = [Problem(".".join(map(str, e["loc"])), _given(e["input"]), _told(e["msg"])) for e in found[:MOST]]
-        raise bodies.invalid(CampaignError("request", wrong, len(found))) from None
-
-
-def _told(message: str) -> str:
-    return message.removeprefix("Value error, ")
-
-
-def _given(value: Any) -> str:
-    return value[:120] if isinstance(value, str) else shown(value)
 
 
 @router.get("/runs", responses=problems("bad-cursor"))

@@ -1,67 +1,21 @@
-"""The API schemas of runs: submission, list, detail. Start reading at `RunSummary`."""
+"""The API schemas of runs: list, detail, what a submission returns. Start reading at `RunSummary`."""
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Literal
 
-from pydantic import Field, computed_field
+from pydantic import computed_field
 
 from backend.catalog.schemas import CriterionOut
-from backend.http.schema import Given, Schema
+from backend.http.schema import Schema
 from campaigns import Catalogue
-from campaigns.asked.load import LARGEST_FILE
-from campaigns.asked.values import Notes
 from campaigns.documents import JsonObject
-from campaigns.labels import Labels
 from campaigns.results import Verdict
 from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.runs import RunState, StageState
 from campaigns.stages.found import AnyResult, StageKind, declared
 from campaigns.versions import Versions
-
-Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
-Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
-
-
-class RunSubmit(Given):
-    """A campaign to run; the campaign's own name and tags are the defaults."""
-
-    checked_elsewhere: ClassVar = frozenset({"campaign"})  # errors in it are located by `campaigns.asked.reading`
-    campaign: JsonObject
-    name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
-    tags: Tags | None = None
-    labels: Labels = Field(default_factory=dict)
-    """By key, such as branch: main, commit: 4f2a91c."""
-    baseline: Annotated[str, Field(min_length=1, max_length=300)] | None = None
-    """The run with which this one is compared, R-0001; or label:branch=main, the newest run of a campaign of the same
-    name and criterion with that label. Its findings are evaluated first."""
-    reuse: bool = False
-    """Answer with an earlier run of the same campaign and code that has a verdict, if there is one."""
-    text: (
-        Annotated[
-            str,
-            Field(
-                max_length=LARGEST_FILE,
-                description="Original text of the same campaign, YAML or JSON; stored with its comments and order.",
-            ),
-        ]
-        | None
-    ) = None
-    priority: Annotated[int, Field(ge=-10, le=10)] = 0
-
-
-class RunEdit(Given):
-    """The user's annotations of a run; omitted fields stay unchanged."""
-
-    name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
-    tags: Tags | None = None
-    notes: Annotated[str, Field(max_length=20_000, description="Markdown.")] | None = None
-    pinned: bool | None = None
-    notes_before: Annotated[
-        str | None,
-        Field(max_length=20_000, description="The notes that were read; refused if changed since."),
-    ] = None
 
 
 class HistoryEntry(Schema):
@@ -76,18 +30,6 @@ class HistoryEntry(Schema):
     """run.submitted, run.edited, run.cancelled, run.removed, run.restored, run.purged, signoff.created,
     signoff.withdrawn, signoff.bound"""
     detail: JsonObject
-
-
-class RunsNamed(Given):
-    """Several runs by their names, R-0001."""
-
-    runs: Annotated[list[Annotated[str, Field(max_length=20)]], Field(min_length=1, max_length=500)]
-
-
-class RunsRemoved(RunsNamed):
-    """Several runs, and the reason for their removal."""
-
-    reason: Reason
 
 
 class Facet(Schema):

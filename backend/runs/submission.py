@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 
 import sqlalchemy as sa
@@ -13,10 +12,11 @@ from backend.db.access import Visitor
 from backend.db.baselines import Resolved
 from backend.db.engine import now, read
 from backend.db.tables import IdempotencyKey, RunText
-from backend.http import bodies
-from backend.http.errors import RefusedError
+from backend.http import bodies, keys
 from backend.runs import reuse
-from backend.runs.schemas import RunBaseline, RunSubmit, RunSubmitted
+from backend.runs.asked import Asked
+from backend.runs.requests import RunSubmit
+from backend.runs.schemas import RunBaseline, RunSubmitted
 from backend.runs.service import baseline, summary
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
@@ -35,7 +35,7 @@ class Submission:
     tags: list[str]
     priority: int
     digest: str
-    """Digest of the request body, to distinguish a repeated request from another one with the same key."""
+    """Digest of the request, to distinguish a repeated request from another one with the same key."""
     text: str | None
     """The original text of the campaign; None if only a document was given."""
     labels: dict[str, str]
@@ -43,23 +43,23 @@ class Submission:
     reuse: bool
 
 
-def from_yaml(body: bytes) -> Submission:
+def from_yaml(body: bytes, asked: Asked) -> Submission:
     """A submission whose body is the campaign itself."""
-    return _submission(bodies.yaml_campaign(body), RunSubmit(campaign={}, text=bodies.text(body)), body)
+    given = asked.with_body(RunSubmit(campaign={}, text=bodies.text(body)))
+    return _submission(bodies.yaml_campaign(body), given, asked.digest(body))
 
 
-def from_json(body: bytes, given: RunSubmit) -> Submission:
+def from_json(body: bytes, given: RunSubmit, asked: Asked) -> Submission:
     """A submission from JSON; raises `CampaignError`, also if its text describes another campaign."""
     campaign = load_document(given.campaign, "request")
     if given.text is not None and load_text(given.text, "text").digest != campaign.digest:
         text = "the text describes a different campaign than `campaign`: make both equal, or omit the text"
         raise CampaignError("request", [Problem("text", "", text)])
-    return _submission(campaign, given, body)
+    return _submission(campaign, asked.with_body(given), asked.digest(body))
 
 
-def _submission(campaign: Campaign, given: RunSubmit, body: bytes) -> Submission:
+def _submission(campaign: Campaign, given: RunSubmit, digest: str) -> Submission:
     tags = campaign.tags if given.tags is None else list(dict.fromkeys(given.tags))
-    digest = hashlib.sha256(body).hexdigest()
     if campaign.baseline is not None:
         text = "a baseline is added at launch: leave it out, and give the run next to the campaign, as baseline: R-0001"
         raise CampaignError("request", [Problem("campaign.baseline", campaign.baseline.run, text)])
@@ -71,7 +71,7 @@ def _submission(campaign: Campaign, given: RunSubmit, body: bytes) -> Submission
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSubmitted:
     """Queue a run, or return the one queued earlier with the same key; a refused request leaves no row."""
     with read(engine) as reader:
-        repeated = None if key is None else _repeated(reader, submission, visitor, key)
+        repeated = _repeated(reader, submission, visitor, key)
         if repeated is not None:
             return _answer(reader, *repeated)
         catalogue = required(reader)
@@ -81,7 +81,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         asked = _compared(reader, submission)
         reused = reuse.reusable(reader, asked.campaign) if submission.reuse else None
     with engine.begin() as writer:
-        repeated = None if key is None else _repeated(writer, submission, visitor, key)
+        repeated = _repeated(writer, submission, visitor, key)
         if repeated is not None:
             run_id, at = repeated
         elif reused is not None:
@@ -146,17 +146,11 @@ def _answer(reader: sa.Connection, run_id: int, at: float, asked: Resolved | Non
     return RunSubmitted(**dict(found), reused=reused, baseline=compared)
 
 
-def _repeated(reader: sa.Connection, submission: Submission, visitor: Visitor, key: str) -> tuple[int, float] | None:
+def _repeated(
+    reader: sa.Connection, submission: Submission, visitor: Visitor, key: str | None
+) -> tuple[int, float] | None:
     """The run that was queued with the key, and the time stored with it."""
-    mine = (IdempotencyKey.key == key, IdempotencyKey.user == visitor.user)
-    columns = (IdempotencyKey.body, IdempotencyKey.run_id, IdempotencyKey.created)
-    row = reader.execute(sa.select(*columns).where(*mine)).one_or_none()
-    if row is None:
-        return None
-    if row.body != submission.digest:
-        detail = (
-            f"the Idempotency-Key {key!r} was used for another request, which queued {run_name(row.run_id)}: "
-            "send the same body again, or another key"
-        )
-        raise RefusedError(422, "idempotency-key-reused", detail)
-    return int(row.run_id), float(row.created)
+    columns = (IdempotencyKey.body, IdempotencyKey.run_id.label("queued"), IdempotencyKey.created)
+    stored = sa.select(*columns).where(IdempotencyKey.key == key, IdempotencyKey.user == visitor.user)
+    row = keys.repeated(reader, stored, key, submission.digest, run_name)
+    return None if row is None else (int(row.queued), float(row.created))

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Path, Query, Request, Response, status
+from fastapi import APIRouter, Path, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
-from pydantic import ValidationError
 
 from backend.access.auth import CurrentVisitor
 from backend.http import bodies
 from backend.http.deps import Engine, Reader
 from backend.http.errors import RefusedError, problems
+from backend.http.keys import Key
 from backend.sweeps import service, sheet
 from backend.sweeps.schemas import SweepDetail, SweepSubmit, SweepSummary
-from campaigns import CampaignError, Problem
+from campaigns import CampaignError
 from campaigns.asked.load import load_document
-from campaigns.asked.problem import MOST, shown
 from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["sweeps"])
@@ -32,15 +31,6 @@ LOCATION: dict[int | str, JsonObject] = {
 TABLE: dict[int | str, JsonObject] = {
     200: {"description": "One row for each run.", "content": {"text/csv": {"schema": {"type": "string"}}}}
 }
-Key = Annotated[
-    str | None,
-    Header(
-        alias="Idempotency-Key",
-        min_length=1,
-        max_length=128,
-        description="Any text: a repeated request with the same key returns the sweep launched by the first one.",
-    ),
-]
 
 
 @router.post(
@@ -94,21 +84,8 @@ def cancel_sweep(sweep: SweepName, engine: Engine, visitor: CurrentVisitor) -> S
 
 
 def _submission(body: bytes) -> service.Submission:
-    document = bodies.document(body)
     try:
-        given = SweepSubmit.model_validate(document)
+        given = bodies.described(body, SweepSubmit)
         return service.Submission(load_document(given.campaign, "request"), given, body)
-    except ValidationError as error:
-        found = error.errors(include_url=False, include_context=False)
-        wrong = [
-            Problem(".".join(map(str, e["loc"])), _given(e), e["msg"].removeprefix("Value error, "))
-            for e in found[:MOST]
-        ]
-        raise bodies.invalid(CampaignError("request", wrong, len(found))) from None
     except CampaignError as error:
         raise bodies.invalid(error) from None
-
-
-def _given(error: object) -> str:
-    assert isinstance(error, dict)
-    return "" if error["type"] == "missing" else shown(error["input"])

@@ -8,7 +8,7 @@ from pydantic import Field, field_validator
 
 from backend.http.schema import Given, Schema
 from backend.runs.outcomes import Outcome
-from backend.runs.schemas import Tags
+from backend.runs.requests import Tags
 from campaigns.asked.values import Number, Path
 from campaigns.documents import JsonObject
 from campaigns.labels import Labels

@@ -15,8 +15,8 @@ from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.engine import now, read
 from backend.db.tables import Run, Sweep, SweepRun
-from backend.http import bodies
-from backend.http.errors import RefusedError, not_found
+from backend.http import bodies, keys
+from backend.http.errors import not_found
 from backend.runs.outcomes import outcomes
 from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSummary
 from backend.sweeps.variants import described, variants
@@ -74,20 +74,10 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
 
 
 def _repeated(reader: sa.Connection, submission: Submission, visitor: Visitor, key: str | None) -> int | None:
-    if key is None:
-        return None
-    row = reader.execute(
-        sa.select(Sweep.id, Sweep.body).where(Sweep.key == key, Sweep.owner == visitor.user)
-    ).one_or_none()
-    if row is None:
-        return None
-    if row.body != submission.digest:
-        detail = (
-            f"the Idempotency-Key {key!r} was used for another request, which launched {sweep_name(row.id)}: "
-            "send the same body again, or another key"
-        )
-        raise RefusedError(422, "idempotency-key-reused", detail)
-    return int(row.id)
+    """The sweep that was launched with the key."""
+    stored = sa.select(Sweep.id.label("queued"), Sweep.body).where(Sweep.key == key, Sweep.owner == visitor.user)
+    row = keys.repeated(reader, stored, key, submission.digest, sweep_name)
+    return None if row is None else int(row.queued)
 
 
 def _launch(

@@ -48,6 +48,23 @@ def test_assets_are_public_and_cached_for_long(built: Path, service: Service) ->
         assert stranger.get("/favicon.svg").status_code == 200
 
 
+def test_the_fonts_of_the_sign_in_page_need_no_session(built: Path, service: Service) -> None:
+    for name in ("inter-latin-wght-normal-Dx4kXJAl", "jetbrains-mono-latin-wght-normal-B9CIFXIH"):
+        (built / "assets" / f"{name}.woff2").write_bytes(name.encode())
+    (built / "assets" / "inter-latin-ext-wght-normal-DO1Apj_S.woff2").write_bytes(b"other letters")
+    with service.visitor() as visitor:
+        page = visitor.get("/runs", headers=HTML)
+        assert page.status_code == 401
+        addresses = re.findall(r"url\((/assets/[^)]*)\)", page.text)
+        answers = [visitor.get(address) for address in addresses]
+    assert [answer.text[:14] for answer in answers] == ["inter-latin-wg", "jetbrains-mono"]
+    assert {answer.headers["content-type"] for answer in answers} == {"font/woff2"}
+
+
+def test_without_a_build_the_fonts_are_not_there(client: httpx.Client) -> None:
+    problem(client.get("/assets/inter.woff2"), 404)
+
+
 def test_what_the_build_has_packed_is_sent_so_to_browsers_that_take_it(built: Path, client: httpx.Client) -> None:
     (built / "assets" / "index-abc123.js.br").write_bytes(b"packed")
     for takes, sent in (("gzip, br", b"packed"), ("gzip", b"console.log(1)"), ("br;q=1", b"packed")):

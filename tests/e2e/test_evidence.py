@@ -121,12 +121,12 @@ def test_the_charts_over_time_share_their_crosshair(page: Page) -> None:
     motion, separation = page.locator("#motion"), page.locator("#separation")
     for name in ("v over time", "force over time"):
         expect(motion.get_by_role("img", name=re.compile(name))).to_be_visible()
-    expect(separation.locator(".tip")).to_have_count(0)
-    separation.locator(".plot").hover()
-    expect(motion.locator(".readout")).to_have_count(2)
-    time = float(separation.locator(".tip .b").inner_text().removesuffix(" s"))
+    expect(separation.locator("[data-float=tip]")).to_have_count(0)
+    separation.get_by_role("img").first.hover()
+    expect(motion.locator("[data-readout]")).to_have_count(2)
+    time = float(separation.locator("[data-float=tip] .b").inner_text().removesuffix(" s"))
     speed = f"{0.4 + 0.05 * math.sin(time):.3f}"  # as `flight` has it
-    expect(motion.locator(".readout").first).to_have_text(speed * 2)
+    expect(motion.locator("[data-readout]").first).to_have_text(speed * 2)
     separation.get_by_role("button", name="Whole flight").click()
     expect(page).to_have_url(re.compile("time=all"))
     with page.expect_download() as download:

@@ -97,7 +97,7 @@ def test_it_fits_at_both_widths_in_both_themes(visit: Visit, card: Locator) -> N
 
 def test_a_range_on_an_axis_filters_every_view(visit: Visit, card: Locator) -> None:
     lines = card.get_by_role("group", name=re.compile("^Parallel"))
-    drag(visit, lines.locator(".hit").nth(1), (0.5, 0.2), (0.5, 0.6))
+    drag(visit, lines.locator("[data-hit]").nth(1), (0.5, 0.2), (0.5, 0.6))
     expect(kept(card)).not_to_have_text(ALL)
     number = int(re.sub(r"\D", "", kept(card).inner_text().split(" of ")[0]))
     assert 300 < number < 500
@@ -115,7 +115,7 @@ def test_a_range_on_an_axis_filters_every_view(visit: Visit, card: Locator) -> N
 
 def test_a_rectangle_in_a_cell_is_a_range_on_both_axes(visit: Visit, card: Locator) -> None:
     scatter = card.get_by_role("group", name=re.compile("^Scatter"))
-    drag(visit, scatter.locator(".hit").first, (0.25, 0.25), (0.75, 0.75))
+    drag(visit, scatter.locator("[data-hit]").first, (0.25, 0.25), (0.75, 0.75))
     expect(card.get_by_role("button", name=re.compile("^Clear range of"))).to_have_count(2)
     number = int(re.sub(r"\D", "", kept(card).inner_text().split(" of ")[0]))
     assert 200 < number < 300

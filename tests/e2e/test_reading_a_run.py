@@ -16,12 +16,15 @@ import sqlalchemy as sa
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from backend.db.records import Trace
+from backend.db.rows import plain
 from backend.db.tables import Run
+from campaigns.claims.say import say
+from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.verdict import Check
 from tests import results
 from tests.api.catalogue import campaign
 from tests.api.finished import COLUMNS, flight
-from tests.api.reported import finish_fully
+from tests.api.reported import PARAMETERS, finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.stored import served
@@ -58,9 +61,32 @@ def diverged() -> Trace:
     return Trace(trace.name, trace.columns, data, results.head(**meta))
 
 
+def changed() -> Regression:
+    """One finding of the baseline has become worse, one cannot be compared, and one is new."""
+    known: dict[str, Any] = {"parameters": PARAMETERS, "margin_before": 0.9}
+    cases = [
+        FindingChange(
+            standing=Standing.WORSE, before="F1", now="F1", evaluation=0, margin_again=0.8, margin=0.75, change=-0.15,
+            tolerance=0.001, fails=True, said=say("F1 of R-0001 is worse"), **known,
+        ),
+        FindingChange(
+            standing=Standing.NOT_COMPARED, before="F2", now=None,
+            said=say("F2 of R-0001 is not compared: vehicle.m = 6.5 is outside the bounds 4 to 6 of this campaign"),
+            **known,
+        ),
+        FindingChange(
+            standing=Standing.NEW, before=None, now="F2", margin=0.7, parameters=PARAMETERS, said=say("F2 is new"),
+        ),
+    ]  # fmt: skip
+    told = "Changes of the findings since R-0001: 1 worse, 1 not compared, 1 new. The policy fails: <b>."
+    return Regression(
+        run="R-0001", position=1, cases=cases, fail_on=["worse"], ok=False, quantity="d_min", unit="m", said=say(told)
+    )  # fmt: skip
+
+
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """A service with four finished runs: cleared, inconclusive, one whose nominal case failed, the first one again."""
+    """Finished runs: cleared, inconclusive, one whose nominal case failed, the first one again, and a compared one."""
     with served(tmp_path_factory.mktemp("reading")) as service:
         with service.signed_in() as client:
             for name, verdict, more in (
@@ -72,7 +98,12 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
                 answer = client.post("/api/v1/runs", json={"campaign": campaign(), "name": name})
                 assert answer.status_code == 201, answer.text
                 finish_fully(service, verdict, **more)  # type: ignore[arg-type]
+            baseline = {"campaign": campaign(), "name": "Compared", "labels": {"branch": "slow"}, "baseline": "R-0001"}
+            assert client.post("/api/v1/runs", json=baseline).status_code == 201
+            finish_fully(service)
         with service.engine.begin() as writer:
+            summary: Any = writer.scalar(sa.select(Run.summary).where(Run.id == 5))
+            writer.execute(sa.update(Run).where(Run.id == 5).values(summary=summary | {"regression": plain(changed())}))
             flown: Any = writer.scalar(sa.select(Run.flown).where(Run.id == 4))
             writer.execute(sa.update(Run).where(Run.id == 4).values(flown={**flown, "code": "feed" * 16}))
         yield service
@@ -89,6 +120,12 @@ def bottom(of: Locator) -> float:
     box = of.bounding_box()
     assert box is not None
     return box["y"] + box["height"]
+
+
+def right(of: Locator) -> float:
+    box = of.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"]
 
 
 @pytest.mark.parametrize("run", ["R-0001", "R-0002", "R-0004"])
@@ -124,7 +161,7 @@ def current(page: Page) -> str:
 def test_tabs_are_in_page_order_and_follow_the_scroll(visit: Visit) -> None:
     visit.go("/runs/R-0002")
     page = visit.page
-    expect(page.locator("#space .card")).to_be_visible()
+    expect(page.locator("#space section")).to_be_visible()
     links = page.get_by_role("navigation", name="Sections").get_by_role("link")
     targets = [str(link.get_attribute("href")) for link in links.all()]
     places = [page.locator(target).bounding_box() for target in targets]
@@ -200,3 +237,60 @@ def test_a_comparison_begins_with_the_older_run_and_can_be_swapped(visit: Visit)
     page.get_by_role("button", name="Swap").click()
     expect(runs.first).to_have_attribute("data-run", "R-0004")
     visit.shot("reading-compare", full=False)
+
+
+def test_the_changes_since_the_baseline_are_on_the_page(visit: Visit) -> None:
+    visit.move("/runs/R-0005")
+    page = visit.page
+    card = page.locator("#since")
+    expect(card.get_by_role("heading", name="Since the baseline")).to_be_visible()
+    expect(card.get_by_test_id("policy")).to_have_text("Policy fails")
+    rows = card.locator("tbody tr")
+    expect(rows).to_have_count(3)
+    worse, lost, new = (rows.nth(i) for i in range(3))
+    expect(worse.get_by_role("cell")).to_have_text(
+        ["Worse fails", "F1", "F1", "+0.90000", "+0.80000", "+0.75000", "\u22120.150", "0.001"]
+    )
+    expect(lost).to_contain_text("Not compared")
+    expect(lost).to_contain_text("no finding")
+    expect(new.get_by_role("cell").nth(1)).to_have_text("none")
+    expect(card).to_contain_text("vehicle.m = 6.5 is outside the bounds 4 to 6 of this campaign")
+    expect(card.get_by_role("link", name="R-0001")).to_have_attribute("href", "/runs/R-0001")
+    new.get_by_role("button", name="F2").click()
+    expect(page).to_have_url(re.compile("finding=F2"))
+    visit.shot("since-baseline", of=card)
+
+
+def test_a_run_that_is_launched_again_has_its_labels_and_its_baseline(visit: Visit) -> None:
+    visit.move("/runs/R-0005")
+    page = visit.page
+    page.get_by_role("link", name="Run again").first.click()
+    expect(page.get_by_text("with its baseline R-0001")).to_be_visible()
+    fold = page.locator("details", has_text="Labels and baseline")
+    expect(fold.locator("summary")).to_contain_text("branch=slow, baseline R-0001")
+    fold.locator("summary").click()
+    field = fold.get_by_label("Baseline")
+    expect(field).to_have_value("R-0001")
+    field.fill("main")
+    expect(fold).to_contain_text("“main” is not a baseline")
+    expect(page.get_by_role("button", name="Start run")).to_be_disabled()
+    field.fill("label:branch=slow")
+    with page.expect_request(lambda request: request.method == "POST" and request.url.endswith("/runs")) as sent:
+        page.get_by_role("button", name="Start run").click()
+    asked = sent.value.post_data_json
+    assert isinstance(asked, dict)
+    assert (asked["labels"], asked["baseline"]) == ({"branch": "slow"}, "label:branch=slow")
+
+
+def test_the_verdicts_of_the_list_are_whole_in_a_narrow_window(visit: Visit) -> None:
+    page = visit.page
+    page.set_viewport_size({"width": 390, "height": 900})
+    try:
+        visit.go("/runs")
+        row = page.get_by_role("row", name=re.compile("R-0002"))
+        badge = row.locator("[data-tone]")
+        expect(badge).to_have_text("Inconclusive")
+        for around in (badge.locator("xpath=ancestor::td"), page.get_by_role("table").locator("xpath=..")):
+            assert right(badge) < right(around)
+    finally:
+        page.set_viewport_size({"width": 1440, "height": 900})

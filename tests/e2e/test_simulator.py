@@ -67,8 +67,8 @@ def test_two_thresholds_are_compared(visit: Visit) -> None:
     expect(page.get_by_text("From violated to cleared")).to_be_visible()
     expect(page.get_by_text("Simulator digest")).to_be_visible()
     expect(page.locator("#convergence canvas").first).to_be_visible()
-    empty = "cards => cards.filter((card) => !card.querySelector('table, canvas, svg.ch')).map((card) => card.id)"
-    assert page.locator("main .grid .card").evaluate_all(empty) == []
+    empty = "cards => cards.filter(card => !card.querySelector('table, canvas, svg[role=img]')).map(card => card.id)"
+    assert page.locator("main section:has(> div > h2)").evaluate_all(empty) == []
     visit.shot("simulator-compared")
 
 

@@ -201,6 +201,9 @@ export interface Submission {
   campaign: Campaign
   name: string
   tags: string[]
+  labels: Record<string, string>
+  /** A run, or label:KEY=VALUE. */
+  baseline: string | null
   /** The original text of the campaign. */
   text: string
 }
@@ -223,6 +226,7 @@ export interface SweepRequest {
   values: number[]
   name: string
   tags: string[]
+  labels: Record<string, string>
 }
 
 /** Launches a sweep; the same key never launches a second one. */

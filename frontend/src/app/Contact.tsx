@@ -1,4 +1,5 @@
 // Below the header of every page: the service does not answer, or live updates are interrupted; until that is over.
+import { clsx } from 'clsx'
 import { IconPlugConnectedX } from '@tabler/icons-react'
 import { useQueryClient } from '@tanstack/react-query'
 import { useEffect, useRef, useState } from 'react'
@@ -6,6 +7,7 @@ import { useStreamStatus } from '../api/events'
 import { PATIENCE, pulse, useContact } from '../api/pulse'
 import { age } from '../format/time'
 import { useNow } from '../ui/useNow'
+import cards from '../ui/cards.module.css'
 import styles from './app.module.css'
 
 /** What is read again once the service answers: what may have changed, not what is being edited. */
@@ -38,7 +40,7 @@ export function Contact() {
   return (
     <div className={styles.contact} role="status" aria-label="Connection">
       {contact.state !== 'well' ? (
-        <p className="note bad">
+        <p className={clsx(cards.note, cards.bad)}>
           <IconPlugConnectedX className="i" aria-hidden />
           <span>
             {contact.state === 'silent'
@@ -50,7 +52,7 @@ export function Contact() {
         </p>
       ) : (
         interrupted && (
-          <p className="note warn">
+          <p className={clsx(cards.note, cards.warn)}>
             <IconPlugConnectedX className="i" aria-hidden />
             <span>Live updates are interrupted and are being restored. Until then this page asks every few seconds.</span>
           </p>

@@ -1,5 +1,6 @@
 // The keyboard shortcuts of all pages, shown by `?`.
 import { Modal } from '@mantine/core'
+import buttons from '../ui/buttons.module.css'
 import styles from './app.module.css'
 
 const KEYS: { title: string; keys: [string[], string][] }[] = [
@@ -66,7 +67,7 @@ export function Keys({ opened, onClose }: { opened: boolean; onClose: () => void
               {keys.map(([caps, text]) => (
                 <div key={text}>
                   <dt>
-                    {caps.map((cap) => (cap === '…' ? ' … ' : <kbd key={cap} className="kbd">{cap}</kbd>))}
+                    {caps.map((cap) => (cap === '…' ? ' … ' : <kbd key={cap} className={buttons.kbd}>{cap}</kbd>))}
                   </dt>
                   <dd>{text}</dd>
                 </div>

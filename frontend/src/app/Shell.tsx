@@ -32,6 +32,9 @@ import { Keys } from './Keys'
 import { toggleMine, useNotifier, useWanted } from '../page/notify'
 import { SignedOut } from './SignedOut'
 import { Workers } from './Workers'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './app.module.css'
 
 const Jump = lazy(() => import('../jump/Jump').then((module) => ({ default: module.Jump })))
@@ -80,14 +83,14 @@ function Frame() {
           </Link>
         </nav>
         <div className={styles.topR}>
-          <button type="button" className={clsx('inp', styles.jump)} onClick={() => setJump('open')} aria-keyshortcuts="Control+K">
+          <button type="button" className={clsx(fields.inp, styles.jump)} onClick={() => setJump('open')} aria-keyshortcuts="Control+K">
             <IconSearch className="i s mut" aria-hidden />
-            <span className="one">Search or jump to …</span>
-            <span className="kbd">Ctrl K</span>
+            <span className={layout.one}>Search or jump to …</span>
+            <span className={buttons.kbd}>Ctrl K</span>
           </button>
           <button
             type="button"
-            className={clsx('iconbtn', styles.hideKeys)}
+            className={clsx(buttons.iconbtn, styles.hideKeys)}
             onClick={() => setKeys(true)}
             aria-label="Keys"
             title="Keys (?)"
@@ -100,7 +103,7 @@ function Frame() {
         </div>
       </header>
       <Contact />
-      <main id="main" tabIndex={-1}>
+      <main id="main" className={styles.main} tabIndex={-1}>
         <Outlet />
       </main>
       {jump !== 'never' && (
@@ -117,7 +120,7 @@ function ThemeToggle() {
   const theme = useTheme()
   const label = theme === 'dark' ? 'Switch to light theme' : 'Switch to dark theme'
   return (
-    <button type="button" className="iconbtn" onClick={toggleTheme} aria-label={label} title={label}>
+    <button type="button" className={buttons.iconbtn} onClick={toggleTheme} aria-label={label} title={label}>
       {theme === 'dark' ? <IconSun className="i" aria-hidden /> : <IconMoon className="i" aria-hidden />}
     </button>
   )

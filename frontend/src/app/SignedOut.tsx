@@ -1,6 +1,8 @@
 // Shown to an unauthenticated browser: how to sign in.
+import { clsx } from 'clsx'
 import { useEffect } from 'react'
 import { BrandMark } from './Brand'
+import cards from '../ui/cards.module.css'
 import styles from './app.module.css'
 
 export function SignedOut() {
@@ -10,8 +12,8 @@ export function SignedOut() {
   // A link of the service, not of these pages: it shows the form for a password, and leads back here.
   const back = `/login?next=${encodeURIComponent(window.location.pathname + window.location.search)}`
   return (
-    <main className={styles.signin}>
-      <div className="card">
+    <main className={clsx(styles.main, styles.signin)}>
+      <div className={cards.card}>
         <BrandMark />
         <h1>Sign in with the login link</h1>
         <p>

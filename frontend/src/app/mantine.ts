@@ -1,14 +1,24 @@
-// The theme of Mantine; its styles are in theme/styles.ts, the look itself in theme/mantine.css.
+// The theme of Mantine; its styles are in theme/styles.ts, the look itself in theme/mantine.module.css.
 import { createTheme } from '@mantine/core'
+import look from '../theme/mantine.module.css'
 
 export const mantineTheme = createTheme({
   fontFamily: '"Inter Variable", system-ui, sans-serif',
   defaultRadius: 6,
   cursorType: 'pointer',
   respectReducedMotion: true,
-  // The menu itself takes the focus: a hidden focus target in it would be an invalid child of a menu.
   components: {
-    Menu: { defaultProps: { withInitialFocusPlaceholder: false } },
-    Modal: { defaultProps: { closeButtonProps: { 'aria-label': 'Close' } } },
+    Input: { classNames: { input: look.input, section: look.section } },
+    TagsInput: { classNames: { input: look.tags, inputField: look.tagsField } },
+    Pill: { classNames: { root: look.pill } },
+    Popover: { classNames: { dropdown: look.dropdown } },
+    Select: { classNames: { dropdown: look.dropdown, option: look.option } },
+    // The menu itself takes the focus: a hidden focus target in it would be an invalid child of a menu.
+    Menu: { classNames: { dropdown: look.dropdown, item: look.option }, defaultProps: { withInitialFocusPlaceholder: false } },
+    Modal: {
+      classNames: { content: look.content, header: look.header, title: look.title },
+      defaultProps: { closeButtonProps: { 'aria-label': 'Close' } },
+    },
+    Tooltip: { classNames: { tooltip: look.tooltip } },
   },
 })

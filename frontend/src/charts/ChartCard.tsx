@@ -1,4 +1,5 @@
 // A card around a chart: legend in the heading, the numbers as a table or a CSV file one click away.
+import { clsx } from 'clsx'
 import { Menu } from '@mantine/core'
 import { IconDownload, IconPhoto, IconTable } from '@tabler/icons-react'
 import { type MouseEvent, type ReactNode, useState } from 'react'
@@ -7,6 +8,9 @@ import { Card } from '../ui/Card'
 import { save } from '../ui/files'
 import { type DataTable, toCsv } from './csv'
 import { isDrawing, savePng, saveSvg } from './figure'
+import buttonsCss from '../ui/buttons.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './charts.module.css'
 
 const MOST_ROWS = 400
@@ -33,10 +37,10 @@ export function ChartCard({ data, run, right, children, footer, ...card }: Chart
   const buttons = (
     <>
       {right}
-      <span className="row" style={{ gap: 4 }}>
+      <span className={layout.row} style={{ gap: 4 }}>
         <button
           type="button"
-          className="iconbtn bd"
+          data-control className={clsx(buttonsCss.iconbtn, buttonsCss.bd)}
           aria-pressed={table !== null}
           aria-label={table ? 'Hide data' : 'Show data'}
           title={table ? 'Hide data' : 'Show data'}
@@ -45,7 +49,7 @@ export function ChartCard({ data, run, right, children, footer, ...card }: Chart
           <IconTable className="i s" aria-hidden />
         </button>
         <FigureButton name={() => `${run}-${data().name}`} />
-        <button type="button" className="iconbtn bd" aria-label="Download CSV" title="Download CSV" onClick={download}>
+        <button type="button" data-control className={clsx(buttonsCss.iconbtn, buttonsCss.bd)} aria-label="Download CSV" title="Download CSV" onClick={download}>
           <IconDownload className="i s" aria-hidden />
         </button>
       </span>
@@ -62,11 +66,11 @@ export function ChartCard({ data, run, right, children, footer, ...card }: Chart
 /** Saves the chart as an image; as SVG too if it is drawn as SVG. */
 function FigureButton({ name }: { name: () => string }) {
   const [card, setCard] = useState<HTMLElement | null>(null)
-  const found = (event: MouseEvent<HTMLElement>) => setCard(event.currentTarget.closest<HTMLElement>('.card'))
+  const found = (event: MouseEvent<HTMLElement>) => setCard(event.currentTarget.closest<HTMLElement>('section'))
   return (
     <Menu position="bottom-end" width={150}>
       <Menu.Target>
-        <button type="button" className="iconbtn bd" aria-label="Save figure" title="Save figure" onClick={found}>
+        <button type="button" data-control className={clsx(buttonsCss.iconbtn, buttonsCss.bd)} aria-label="Save figure" title="Save figure" onClick={found}>
           <IconPhoto className="i s" aria-hidden />
         </button>
       </Menu.Target>
@@ -88,7 +92,7 @@ function Rows({ table }: { table: DataTable }) {
         </p>
       )}
       <div data-control className={styles.datagrid} tabIndex={0} role="region" aria-label="Data of the chart">
-        <table>
+        <table className={tables.table}>
           <thead>
             <tr>
               {table.columns.map((column) => (

@@ -2,6 +2,7 @@
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import { Mark } from '../ui/MethodMark'
+import figures from '../ui/figures.module.css'
 import styles from './charts.module.css'
 
 export interface Key {
@@ -33,7 +34,7 @@ interface LegendProps {
 
 export function Legend({ keys, hidden, onToggle }: LegendProps) {
   return (
-    <div className="lg">
+    <div className={figures.lg}>
       {keys.map((key) => {
         const content = (
           <>
@@ -42,14 +43,14 @@ export function Legend({ keys, hidden, onToggle }: LegendProps) {
           </>
         )
         return key.fixed ? (
-          <span key={key.key} className="k">
+          <span key={key.key} className={figures.k}>
             {content}
           </span>
         ) : (
           <button
             key={key.key}
             type="button"
-            className="k"
+            className={figures.k}
             aria-pressed={!hidden.has(key.key)}
             onClick={() => onToggle(key.key)}
           >

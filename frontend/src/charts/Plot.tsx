@@ -5,6 +5,7 @@ import 'uplot/dist/uPlot.min.css'
 import { useTheme } from '../theme/useTheme'
 import { optionsFor } from './options'
 import type { PlotSpec } from './spec'
+import figures from '../ui/figures.module.css'
 import styles from './charts.module.css'
 
 const NOTHING: ReadonlySet<string> = new Set()
@@ -114,12 +115,12 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
   return (
     <figure>
       {spec.yTitle && (
-        <div className="ytitle">
+        <div className={figures.ytitle}>
           {spec.yTitle}
           {spec.readout && cursor && <Readout at={cursor.at} spec={spec} hidden={hidden} />}
         </div>
       )}
-      <div className="plot" role="img" aria-label={spec.label} style={{ height: spec.height }} ref={holder}>
+      <div className={figures.plot} role="img" aria-label={spec.label} style={{ height: spec.height }} ref={holder}>
         {cursor && !cursor.pointed && !spec.readout && <Flag left={cursor.left} text={spec.xText(spec.x[cursor.at] as number)} />}
         {cursor?.pointed && !spec.readout && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
       </div>
@@ -147,7 +148,7 @@ function cursorOf(u: uPlot, spec: PlotSpec): Cursor | null {
 /** The values at the crosshair in the colours of their lines, next to the title. */
 function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: ReadonlySet<string> }) {
   return (
-    <span className="readout">
+    <span className={figures.readout} data-readout>
       {spec.lines.map((line) => {
         const value = line.y[at]
         return hidden.has(line.key) || typeof value !== 'number' ? null : (
@@ -164,7 +165,7 @@ function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: Rea
 /** The label of a fixed crosshair, below it. */
 function Flag({ left, text }: { left: number; text: string }) {
   return (
-    <span className="flag" style={{ left }} aria-hidden>
+    <span className={figures.flag} data-float="flag" style={{ left }} aria-hidden>
       {text}
     </span>
   )
@@ -175,7 +176,7 @@ function Tip({ cursor, spec, hidden }: { cursor: Cursor; spec: PlotSpec; hidden:
   if (lines.length === 0) return null
   const place = cursor.flip ? { right: `calc(100% - ${cursor.left - 12}px)` } : { left: cursor.left + 12 }
   return (
-    <div className="tip" style={{ ...place, top: Math.max(0, cursor.top - 30) }}>
+    <div className={figures.tip} data-float="tip" style={{ ...place, top: Math.max(0, cursor.top - 30) }}>
       <div className="b">{spec.xText(spec.x[cursor.at] as number)}</div>
       <dl>
         {lines.map((line) => (

@@ -33,7 +33,7 @@ interface Box {
 export const isDrawing = (card: HTMLElement): boolean => !chartOf(card).querySelector('canvas')
 
 /** The part of a card that is the chart, without its heading. */
-const chartOf = (card: HTMLElement): HTMLElement => card.querySelector<HTMLElement>(':scope > .bd') ?? card
+const chartOf = (card: HTMLElement): HTMLElement => card.querySelector<HTMLElement>(':scope > [data-body]') ?? card
 
 export async function savePng(card: HTMLElement, name: string): Promise<void> {
   const part = chartOf(card)
@@ -110,7 +110,7 @@ function within(source: Element, frame: DOMRect): Box {
 
 /** Drawings that are figures or marks, not icons of buttons. */
 function shown(part: HTMLElement): SVGSVGElement[] {
-  return [...part.querySelectorAll('svg')].filter((svg) => !svg.closest('.iconbtn, [data-control]') && svg.clientWidth > 0)
+  return [...part.querySelectorAll('svg')].filter((svg) => !svg.closest('[data-control]') && svg.clientWidth > 0)
 }
 
 function element(name: string, attributes: Record<string, string | number>): SVGElement {
@@ -160,7 +160,7 @@ function textsOf(part: HTMLElement): TextLine[] {
   const walker = document.createTreeWalker(part, NodeFilter.SHOW_TEXT)
   for (let node = walker.nextNode(); node; node = walker.nextNode()) {
     const parent = node.parentElement
-    if (!parent || !node.textContent?.trim() || parent.closest('svg, [data-control], .sr, .tip, .flag, table')) continue
+    if (!parent || !node.textContent?.trim() || parent.closest('svg, [data-control], .sr, [data-float], table')) continue
     for (const { text, box } of linesOf(node)) found.push({ element: parent, text, box })
   }
   return found

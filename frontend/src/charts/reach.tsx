@@ -3,6 +3,7 @@
 import { type ReactNode, useState } from 'react'
 import { plain } from '../format/numbers'
 import { Seg } from '../ui/Card'
+import figures from '../ui/figures.module.css'
 
 export interface Reach {
   /** The criterion, if the axis includes it. */
@@ -31,7 +32,7 @@ export function useReach(values: readonly number[], threshold: number | null, un
       />
     ),
     note: out && (
-      <p className="fig">
+      <p className={figures.fig}>
         The criterion, {plain(threshold)} {unit}, is outside {axis}.
       </p>
     ),

@@ -4,6 +4,7 @@ import { Sign } from '../ui/Sign'
 import { lookOf, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
 import { type Compared, unitOf } from './data'
 import { OtherCode } from './OtherCode'
+import cards from '../ui/cards.module.css'
 
 export function Change({ runs }: { runs: Compared[] }) {
   const [a, b] = runs
@@ -13,10 +14,10 @@ export function Change({ runs }: { runs: Compared[] }) {
   const words = runs.map(({ run }) => lookOf(outcomeOf(run)).word.toLowerCase())
   const same = words.every((word) => word === words[0])
   return (
-    <section className={`banner ${lookOf(outcome).tone}`} aria-label="Change of the verdict">
+    <section className={cards.banner} data-tone={lookOf(outcome).tone} aria-label="Change of the verdict">
       <OutcomeIcon outcome={outcome} />
       <div>
-        <div className="w" data-testid="change">
+        <div className={cards.w} data-testid="change">
           {same
             ? `${runs.length === 2 ? 'Both' : `All ${runs.length}`} ${words[0]}`
             : runs.length === 2

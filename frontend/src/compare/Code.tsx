@@ -5,22 +5,25 @@ import { changedComponents, codeRows, otherCode } from './code'
 import { OtherCode } from './OtherCode'
 import type { Compared } from './data'
 import { RunHeads } from './Picks'
+import cards from '../ui/cards.module.css'
+import figures from '../ui/figures.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './compare.module.css'
 
-export function Code({ runs, className }: { runs: Compared[]; className: string }) {
+export function Code({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const told = runs.map(({ run }) => run)
   const rows = codeRows(told)
   const changed = changedComponents(told)
   const missing = runs.filter(({ run }) => !run.flown?.code)
   return (
     <Card title="Code and packages" note="As loaded at the start of the first stage" className={className} flush id="code">
-      <OtherCode runs={told} className={clsx('note warn', styles.within)} more=" This alone may change the results. Rows that differ are marked." />
+      <OtherCode runs={told} className={clsx(cards.note, cards.warn, styles.within)} more=" This alone may change the results. Rows that differ are marked." />
       {changed.length > 0 && otherCode(told) === null && (
-        <p className="fig" data-testid="changed-components">
+        <p className={figures.fig} data-testid="changed-components">
           Changed between these runs: {changed.join(', ')}.
         </p>
       )}
-      <table className={clsx('tight', styles.codes)}>
+      <table className={clsx(tables.table, tables.tight, styles.codes)}>
         <thead>
           <tr>
             <th />
@@ -47,7 +50,7 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
         </tbody>
       </table>
       {missing.length > 0 && (
-        <p className="fig">
+        <p className={figures.fig}>
           {missing.map(({ letter }) => letter).join(', ')}: the code was not stored at the start of the run, so it cannot be
           compared.
         </p>

@@ -1,4 +1,5 @@
 // Compares two to four runs: differences of their campaigns and results. The runs are in the address.
+import { clsx } from 'clsx'
 import { IconArrowsExchange } from '@tabler/icons-react'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { type ReactNode, useMemo } from 'react'
@@ -20,6 +21,8 @@ import { Samples, samplesIn } from './Samples'
 import { idsOf, MOST } from './search'
 import { Tracks } from './Tracks'
 import { WorstParameters } from './WorstParameters'
+import buttons from '../ui/buttons.module.css'
+import layout from '../ui/layout.module.css'
 
 export function ComparePage() {
   const { runs, all = false } = useSearch({ from: '/compare' })
@@ -35,14 +38,14 @@ export function ComparePage() {
     })
   return (
     <>
-      <div className="ph">
-        <div className="t">
+      <div className={layout.ph}>
+        <div className={layout.t}>
           <h1>Compare runs</h1>
         </div>
-        <div className="acts">
+        <div className={layout.acts}>
           {ids.length > 1 && (
             <>
-              <button type="button" className="btn s" onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
+              <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
                 <IconArrowsExchange className="i s" aria-hidden />
                 {ids.length === 2 ? 'Swap' : 'Reverse the order'}
               </button>
@@ -82,11 +85,11 @@ function Compared({ comparison, all, onAll }: ComparedProps) {
   return (
     <>
       <Change runs={runs} />
-      <div className="grid" style={{ marginTop: 'var(--gap)' }}>
-        <div className="stack c5 wide">
+      <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
+        <div className={clsx(layout.stack, layout.c5, layout.wide)}>
           <Results runs={runs} className="" />
         </div>
-        <div className="stack c7 wide">
+        <div className={clsx(layout.stack, layout.c7, layout.wide)}>
           <Definition runs={runs} rows={rows} all={all} onAll={onAll} className="" />
           {found && <WorstParameters runs={runs} className="" />}
           {found && <FindingMargins runs={runs} className="" />}
@@ -109,20 +112,20 @@ function Compared({ comparison, all, onAll }: ComparedProps) {
             unit !== null && rangesIn(runs) > 0 && ((className) => <Ranges runs={runs} className={className} />),
           ]}
         />
-        <Code runs={runs} className="c12" />
+        <Code runs={runs} className={layout.c12} />
       </div>
     </>
   )
 }
 
-type Piece = false | ((className: string) => ReactNode)
+type Piece = false | ((className: string | undefined) => ReactNode)
 
 /** A wide and a narrower card next to each other; one of them alone takes the whole width. */
 function Pair({ pieces: [left, right] }: { pieces: [Piece, Piece] }) {
   return (
     <>
-      {left && left(right ? 'c7' : 'c12')}
-      {right && right(left ? 'c5 wide' : 'c12')}
+      {left && left(right ? layout.c7 : layout.c12)}
+      {right && right(left ? clsx(layout.c5, layout.wide) : layout.c12)}
     </>
   )
 }

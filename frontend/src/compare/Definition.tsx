@@ -6,6 +6,7 @@ import { Card, Seg } from '../ui/Card'
 import type { Compared } from './data'
 import type { Row, Setting } from './differences'
 import { RunHeads } from './Picks'
+import tables from '../ui/tables.module.css'
 import styles from './compare.module.css'
 
 interface DefinitionProps {
@@ -13,7 +14,7 @@ interface DefinitionProps {
   rows: Row[]
   all: boolean
   onAll: (all: boolean) => void
-  className: string
+  className: string | undefined
 }
 
 export function Definition({ runs, rows, all, onAll, className }: DefinitionProps) {
@@ -43,7 +44,7 @@ export function Definition({ runs, rows, all, onAll, className }: DefinitionProp
         <p className="sec">The campaigns are equal in every setting: differences in the results have other causes.</p>
       ) : (
         <div className={styles.settings} tabIndex={0} role="region" aria-label="Settings">
-          <table className="tight">
+          <table className={clsx(tables.table, tables.tight)}>
             <thead>
               <tr>
                 <th>Setting</th>

@@ -4,8 +4,9 @@ import { Card } from '../ui/Card'
 import { type Compared, unitOf } from './data'
 import { APART, type Case, matched } from './matching'
 import { RunHeads } from './Picks'
+import tables from '../ui/tables.module.css'
 
-export function FindingMargins({ runs, className }: { runs: Compared[]; className: string }) {
+export function FindingMargins({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const unit = unitOf(runs)
   const placed = matched(runs)
   const cases = placed ?? ranked(runs)
@@ -22,7 +23,7 @@ export function FindingMargins({ runs, className }: { runs: Compared[]; classNam
       flush
       id="findings"
     >
-      <table>
+      <table className={tables.table}>
         <thead>
           <tr>
             <RunHeads runs={runs} apart={two} />

@@ -7,10 +7,12 @@ import { Sign } from '../ui/Sign'
 import { type Compared, unitOf } from './data'
 import { AxisHead, axisOf, Mark, MarkKeys } from './marks'
 import { RunHeads } from './Picks'
+import figures from '../ui/figures.module.css'
+import tables from '../ui/tables.module.css'
 
 const [WIDTH, EDGE] = [280, 10]
 
-export function Methods({ runs, className }: { runs: Compared[]; className: string }) {
+export function Methods({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const methodLook = useMethodLook()
   const unit = unitOf(runs)
   const two = runs.length === 2 && unit !== null
@@ -34,7 +36,7 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
       id="methods"
       right={<MarkKeys letters={runs.map(({ letter }) => letter)} />}
     >
-      <table>
+      <table className={tables.table}>
         <thead>
           <tr>
             <th>Method</th>
@@ -62,10 +64,10 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
                   </td>
                 )}
                 <td>
-                  <svg className="ch" width={WIDTH} height={18} style={{ width: WIDTH }} aria-hidden="true">
+                  <svg className={figures.ch} width={WIDTH} height={18} style={{ width: WIDTH }} aria-hidden="true">
                     <path d={`M${EDGE} 9H${WIDTH - EDGE}`} stroke="var(--line)" />
                     {shown.map((limit) => (
-                      <path key={limit} className="cr" d={`M${x(limit)} 0V18`} />
+                      <path key={limit} className={figures.cr} d={`M${x(limit)} 0V18`} />
                     ))}
                     <Dumbbell values={row} x={x} colour={`var(${methodLook(method).colour})`} />
                   </svg>

@@ -13,12 +13,13 @@ import { useMethodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { type Compared, unitOf } from './data'
+import figures from '../ui/figures.module.css'
 import styles from './compare.module.css'
 
 export const RunKeys = ({ runs }: { runs: Compared[] }) => (
-  <span className="lg">
+  <span className={figures.lg}>
     {runs.map(({ letter, dash }) => (
-      <span key={letter} className="k">
+      <span key={letter} className={figures.k}>
         <svg width={26} height={8} aria-hidden="true">
           <path d="M0 4h26" stroke="var(--ink-2)" strokeWidth={2} strokeDasharray={dash.join(' ') || undefined} />
         </svg>
@@ -30,7 +31,7 @@ export const RunKeys = ({ runs }: { runs: Compared[] }) => (
 
 interface CardProps {
   runs: Compared[]
-  className: string
+  className: string | undefined
 }
 
 interface Drawn {
@@ -223,9 +224,9 @@ export function ConvergenceOverlay({ runs, className }: CardProps) {
       right={<RunKeys runs={runs} />}
     >
       <Plot spec={spec} />
-      <div className="lg">
+      <div className={figures.lg}>
         {methods.map(([method, title]) => (
-          <span key={method} className="k">
+          <span key={method} className={figures.k}>
             <MethodName method={method} title={title} />
           </span>
         ))}

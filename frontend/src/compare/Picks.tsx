@@ -9,6 +9,9 @@ import { listRuns } from '../api/calls'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import type { Compared, Comparison } from './data'
 import { MOST, withRun } from './search'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './compare.module.css'
 
 interface PicksProps {
@@ -25,9 +28,9 @@ export function Picks({ comparison, ids, onChange }: PicksProps) {
         <Pick key={compared.id} compared={compared} onRemove={() => without(compared.id)} />
       ))}
       {comparison.missing.map(({ id, error }) => (
-        <div key={id} className={clsx('card', styles.cmpPick)} role="alert">
+        <div key={id} className={clsx(cards.card, styles.cmpPick)} role="alert">
           <span className={styles.letter}>?</span>
-          <div className="rn">
+          <div className={clsx(tables.rn, styles.who)}>
             <b className="mono">{id}</b>
             <small className="bad-t">{error.message}</small>
           </div>
@@ -42,9 +45,9 @@ export function Picks({ comparison, ids, onChange }: PicksProps) {
 function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void }) {
   const { run, letter } = compared
   return (
-    <div className={clsx('card', styles.cmpPick)} data-run={run.id}>
+    <div className={clsx(cards.card, styles.cmpPick)} data-run={run.id}>
       <Letter of={letter} />
-      <div className="rn">
+      <div className={clsx(tables.rn, styles.who)}>
         <Link to="/runs/$id" params={{ id: run.id }} className="b">
           {run.name}
         </Link>
@@ -81,7 +84,7 @@ export const RunHeads = ({ runs, apart }: RunHeadsProps) => (
 function Remove({ id, onRemove }: { id: string; onRemove: () => void }) {
   const words = `Take ${id} out`
   return (
-    <button type="button" className="iconbtn" onClick={onRemove} aria-label={words} title={words}>
+    <button type="button" className={buttons.iconbtn} onClick={onRemove} aria-label={words} title={words}>
       <IconX className="i s" aria-hidden />
     </button>
   )

@@ -1,14 +1,17 @@
 // One-at-a-time ranges: the values over the bounds of each parameter, with the others nominal.
+import { clsx } from 'clsx'
 import { resultOf } from '../api/stages'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { type Compared, unitOf } from './data'
 import { AxisHead, axisOf, MarkKeys, Span } from './marks'
+import figures from '../ui/figures.module.css'
+import tables from '../ui/tables.module.css'
 
 const [WIDTH, EDGE, STEP] = [300, 12, 13]
 
-export function Ranges({ runs, className }: { runs: Compared[]; className: string }) {
+export function Ranges({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const unit = unitOf(runs)
   const spans = runs.map(spansOf)
   const paths = [...new Set(spans.flatMap((found) => [...found.keys()]))]
@@ -27,7 +30,7 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
       id="ranges"
       right={<MarkKeys letters={runs.map(({ letter }) => letter)} />}
     >
-      <table className="tight">
+      <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>
             <th>Parameter</th>
@@ -42,9 +45,9 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
               <tr key={path} data-path={path}>
                 <td title={about?.text}>{about ? <Sign text={about.symbol} /> : <span className="mono">{path}</span>}</td>
                 <td>
-                  <svg className="ch" width={WIDTH} height={height} style={{ width: WIDTH }} aria-hidden="true">
+                  <svg className={figures.ch} width={WIDTH} height={height} style={{ width: WIDTH }} aria-hidden="true">
                     {shown.map((limit) => (
-                      <path key={limit} className="cr" d={`M${x(limit)} 0V${height}`} />
+                      <path key={limit} className={figures.cr} d={`M${x(limit)} 0V${height}`} />
                     ))}
                     {spans.map((found, i) => {
                       const span = found.get(path)
@@ -58,7 +61,7 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
           })}
         </tbody>
       </table>
-      {shown.length === 0 && limits.length > 0 && <p className="fig">The criterion is off this axis.</p>}
+      {shown.length === 0 && limits.length > 0 && <p className={figures.fig}>The criterion is off this axis.</p>}
     </Card>
   )
 }

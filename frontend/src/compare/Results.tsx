@@ -6,6 +6,7 @@ import { Sign } from '../ui/Sign'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import { boundOf, type Compared, sampleOf, unitOf } from './data'
 import { RunHeads } from './Picks'
+import tables from '../ui/tables.module.css'
 
 interface Line {
   key: string
@@ -20,11 +21,11 @@ interface Line {
   outOf?: (number | null)[]
 }
 
-export function Results({ runs, className }: { runs: Compared[]; className: string }) {
+export function Results({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const two = runs.length === 2 && unitOf(runs) !== null
   return (
     <Card title="Results" className={className} flush id="results">
-      <table>
+      <table className={tables.table}>
         <thead>
           <tr>
             <th />

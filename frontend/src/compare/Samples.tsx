@@ -1,4 +1,5 @@
 // The independent samples of the runs on one axis, each as a density, so that samples of different size can be compared.
+import { clsx } from 'clsx'
 import type { Sample } from '../client'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, padded, tickDecimals } from '../charts/ticks'
@@ -8,6 +9,7 @@ import { SvgSign } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import { type Compared, sampleOf, unitOf } from './data'
 import { RunKeys } from './Overlays'
+import figures from '../ui/figures.module.css'
 
 interface Drawn {
   of: Compared
@@ -28,7 +30,7 @@ export const samplesIn = (runs: Compared[]): Drawn[] =>
     return [{ of, edges, density, sample }]
   })
 
-export function Samples({ runs, className }: { runs: Compared[]; className: string }) {
+export function Samples({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const drawn = samplesIn(runs)
   const table = () => ({
     name: 'samples',
@@ -68,11 +70,11 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
   const ticks = linearTicks(low, high, Math.max(3, width / 100))
   return (
     <div ref={holder}>
-      <div className="ytitle">Density of the sampled evaluations</div>
-      <svg className="ch" height={HEIGHT} role="img" aria-label="Independent samples of the runs as densities">
+      <div className={figures.ytitle}>Density of the sampled evaluations</div>
+      <svg className={figures.ch} height={HEIGHT} role="img" aria-label="Independent samples of the runs as densities">
         {ticks.map((tick) => (
           <g key={tick}>
-            <path className="g" d={`M${x(tick)} ${TOP}V${HEIGHT - BOTTOM}`} />
+            <path className={figures.g} d={`M${x(tick)} ${TOP}V${HEIGHT - BOTTOM}`} />
             <text x={x(tick)} y={HEIGHT - BOTTOM + 15} textAnchor="middle">
               {fixed(tick, tickDecimals(ticks))}
             </text>
@@ -89,11 +91,11 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
             strokeDasharray={of.dash.join(' ') || undefined}
           />
         ))}
-        <path className="a" d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
+        <path className={figures.a} d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
         {shown.map((limit, i) => (
           <g key={limit}>
-            <path className="cr" d={`M${x(limit)} ${TOP - 8}V${HEIGHT - BOTTOM}`} />
-            <text className="lab halo" x={x(limit)} y={TOP - 11 + 13 * i} textAnchor={x(limit) > width / 2 ? 'end' : 'start'}>
+            <path className={figures.cr} d={`M${x(limit)} ${TOP - 8}V${HEIGHT - BOTTOM}`} />
+            <text className={clsx(figures.lab, figures.halo)} x={x(limit)} y={TOP - 11 + 13 * i} textAnchor={x(limit) > width / 2 ? 'end' : 'start'}>
               Criterion {plain(limit)}
             </text>
           </g>
@@ -102,7 +104,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
           <SvgSign text={first?.of.run.quantity ?? 'value'} />, {first?.of.run.unit}
         </text>
       </svg>
-      {shown.length === 0 && limits.length > 0 && <p className="fig">The criterion is off this axis.</p>}
+      {shown.length === 0 && limits.length > 0 && <p className={figures.fig}>The criterion is off this axis.</p>}
     </div>
   )
 }

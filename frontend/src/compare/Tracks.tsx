@@ -9,6 +9,7 @@ import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import type { Compared } from './data'
 import { RunKeys } from './Overlays'
 import { bodiesOf, line, placeOf, type Scale, scaleOf, trackOf } from '../run/flight/places'
+import figures from '../ui/figures.module.css'
 
 const [HEIGHT, LEFT, BOTTOM] = [360, 46, 38]
 
@@ -20,7 +21,7 @@ interface Flight {
   of: Compared
 }
 
-export function Tracks({ runs, className }: { runs: Compared[]; className: string }) {
+export function Tracks({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const [window, setWindow] = useState<Shown>('encounter')
   const flights = runs.flatMap((of) => {
     const pairs: [string, string, TraceData | undefined][] = [
@@ -67,8 +68,8 @@ function Drawing({ flights, near }: { flights: Flight[]; near: boolean }) {
   const scale = scaleOf([...tracks.flat(), ...reaches], width, HEIGHT, LEFT, BOTTOM)
   return (
     <div ref={holder}>
-      <div className="ytitle">North, m</div>
-      <svg className="ch" height={HEIGHT} role="img" aria-label={`Trajectories of ${flights.map((f) => f.key).join(', ')}`}>
+      <div className={figures.ytitle}>North, m</div>
+      <svg className={figures.ch} height={HEIGHT} role="img" aria-label={`Trajectories of ${flights.map((f) => f.key).join(', ')}`}>
         <clipPath id="tracks-area">
           <rect x={LEFT} y={4} width={Math.max(0, width - LEFT - 12)} height={HEIGHT - BOTTOM - 4} />
         </clipPath>
@@ -145,7 +146,7 @@ function Grid({ scale, width }: { scale: Scale; width: number }) {
     <>
       {xs.map((tick) => (
         <g key={`x${tick}`}>
-          <path className="g" d={`M${scale.x({ east: tick, north: 0 })} 10V${foot}`} />
+          <path className={figures.g} d={`M${scale.x({ east: tick, north: 0 })} 10V${foot}`} />
           <text x={scale.x({ east: tick, north: 0 })} y={foot + 15} textAnchor="middle">
             {fixed(tick, tickDecimals(xs))}
           </text>
@@ -153,13 +154,13 @@ function Grid({ scale, width }: { scale: Scale; width: number }) {
       ))}
       {ys.map((tick) => (
         <g key={`y${tick}`}>
-          <path className="g" d={`M${LEFT} ${scale.y({ east: 0, north: tick })}H${width - 12}`} />
+          <path className={figures.g} d={`M${LEFT} ${scale.y({ east: 0, north: tick })}H${width - 12}`} />
           <text x={LEFT - 6} y={scale.y({ east: 0, north: tick }) + 4} textAnchor="end">
             {fixed(tick, tickDecimals(ys))}
           </text>
         </g>
       ))}
-      <path className="a" d={`M${LEFT} ${foot}H${width - 12}`} />
+      <path className={figures.a} d={`M${LEFT} ${foot}H${width - 12}`} />
       <text x={(LEFT + width) / 2} y={HEIGHT - 4} textAnchor="middle">
         East, m
       </text>

@@ -1,16 +1,18 @@
 // The worst cases of the runs, with their positions within the bounds.
+import { clsx } from 'clsx'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import type { Compared } from './data'
 import { RunHeads } from './Picks'
+import tables from '../ui/tables.module.css'
 
-export function WorstParameters({ runs, className }: { runs: Compared[]; className: string }) {
+export function WorstParameters({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const paths = [...new Set(runs.flatMap(({ parameters }) => parameters.map((p) => p.path)))]
   return (
     <Card title="Worst case of each run" note="Grey tick: nominal of A" className={className} flush id="worst">
-      <table className="tight">
+      <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>
             <th>Parameter</th>

@@ -2,6 +2,7 @@
 // third and fourth smaller.
 import { linearTicks, padded, tickDecimals } from '../charts/ticks'
 import { fixed } from '../format/numbers'
+import figures from '../ui/figures.module.css'
 
 export interface Axis {
   width: number
@@ -24,7 +25,7 @@ export function axisOf(values: readonly number[], limits: readonly number[], wid
 /** The tick labels of the axis, as a column header. */
 export const AxisHead = ({ axis: { width, x, ticks } }: { axis: Axis }) => (
   <th style={{ width }}>
-    <svg className="ch" width={width} height={14} style={{ width }} aria-hidden="true">
+    <svg className={figures.ch} width={width} height={14} style={{ width }} aria-hidden="true">
       {ticks.map((tick) => (
         <text key={tick} x={x(tick)} y={11} textAnchor="middle">
           {fixed(tick, tickDecimals(ticks))}
@@ -35,9 +36,9 @@ export const AxisHead = ({ axis: { width, x, ticks } }: { axis: Axis }) => (
 )
 
 export const MarkKeys = ({ letters }: { letters: readonly string[] }) => (
-  <span className="lg">
+  <span className={figures.lg}>
     {letters.map((letter, i) => (
-      <span key={letter} className="k">
+      <span key={letter} className={figures.k}>
         <svg width={14} height={14} aria-hidden="true">
           <Mark x={7} y={7} index={i} colour="var(--ink-2)" />
         </svg>

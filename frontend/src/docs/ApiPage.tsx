@@ -1,12 +1,15 @@
 // The API page, from the OpenAPI document: every operation with parameters, bodies and responses, and a form to try it.
 import { useQuery } from '@tanstack/react-query'
-import { clsx } from 'clsx'
 import { getOpenApi } from '../api/calls'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { CopyButton } from '../ui/files'
 import { OperationCard } from './OperationCard'
 import { type OpenApi, operationsOf } from './openapi'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import guide from '../ui/guide.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './docs.module.css'
 
 export function ApiPage() {
@@ -22,8 +25,8 @@ function Page({ document }: { document: OpenApi }) {
   const access = `export CLEARANCE_SERVICE=${location.origin}\nexport CLEARANCE_TOKEN=…`
   const first = `${access}\ncurl -H "Authorization: Bearer $CLEARANCE_TOKEN" "$CLEARANCE_SERVICE/api/v1/runs?limit=5"`
   return (
-    <div className="doc">
-      <nav className="toc" aria-label="Operations">
+    <div className={guide.doc}>
+      <nav className={guide.toc} aria-label="Operations">
         {groups.map((group) => (
           <section key={group.name}>
             <h2>{titled(group.name)}</h2>
@@ -31,8 +34,8 @@ function Page({ document }: { document: OpenApi }) {
               {group.operations.map((operation) => (
                 <li key={operation.operationId}>
                   <a href={`#${operation.operationId}`}>
-                    <span className={clsx(styles.verb, operation.method)}>{operation.method}</span>
-                    <span className="cut">{operation.path.replace('/api/v1', '')}</span>
+                    <span className={styles.verb} data-method={operation.method}>{operation.method}</span>
+                    <span className={layout.cut}>{operation.path.replace('/api/v1', '')}</span>
                   </a>
                 </li>
               ))}
@@ -40,22 +43,22 @@ function Page({ document }: { document: OpenApi }) {
           </section>
         ))}
       </nav>
-      <div className="docbody">
-        <div className="ph">
-          <div className="t">
+      <div className={guide.docbody} data-text>
+        <div className={layout.ph}>
+          <div className={layout.t}>
             <h1>API</h1>
             <p className="sec">
               {document.info.title} {document.info.version}. {document.info.summary}
             </p>
           </div>
-          <div className="acts">
-            <a className="btn" href="/api/v1/openapi.json" target="_blank" rel="noreferrer">
+          <div className={layout.acts}>
+            <a className={buttons.btn} href="/api/v1/openapi.json" target="_blank" rel="noreferrer">
               OpenAPI document
             </a>
           </div>
         </div>
-        <section className="card">
-          <div className="bd">
+        <section className={cards.card}>
+          <div className={cards.bd}>
             <p>
               Programs send a token, created with <code>clearance token create NAME</code> and shown once. This page sends
               what you try as you. An error is a problem document (RFC 9457): what was given, what is allowed, what to
@@ -72,10 +75,10 @@ function Page({ document }: { document: OpenApi }) {
         </section>
         {groups.map((group) => (
           <section key={group.name} aria-label={titled(group.name)}>
-            <h2 className="sect">
+            <h2 className={layout.sect}>
               {titled(group.name)} <span className="small mut">{group.description}</span>
             </h2>
-            <div className="stack">
+            <div className={layout.stack}>
               {group.operations.map((operation) => (
                 <OperationCard key={operation.operationId} operation={operation} schemas={document.components.schemas} />
               ))}

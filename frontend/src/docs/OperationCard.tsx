@@ -7,6 +7,11 @@ import { duration } from '../format/numbers'
 import { Snippet } from './ApiPage'
 import { addressOf, curlOf, limitsOf, type Operation, type Schema, typeOf } from './openapi'
 import { Shape } from './Shape'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './docs.module.css'
 
 interface OperationProps {
@@ -21,16 +26,16 @@ export function OperationCard({ operation, schemas }: OperationProps) {
   const bodies = Object.entries(requestBody?.content ?? {})
   const answers = Object.entries(responses).filter(([status]) => /^2/.test(status))
   return (
-    <section className="card" id={operationId}>
-      <div className="h">
+    <section className={cards.card} id={operationId}>
+      <div className={cards.h}>
         <h3 className="mono">
-          <span className={clsx(styles.verb, method)}>{method}</span> {path}
+          <span className={styles.verb} data-method={method}>{method}</span> {path}
         </h3>
       </div>
-      <div className="bd stack">
+      <div className={clsx(cards.bd, layout.stack)}>
         <p>{description}</p>
         {parameters.length > 0 && (
-          <table className="tight">
+          <table className={clsx(tables.table, tables.tight)}>
             <thead>
               <tr>
                 <th>Parameter</th>
@@ -46,7 +51,7 @@ export function OperationCard({ operation, schemas }: OperationProps) {
                     {parameter.name}
                     {parameter.required && <span className="mut"> needed</span>}
                   </td>
-                  <td className="sec wrap-any">{typeOf(parameter.schema)}</td>
+                  <td className={clsx(layout.wrapAny, 'sec')}>{typeOf(parameter.schema)}</td>
                   <td className="sec">
                     {[parameter.description, limitsOf(parameter.schema), defaultOf(parameter.schema)]
                       .filter(Boolean)
@@ -54,7 +59,7 @@ export function OperationCard({ operation, schemas }: OperationProps) {
                   </td>
                   <td style={{ width: 170 }}>
                     <input
-                      className="cell"
+                      className={fields.cell}
                       style={{ textAlign: 'left' }}
                       aria-label={`${parameter.name} of ${operationId}`}
                       value={values[parameter.name] ?? ''}
@@ -101,11 +106,11 @@ function Trial({ operation, values }: { operation: Operation; values: Record<str
     },
   })
   return (
-    <div className="stack">
-      <div className="row">
+    <div className={layout.stack}>
+      <div className={layout.row}>
         <button
           type="button"
-          className="btn s"
+          className={clsx(buttons.btn, buttons.s)}
           disabled={missing || trial.isPending}
           aria-describedby={missing ? hint : undefined}
           onClick={() => trial.mutate()}
@@ -122,7 +127,7 @@ function Trial({ operation, values }: { operation: Operation; values: Record<str
             {trial.data.status} in {duration(trial.data.seconds)}
           </span>
         )}
-        {trial.isError && <span className="ferr">{trial.error.message}</span>}
+        {trial.isError && <span className={fields.ferr}>{trial.error.message}</span>}
       </div>
       {trial.data && (
         <pre className={clsx('mono', styles.answer)} tabIndex={0} aria-label="Answer">

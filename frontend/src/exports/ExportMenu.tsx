@@ -8,6 +8,7 @@ import { asCampaign, caseWord } from '../api/campaign'
 import type { ExportFile, RunDetail } from '../client'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
+import buttons from '../ui/buttons.module.css'
 
 /** The address of a recording, and its flight. */
 const RECORDING = /\/exports\/flight-(\w+)\.html$/
@@ -25,14 +26,14 @@ export function ExportMenu({ run }: { run: RunDetail }) {
   return (
     <>
       {run.verdict && (
-        <a className="btn" href={`/api/v1/runs/${run.id}/report.html`} target="_blank" rel="noreferrer">
+        <a className={buttons.btn} href={`/api/v1/runs/${run.id}/report.html`} target="_blank" rel="noreferrer">
           <IconFileText className="i s" aria-hidden />
           Safety-case report
         </a>
       )}
       <Menu opened={opened} onChange={setOpened} position="bottom-end" width={340}>
         <Menu.Target>
-          <button type="button" className="btn">
+          <button type="button" className={buttons.btn}>
             <IconDownload className="i s" aria-hidden />
             Export
           </button>

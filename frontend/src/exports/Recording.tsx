@@ -1,9 +1,11 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
+import { clsx } from 'clsx'
 import { Menu } from '@mantine/core'
 import { IconCheck, IconCopy, IconDownload, IconPlayerPlay } from '@tabler/icons-react'
 import { useState } from 'react'
 import type { Theme } from '../theme/useTheme'
 import { useTheme } from '../theme/useTheme'
+import buttons from '../ui/buttons.module.css'
 
 /** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
 export const recordedAt = (run: string, flight: string, theme: Theme) => ({
@@ -23,7 +25,7 @@ export function RecordingMenu(props: Props) {
   return (
     <Menu position="bottom-end" width={300}>
       <Menu.Target>
-        <button type="button" className="btn s">
+        <button type="button" className={clsx(buttons.btn, buttons.s)}>
           <IconPlayerPlay className="i s" aria-hidden /> Recording
         </button>
       </Menu.Target>

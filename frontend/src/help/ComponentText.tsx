@@ -1,9 +1,11 @@
 // The text of a component with its parameters: the installed one on help pages, the stored one on a run's page.
+import { clsx } from 'clsx'
 import type { ComponentEntry, ParameterEntry } from '../client'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Sign } from '../ui/Sign'
 import { Docstring } from './Docstring'
+import tables from '../ui/tables.module.css'
 
 export function ComponentText({ component, open }: { component: ComponentEntry; open?: boolean }) {
   const groups = [
@@ -28,7 +30,7 @@ export function ComponentText({ component, open }: { component: ComponentEntry; 
 
 export function Parameters({ entries }: { entries: readonly ParameterEntry[] }) {
   return (
-    <table className="tight">
+    <table className={clsx(tables.table, tables.tight)}>
       <thead>
         <tr>
           <th>Name</th>

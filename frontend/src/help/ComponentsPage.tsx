@@ -1,4 +1,5 @@
 // The equations, sources and parameters of all components, from the catalogue: the texts are their docstrings.
+import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
 import { catalogueQuery } from '../api/queries'
 import { Skipped } from '../page/Skipped'
@@ -9,6 +10,8 @@ import { ComponentText } from './ComponentText'
 import { HelpFrame } from './HelpFrame'
 import { idOfComponent } from './links'
 import { SimulatorText } from './SimulatorText'
+import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
 
 const ROLES: readonly [ComponentEntry['role'], string][] = [
   ['vehicle', 'Vehicles'],
@@ -49,16 +52,16 @@ export function ComponentsPage() {
     >
       <Skipped unusable={unusable} />
       {roles.map(({ role, title, found }) => (
-        <section key={role} className="stack">
-          <h2 className="sect">{title}</h2>
+        <section key={role} className={layout.stack}>
+          <h2 className={layout.sect}>{title}</h2>
           {found.map((component) => (
             <Component key={component.name} component={component} />
           ))}
         </section>
       ))}
       {simulators.length > 0 && (
-        <section className="stack">
-          <h2 className="sect">Simulators</h2>
+        <section className={layout.stack}>
+          <h2 className={layout.sect}>Simulators</h2>
           {simulators.map((simulator) => (
             <Simulator key={simulator.name} simulator={simulator} />
           ))}
@@ -77,13 +80,13 @@ function distinctTitle({ title, dimension }: ComponentEntry, among: readonly Com
 function Component({ component }: { component: ComponentEntry }) {
   const { role, name, title } = component
   return (
-    <section className="card" id={idOfComponent(role, name)}>
-      <div className="h">
+    <section className={cards.card} id={idOfComponent(role, name)}>
+      <div className={cards.h}>
         <h3>{title}</h3>
-        <span className="d mono">{name}</span>
-        <span className="r small mut">{facts(component)}</span>
+        <span className={clsx(cards.d, 'mono')}>{name}</span>
+        <span className={clsx(cards.r, 'small mut')}>{facts(component)}</span>
       </div>
-      <div className="bd stack">
+      <div className={clsx(cards.bd, layout.stack)}>
         <ComponentText component={component} />
       </div>
     </section>
@@ -93,12 +96,12 @@ function Component({ component }: { component: ComponentEntry }) {
 function Simulator({ simulator }: { simulator: SimulatorEntry }) {
   const { name, title } = simulator
   return (
-    <section className="card" id={idOfComponent('simulator', name)}>
-      <div className="h">
+    <section className={cards.card} id={idOfComponent('simulator', name)}>
+      <div className={cards.h}>
         <h3>{title}</h3>
-        <span className="d mono">{name}</span>
+        <span className={clsx(cards.d, 'mono')}>{name}</span>
       </div>
-      <div className="bd stack">
+      <div className={clsx(cards.bd, layout.stack)}>
         <SimulatorText simulator={simulator} />
       </div>
     </section>

@@ -1,12 +1,13 @@
 // Renders the text of a component or method: equations on their own lines, sources labelled.
 import { clsx } from 'clsx'
 import { partsOf } from './docstring'
+import prose from '../ui/prose.module.css'
 import styles from './help.module.css'
 
 export function Docstring({ text, titled = true }: { text: string; titled?: boolean }) {
   const { title, parts } = partsOf(text)
   return (
-    <div className="md">
+    <div className={prose.md}>
       {titled && <p className="m">{title}</p>}
       {parts.map((part, i) =>
         part.kind === 'text' ? (

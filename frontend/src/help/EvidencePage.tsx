@@ -1,10 +1,14 @@
 // The basis of a verdict: attacks and countermeasures, permitted statements of a campaign, and remaining limits.
+import { clsx } from 'clsx'
 import { Link } from '@tanstack/react-router'
 import { useTitle } from '../page/useTitle'
 import { count, percent, plain } from '../format/numbers'
 import { ATTACKS } from './attacks'
 import { HelpFrame } from './HelpFrame'
 import { missed, SAMPLES, SLITS } from './missed'
+import cards from '../ui/cards.module.css'
+import prose from '../ui/prose.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './help.module.css'
 
 const INTENDED: readonly [string, string][] = [
@@ -51,8 +55,8 @@ export function EvidencePage() {
       contents={contents}
     >
       {ATTACKS.map(({ id, title, danger, answer }) => (
-        <section key={id} className="card" id={id}>
-          <div className="bd md">
+        <section key={id} className={cards.card} id={id}>
+          <div className={clsx(cards.bd, prose.md)}>
             <h2>{title}</h2>
             <p className="sec">{danger}</p>
             <p>{answer}</p>
@@ -68,8 +72,8 @@ export function EvidencePage() {
 
 function Intended() {
   return (
-    <section className="card" id="intended">
-      <div className="bd md">
+    <section className={cards.card} id="intended">
+      <div className={clsx(cards.bd, prose.md)}>
         <h2>What a campaign may state</h2>
         <p>
           Some campaigns are meant to have no encounter: a baseline without avoidance, a parameter that should not matter.
@@ -92,8 +96,8 @@ function Intended() {
 
 function Caps() {
   return (
-    <section className="card" id="caps">
-      <div className="bd md">
+    <section className={cards.card} id="caps">
+      <div className={clsx(cards.bd, prose.md)}>
         <h2>What a campaign cannot relax</h2>
         <dl className={styles.terms}>
           {CAPS.map(([name, text]) => (
@@ -110,14 +114,14 @@ function Caps() {
 
 function Limits() {
   return (
-    <section className="card" id="limits">
-      <div className="bd md">
+    <section className={cards.card} id="limits">
+      <div className={clsx(cards.bd, prose.md)}>
         <h2>Known limits</h2>
         <p>
           <b>A narrow slit.</b> Violations in a set of probability p are missed by all of n independent samples with
           probability (1 − p)<sup>n</sup>. A search can miss such a set, too: nothing around it points to it.
         </p>
-        <table className="tight" aria-label="Probability that a sample misses a set of violations">
+        <table className={clsx(tables.table, tables.tight)} aria-label="Probability that a sample misses a set of violations">
           <thead>
             <tr>
               <th>Probability p of the set</th>

@@ -5,6 +5,7 @@ import { NotFound } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { GUIDES, parts, shown } from './guides'
 import { HelpFrame } from './HelpFrame'
+import cards from '../ui/cards.module.css'
 
 const TEXTS = import.meta.glob<string>('../../../docs/*.md', { query: '?raw', import: 'default', eager: true })
 const PICTURES = import.meta.glob<string>('../../../docs/images/*.svg', { query: '?url', import: 'default', eager: true })
@@ -32,8 +33,8 @@ export function GuidePage() {
       lede={guide.name === 'index' ? 'How to use, extend and operate Clearance.' : ALL}
       contents={[]}
     >
-      <section className="card">
-        <div className="bd">
+      <section className={cards.card}>
+        <div className={cards.bd}>
           <Suspense>
             {parts(shown(text)).map((part, i) =>
               typeof part === 'string' ? (

@@ -2,6 +2,7 @@
 import { Link } from '@tanstack/react-router'
 import { type ReactNode, useEffect } from 'react'
 import { GUIDES } from './guides'
+import guide from '../ui/guide.module.css'
 import styles from './help.module.css'
 
 export interface Entry {
@@ -36,8 +37,8 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
     if (ready && location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView()
   }, [ready])
   return (
-    <div className="doc">
-      <nav className="toc" aria-label="Help">
+    <div className={guide.doc}>
+      <nav className={guide.toc} aria-label="Help">
         <section>
           <h2>Help</h2>
           <ul>
@@ -75,7 +76,7 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
           </section>
         ))}
       </nav>
-      <div className="docbody">
+      <div className={guide.docbody} data-text>
         <div>
           <h1>{title}</h1>
           <p className={styles.lede}>{lede}</p>

@@ -1,7 +1,9 @@
 // The text of a method with its settings: the installed one on help pages, the stored one on a run's page.
+import { clsx } from 'clsx'
 import type { MethodEntry } from '../client'
 import { count } from '../format/numbers'
 import { Docstring } from './Docstring'
+import tables from '../ui/tables.module.css'
 import styles from './help.module.css'
 
 interface Rule {
@@ -36,7 +38,7 @@ export function MethodText({ method }: { method: MethodEntry }) {
       {options.length > 0 && (
         <details>
           <summary>{options.length === 1 ? 'One setting' : `${options.length} settings`}</summary>
-          <table className="tight">
+          <table className={clsx(tables.table, tables.tight)}>
             <thead>
               <tr>
                 <th>Setting</th>

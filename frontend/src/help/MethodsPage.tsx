@@ -1,4 +1,5 @@
 // The search methods and their guarantees, from the catalogue: the texts are the methods' docstrings.
+import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { catalogueQuery } from '../api/queries'
@@ -8,6 +9,8 @@ import type { MethodEntry } from '../client'
 import { MethodName } from '../ui/MethodMark'
 import { HelpFrame } from './HelpFrame'
 import { MethodText } from './MethodText'
+import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
 
 const KINDS: Record<MethodEntry['kind'], { name: string; text: string }> = {
   global: { name: 'Global', text: 'Searches the whole range. The global methods must agree before a run is cleared.' },
@@ -44,8 +47,8 @@ export function MethodsPage() {
       }))}
     >
       {kinds.map(({ kind, methods }) => (
-        <section key={kind} className="stack">
-          <h2 className="sect">
+        <section key={kind} className={layout.stack}>
+          <h2 className={layout.sect}>
             {KINDS[kind].name} <span className="small mut">{KINDS[kind].text}</span>
           </h2>
           {methods.map((method) => (
@@ -59,14 +62,14 @@ export function MethodsPage() {
 
 function Method({ method }: { method: MethodEntry }) {
   return (
-    <section className="card" id={method.name}>
-      <div className="h">
+    <section className={cards.card} id={method.name}>
+      <div className={cards.h}>
         <h3>
           <MethodName method={method.name} title={method.title} />
         </h3>
-        <span className="d">{method.how}</span>
+        <span className={cards.d}>{method.how}</span>
       </div>
-      <div className="bd stack">
+      <div className={clsx(cards.bd, layout.stack)}>
         <MethodText method={method} />
       </div>
     </section>

@@ -1,9 +1,11 @@
 // The text of a simulator with its parameters and results, from the catalogue.
+import { clsx } from 'clsx'
 import type { SimulatorEntry } from '../client'
 import { unitText } from '../format/units'
 import { Sign } from '../ui/Sign'
 import { Parameters } from './ComponentText'
 import { Docstring } from './Docstring'
+import tables from '../ui/tables.module.css'
 
 export function SimulatorText({ simulator }: { simulator: SimulatorEntry }) {
   const { text, parameters, results } = simulator
@@ -18,7 +20,7 @@ export function SimulatorText({ simulator }: { simulator: SimulatorEntry }) {
       )}
       <details>
         <summary>Results: {results.length}</summary>
-        <table className="tight">
+        <table className={clsx(tables.table, tables.tight)}>
           <thead>
             <tr>
               <th>Name</th>

@@ -5,6 +5,8 @@ import type { ReactNode } from 'react'
 import { useTitle } from '../page/useTitle'
 import { type Outcome, VerdictBadge } from '../ui/VerdictBadge'
 import { HelpFrame } from './HelpFrame'
+import cards from '../ui/cards.module.css'
+import prose from '../ui/prose.module.css'
 import styles from './help.module.css'
 
 interface Meaning {
@@ -95,8 +97,8 @@ export function VerdictsPage() {
       contents={contents}
     >
       {[...MEANINGS, ...STATES].map((meaning) => (
-        <section key={meaning.outcome} className="card" id={meaning.outcome}>
-          <div className="bd md">
+        <section key={meaning.outcome} className={cards.card} id={meaning.outcome}>
+          <div className={clsx(cards.bd, prose.md)}>
             <h2>
               <VerdictBadge outcome={meaning.outcome} />
             </h2>
@@ -117,11 +119,11 @@ export function VerdictsPage() {
           </div>
         </section>
       ))}
-      <section className="card" id="words">
-        <div className="h">
+      <section className={cards.card} id="words">
+        <div className={cards.h}>
           <h2>What the words mean</h2>
         </div>
-        <dl className={clsx('bd', styles.terms)}>
+        <dl className={clsx(cards.bd, styles.terms)}>
           {TERMS.map(([word, text]) => (
             <div key={word}>
               <dt>{word}</dt>

@@ -10,6 +10,8 @@ import { catalogueQuery, libraryQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { OutcomeIcon, lookOf, outcomeOf } from '../ui/VerdictBadge'
 import { matching, type Place, placesOf } from './places'
+import buttons from '../ui/buttons.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './jump.module.css'
 
 /** Maximum number of runs shown. */
@@ -66,7 +68,7 @@ function Search({ onDone }: { onDone: () => void }) {
             onChange={(event) => setText(event.target.value)}
           />
         </Combobox.EventsTarget>
-        <kbd className="kbd">Esc</kbd>
+        <kbd className={buttons.kbd}>Esc</kbd>
       </label>
       {/* It scrolls, so the keyboard must reach it. */}
       <Combobox.Options className={styles.jumplist} aria-label="Found" tabIndex={0}>
@@ -94,11 +96,11 @@ function runOption(run: RunSummary): ReactNode {
   const outcome = outcomeOf(run)
   return (
     <Combobox.Option key={run.id} value={`/runs/${run.id}`}>
-      <span className={lookOf(outcome).tone}>
+      <span data-tone={lookOf(outcome).tone}>
         <OutcomeIcon outcome={outcome} className="i s" />
       </span>
-      <span className="one">{run.name}</span>
-      <span className={clsx(styles.what, 'one')}>
+      <span className={layout.one}>{run.name}</span>
+      <span className={clsx(styles.what, layout.one)}>
         {run.id} · {lookOf(outcome).word} · {run.campaign_name}
       </span>
     </Combobox.Option>
@@ -109,8 +111,8 @@ function placeOption({ to, name, note }: Place): ReactNode {
   return (
     <Combobox.Option key={to} value={to}>
       <IconArrowRight className="i s mut" aria-hidden />
-      <span className="one">{name}</span>
-      <span className={clsx(styles.what, 'one')}>{note}</span>
+      <span className={layout.one}>{name}</span>
+      <span className={clsx(styles.what, layout.one)}>{note}</span>
     </Combobox.Option>
   )
 }

@@ -23,6 +23,7 @@ import { Library } from './library/Library'
 import { criterionOf, decidingOf, parametersOf } from './campaign/parameters'
 import { PreviewCard } from './preview/PreviewCard'
 import { focusField, ProblemsProvider } from './fields/problems'
+import { useRegression } from './regression/given'
 import type { Shelf } from './library/shelf'
 import { Estimate, RunCard } from './Side'
 import { StartBar } from './StartBar'
@@ -33,6 +34,9 @@ import { isAnother, useNames } from './draft/useNames'
 import { usePreview } from './preview/usePreview'
 import { useSaved } from './draft/useSaved'
 import { YamlEditor } from './YamlEditor'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './launch.module.css'
 
 interface EditorProps {
@@ -56,6 +60,7 @@ export function Editor(props: EditorProps) {
   const { start, from, catalogue, library, chosen, shelf, onShelf, tab, onChoose, onTab } = props
   const draft = useDraft(start)
   const { name, tags, setName, setTags, replace } = useNames(start, draft.campaign)
+  const regression = useRegression(start)
   const [remove, setRemove] = useState(false)
   const navigate = useNavigate()
   const cache = useQueryClient()
@@ -78,7 +83,7 @@ export function Editor(props: EditorProps) {
       const text = await draft.typed()
       const checked = await checkCampaign(text)
       if (!checked.ok) throw new Refusal(422, 'The campaign has problems', '', checked.problems)
-      const given = { campaign: asCampaign(checked.document), name: name.trim(), tags, text }
+      const given = { campaign: asCampaign(checked.document), name: name.trim(), tags, ...regression.given, text }
       const body = JSON.stringify(given)
       if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
       const run = await submitRun(given, submission.current.key)
@@ -99,7 +104,8 @@ export function Editor(props: EditorProps) {
   const criterion = criterionOf(draft.campaign, catalogue)
   const ok = draft.problems.length === 0
   const live = usePreview(draft.checked, !draft.checking)
-  const blocked = name.trim() === '' || !ok
+  const wrong = regression.problem.labels || regression.problem.baseline
+  const blocked = name.trim() === '' || !ok || wrong !== ''
   const begin = () => {
     if (!blocked && !launch.isPending) launch.mutate()
   }
@@ -113,7 +119,7 @@ export function Editor(props: EditorProps) {
     onTab(undefined)
     requestAnimationFrame(() => focusField(field))
   }
-  const why = name.trim() === '' ? 'Give the run a name.' : ok ? '' : problems.length === 1 ? 'Solve the problem first.' : `Solve the ${problems.length} problems first.`
+  const why = name.trim() === '' ? 'Give the run a name.' : ok ? wrong : problems.length === 1 ? 'Solve the problem first.' : `Solve the ${problems.length} problems first.`
   return (
     <ProblemsProvider value={problems}>
       <Leaving
@@ -126,7 +132,7 @@ export function Editor(props: EditorProps) {
       {!from && !saved.draft && (
         <>
           <Drafts />
-          <h2 className="sect">Case</h2>
+          <h2 className={layout.sect}>Case</h2>
           <Library
             campaigns={library}
             catalogue={catalogue}
@@ -152,8 +158,8 @@ export function Editor(props: EditorProps) {
         <Back draft={draft} />
       </div>
       {tab === 'form' && draft.readable && <SectionTabs sections={tabsOf(draft.campaign)} />}
-      <div className={styles.launch}>
-        <div className="stack">
+      <div className={styles.launch} data-touch>
+        <div className={layout.stack}>
           {tab === 'yaml' ? (
             <YamlEditor
               text={draft.text}
@@ -175,24 +181,25 @@ export function Editor(props: EditorProps) {
           ) : draft.readable ? (
             <CampaignForm draft={draft} catalogue={catalogue} parameters={parameters} />
           ) : (
-            <p className="note warn">
+            <p className={clsx(cards.note, cards.warn)}>
               <IconAlertTriangle className="i" aria-hidden />
               The text cannot be read as a campaign, so there is no form of it yet. Solve its problems in the YAML tab.
             </p>
           )}
         </div>
-        <div className={clsx('stack', styles.side)}>
+        <div className={clsx(layout.stack, styles.side)}>
           <RunCard
             name={name}
             tags={tags}
             campaign={draft.campaign}
             readable={draft.readable}
             criterion={decidingOf(draft.campaign, catalogue)}
+            regression={regression}
             onName={setName}
             onTags={setTags}
             set={draft.set}
           />
-          <div className={clsx('stack', styles.stuck)}>
+          <div className={clsx(layout.stack, styles.stuck)}>
             <Summary
               problems={problems}
               trouble={draft.trouble ?? (refused?.errors.length ? null : launch.error)}
@@ -224,6 +231,7 @@ export function Editor(props: EditorProps) {
                 parameters={parameters}
                 name={name.trim()}
                 tags={tags}
+                labels={regression.given.labels}
                 blocked={blocked}
                 typed={draft.typed}
                 onLaunched={(id) => {
@@ -251,11 +259,11 @@ export function Editor(props: EditorProps) {
 /** Undoes edits of form and text. */
 function Back({ draft }: { draft: DraftState }) {
   return (
-    <span className="back">
-      <button type="button" className="iconbtn" aria-label="Undo" title="Undo the last edit" disabled={!draft.undo} onClick={() => draft.undo?.()}>
+    <span className={styles.back}>
+      <button type="button" className={buttons.iconbtn} aria-label="Undo" title="Undo the last edit" disabled={!draft.undo} onClick={() => draft.undo?.()}>
         <IconArrowBackUp className="i" aria-hidden />
       </button>
-      <button type="button" className="iconbtn" aria-label="Redo" title="Redo" disabled={!draft.redo} onClick={() => draft.redo?.()}>
+      <button type="button" className={buttons.iconbtn} aria-label="Redo" title="Redo" disabled={!draft.redo} onClick={() => draft.redo?.()}>
         <IconArrowForwardUp className="i" aria-hidden />
       </button>
     </span>

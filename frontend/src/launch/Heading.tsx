@@ -1,4 +1,5 @@
 // The origin of the edited campaign: new, an earlier run, or a draft.
+import { clsx } from 'clsx'
 import { IconCopy, IconFileText } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
@@ -6,12 +7,15 @@ import type { Draft, Span } from '../client'
 import { moment, when } from '../format/time'
 import { Said } from '../ui/Said'
 import { useNow } from '../ui/useNow'
+import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
+import styles from './launch.module.css'
 
 interface HeadingProps {
   from: string | undefined
   /** What the page of that run proposed to change. */
   changed: Span[] | undefined
-  /** The baseline of that run. */
+  /** The baseline of that run, which the new one has too. */
   baseline: string | undefined
   draft: Draft | null
 }
@@ -19,8 +23,8 @@ interface HeadingProps {
 export function Heading({ from, changed = [], baseline, draft }: HeadingProps) {
   const now = useNow(30_000, draft !== null)
   return (
-    <div className="ph">
-      <div className="t">
+    <div className={clsx(layout.ph, styles.begins)}>
+      <div className={layout.t}>
         <h1>{draft ? `Draft ${draft.id}` : 'New run'}</h1>
       </div>
       {draft && (
@@ -50,8 +54,7 @@ export function Heading({ from, changed = [], baseline, draft }: HeadingProps) {
           )}
           {baseline && (
             <>
-              , without its baseline <span className="mono">{baseline}</span>: a launch with <code>clearance submit --baseline</code>{' '}
-              has one
+              , with its baseline <span className="mono">{baseline}</span>
             </>
           )}
           . <Link to="/launch">Choose from the library instead</Link>
@@ -63,7 +66,7 @@ export function Heading({ from, changed = [], baseline, draft }: HeadingProps) {
 
 function Note({ icon, children }: { icon: ReactNode; children: ReactNode }) {
   return (
-    <span className="note">
+    <span className={cards.note}>
       {icon}
       <span>{children}</span>
     </span>

@@ -1,4 +1,5 @@
 // Launching a run: choose a campaign, an earlier run or a draft, edit it as a form or as text, start it or save it as a draft.
+import { clsx } from 'clsx'
 import { IconLoader } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
@@ -11,8 +12,11 @@ import { useTitle } from '../page/useTitle'
 import type { Draft, RunDetail } from '../client'
 import { fromDraft, fromLibrary, fromRun, type Start } from './draft/beginning'
 import { Editor } from './Editor'
-import './launch.css'
 import { ordered, type Shelf, shelfOf } from './library/shelf'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import icons from '../ui/icons.module.css'
+import layout from '../ui/layout.module.css'
 
 /** An editor whose campaign was saved as a draft continues under the draft's address. */
 interface Own {
@@ -25,15 +29,15 @@ interface Own {
 function Waiting({ error }: { error: Error }) {
   if (!(error instanceof Refusal) || error.status !== 503) return <Trouble error={error} />
   return (
-    <div className="card centre" role="alert">
-      <IconLoader size={36} stroke={1.5} className="spin" aria-hidden />
+    <div className={clsx(cards.card, layout.centre)} role="alert">
+      <IconLoader size={36} stroke={1.5} className={icons.spin} aria-hidden />
       <h1>Waiting for a worker</h1>
       <p>
         Vehicles, controllers, avoiders and search methods are published by workers, and none has started on this database
         yet. Start one with <code>clearance worker</code>: this page then continues automatically.
       </p>
-      <div className="acts">
-        <Link to="/runs" className="btn">
+      <div className={layout.acts}>
+        <Link to="/runs" className={buttons.btn}>
           All runs
         </Link>
       </div>

@@ -10,6 +10,10 @@ import { Sign } from '../ui/Sign'
 import { NumberCell } from './fields/NumberCell'
 import { numberOf } from './campaign/parameters'
 import { FieldErrors, idOf } from './fields/problems'
+import type { Regression } from './regression/given'
+import { RegressionFields } from './regression/RegressionFields'
+import fields from '../ui/fields.module.css'
+import lists from '../ui/lists.module.css'
 
 interface RunCardProps {
   name: string
@@ -18,20 +22,21 @@ interface RunCardProps {
   /** Whether form and text agree; otherwise the criterion cannot be edited here. */
   readable: boolean
   criterion: ComponentEntry | ResultEntry | undefined
+  regression: Regression
   onName: (name: string) => void
   onTags: (tags: string[]) => void
   set: (at: readonly (string | number)[], value: unknown) => void
 }
 
-export function RunCard({ name, tags, campaign, readable, criterion, onName, onTags, set }: RunCardProps) {
+export function RunCard({ name, tags, campaign, readable, criterion, regression, onName, onTags, set }: RunCardProps) {
   return (
     <Card title="Run">
       <div style={{ display: 'grid', gap: 12 }}>
         <div>
-          <label className="lbl" htmlFor={idOf('name')}>
+          <label className={fields.lbl} htmlFor={idOf('name')}>
             Name
           </label>
-          <span className="inp">
+          <span className={fields.inp}>
             <input id={idOf('name')} value={name} maxLength={120} onChange={(event) => onName(event.target.value)} />
           </span>
           <FieldErrors field="name" />
@@ -40,7 +45,7 @@ export function RunCard({ name, tags, campaign, readable, criterion, onName, onT
           <TagsInput
             id={idOf('tags')}
             label="Tags"
-            labelProps={{ className: 'lbl' }}
+            labelProps={{ className: fields.lbl }}
             size="xs"
             value={tags}
             maxTags={20}
@@ -51,7 +56,7 @@ export function RunCard({ name, tags, campaign, readable, criterion, onName, onT
           <FieldErrors field="tags" deep />
         </div>
         <div>
-          <label className="lbl" htmlFor={idOf('criterion.threshold')}>
+          <label className={fields.lbl} htmlFor={idOf('criterion.threshold')}>
             Criterion: <Sign text={criterion?.quantity || 'value'} /> greater than
             {criterion?.unit && `, ${unitText(criterion.unit)}`}
           </label>
@@ -64,6 +69,7 @@ export function RunCard({ name, tags, campaign, readable, criterion, onName, onT
           />
           <FieldErrors field="criterion.threshold" />
         </div>
+        <RegressionFields regression={regression} />
       </div>
     </Card>
   )
@@ -84,7 +90,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
   const estimate = checked?.estimate
   return (
     <Card title="Estimate">
-      <dl className="kv">
+      <dl className={lists.kv}>
         <dt>Evaluations, about</dt>
         <dd>{count(estimate?.evaluations)}</dd>
         {estimate?.stages.map((stage) => (

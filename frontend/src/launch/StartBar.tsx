@@ -1,7 +1,9 @@
 // At the lower edge of the window wherever the page is scrolled: the estimated effort, and the start of the run.
+import { clsx } from 'clsx'
 import { IconPlayerPlay } from '@tabler/icons-react'
 import type { Checked } from '../client'
 import { count, duration } from '../format/numbers'
+import buttons from '../ui/buttons.module.css'
 import styles from './launch.module.css'
 
 interface StartBarProps {
@@ -27,10 +29,10 @@ export function StartBar({ checked, checking, disabled, busy, why, onStart }: St
           {why}
         </p>
       </div>
-      <button type="button" className="btn p" disabled={disabled || busy} onClick={onStart}>
+      <button type="button" className={clsx(buttons.btn, buttons.p)} disabled={disabled || busy} onClick={onStart}>
         <IconPlayerPlay className="i s" aria-hidden />
         {busy ? 'Starting …' : 'Start run'}
-        <span className="kbd">Ctrl ↵</span>
+        <span className={buttons.kbd}>Ctrl ↵</span>
       </button>
     </div>
   )

@@ -1,6 +1,9 @@
 // All problems that prevent a run from starting; each entry links to its field.
+import { clsx } from 'clsx'
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { FieldProblem } from '../api/problems'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
 import styles from './launch.module.css'
 
 interface SummaryProps {
@@ -15,7 +18,7 @@ export function Summary({ problems, trouble, tab, onForm, onText }: SummaryProps
   if (problems.length === 0 && !trouble) return null
   const [here, there] = tab === 'form' ? [onForm, onText] : [onText, onForm]
   return (
-    <div className="note bad" id="problems" role="alert">
+    <div className={clsx(cards.note, cards.bad)} id="problems" role="alert">
       <IconAlertTriangle className="i" aria-hidden />
       <div>
         <span className="b">
@@ -30,10 +33,10 @@ export function Summary({ problems, trouble, tab, onForm, onText }: SummaryProps
             <li key={problem.field + problem.message}>
               {problem.field && (
                 <span className={styles.where}>
-                  <button type="button" className="linkbtn mono" onClick={() => here(problem.field)}>
+                  <button type="button" className={clsx(buttons.linkbtn, 'mono')} onClick={() => here(problem.field)}>
                     {problem.field}
                   </button>
-                  <button type="button" className="linkbtn small" onClick={() => there(problem.field)}>
+                  <button type="button" className={clsx(buttons.linkbtn, 'small')} onClick={() => there(problem.field)}>
                     {tab === 'form' ? 'In the YAML' : 'In the form'}
                   </button>
                 </span>

@@ -6,6 +6,9 @@ import { type DragEvent, lazy, Suspense, useRef, useState } from 'react'
 import { Card } from '../ui/Card'
 import { CopyButton, save } from '../ui/files'
 import type { CodeEditorProps } from './code/CodeEditor'
+import buttons from '../ui/buttons.module.css'
+import icons from '../ui/icons.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './launch.module.css'
 
 const CodeEditor = lazy(() => import('./code/CodeEditor'))
@@ -43,7 +46,7 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
       flush
       right={
         <>
-          <button type="button" className="btn s" onClick={() => chooser.current?.click()}>
+          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => chooser.current?.click()}>
             <IconFileText className="i s" aria-hidden /> Open file
           </button>
           <input
@@ -58,7 +61,7 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
             }}
           />
           <CopyButton text={() => text}>Copy</CopyButton>
-          <button type="button" className="btn s" onClick={() => save('campaign.yaml', text, 'application/yaml')}>
+          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => save('campaign.yaml', text, 'application/yaml')}>
             <IconDownload className="i s" aria-hidden /> Download
           </button>
         </>
@@ -86,13 +89,13 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
 function State({ ok, checking, problems }: { ok: boolean; checking: boolean; problems: number }) {
   if (checking)
     return (
-      <span className="row" style={{ gap: 5 }}>
-        <IconLoader className="i s spin" aria-hidden /> Checking
+      <span className={layout.row} style={{ gap: 5 }}>
+        <IconLoader className={clsx(icons.spin, 'i s')} aria-hidden /> Checking
       </span>
     )
   if (ok)
     return (
-      <span className="row" style={{ gap: 5 }}>
+      <span className={layout.row} style={{ gap: 5 }}>
         <IconCircleCheck className="i s" aria-hidden /> Valid
       </span>
     )

@@ -1,18 +1,21 @@
 // What was skipped because it cannot be used: file, line and the sentence that says what to do.
+import { clsx } from 'clsx'
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { UnusableEntry } from '../client'
+import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './page.module.css'
 
 export function Skipped({ unusable }: { unusable: readonly UnusableEntry[] | undefined }) {
   if (!unusable?.length) return null
   return (
-    <section className="note warn" aria-label="What cannot be used" data-testid="skipped">
+    <section className={clsx(cards.note, cards.warn)} aria-label="What cannot be used" data-testid="skipped">
       <IconAlertTriangle className="i" aria-hidden />
       <div className={styles.skipped}>
         <p className="m">{heading(unusable)}</p>
         <ul>
           {unusable.map(({ file, line, text, name }) => (
-            <li key={`${file} ${line} ${name} ${text}`} className="wrap-any">
+            <li key={`${file} ${line} ${name} ${text}`} className={layout.wrapAny}>
               {file && (
                 <>
                   <span className="mono">{file}</span>

@@ -1,14 +1,19 @@
 // Placeholders of a page: loading, refused, not found, error.
+import { clsx } from 'clsx'
 import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { Refusal } from '../api/problems'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import icons from '../ui/icons.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './page.module.css'
 
 export function Loading({ what }: { what: string }) {
   return (
     <div className={styles.loading} role="status">
-      <span className="row">
-        <IconLoader className="i spin" aria-hidden /> Loading {what}
+      <span className={layout.row}>
+        <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> Loading {what}
       </span>
     </div>
   )
@@ -28,18 +33,18 @@ export function Trouble({ error, retry, onward = true }: TroubleProps) {
   const again = refused && [404, 410].includes(refused.status) ? undefined : retry
   const detail = error instanceof Error ? error.message : String(error)
   return (
-    <div className="card centre" role="alert">
+    <div className={clsx(cards.card, layout.centre)} role="alert">
       <IconAlertTriangle size={36} stroke={1.5} aria-hidden />
       <h1>{title}</h1>
-      <p className="wrap-any">{detail.charAt(0).toUpperCase() + detail.slice(1)}</p>
-      <div className="acts">
+      <p className={layout.wrapAny}>{detail.charAt(0).toUpperCase() + detail.slice(1)}</p>
+      <div className={layout.acts}>
         {again && (
-          <button type="button" className="btn p" onClick={again}>
+          <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={again}>
             Try again
           </button>
         )}
         {onward && (
-          <Link to="/runs" className={again ? 'btn' : 'btn p'}>
+          <Link to="/runs" className={again ? buttons.btn : clsx(buttons.btn, buttons.p)}>
             All runs
           </Link>
         )}

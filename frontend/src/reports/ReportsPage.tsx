@@ -1,4 +1,5 @@
 // All reports: one for every run that has ended, with verdict, sign-offs, digest and files.
+import { clsx } from 'clsx'
 import { IconFileText, IconFileTypePdf, IconSignature } from '@tabler/icons-react'
 import { infiniteQueryOptions, useInfiniteQuery, useMutation } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
@@ -13,6 +14,9 @@ import { Card } from '../ui/Card'
 import { save } from '../ui/files'
 import { SearchBox } from '../ui/SearchBox'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import buttons from '../ui/buttons.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 
 const reportsQuery = (q: string) =>
   infiniteQueryOptions({
@@ -37,12 +41,12 @@ export function ReportsPage() {
   const total = query.data.pages[0]?.total ?? items.length
   return (
     <>
-      <div className="ph">
-        <div className="t">
+      <div className={layout.ph}>
+        <div className={layout.t}>
           <h1>Reports</h1>
         </div>
       </div>
-      <div className="filters">
+      <div className={layout.filters}>
         <SearchBox label="Search reports" value={q} onChange={search} />
         <span className="small mut" aria-live="polite">
           {count(total)} {total === 1 ? 'report' : 'reports'}
@@ -54,7 +58,7 @@ export function ReportsPage() {
         flush={items.length > 0}
         footer={
           query.hasNextPage && (
-            <button type="button" className="btn s" disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
+            <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
               {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
             </button>
           )
@@ -79,15 +83,15 @@ export function ReportsPage() {
 
 function Table({ items }: { items: readonly Report[] }) {
   return (
-    <table>
+    <table className={tables.table}>
       <thead>
         <tr>
           <th>Verdict</th>
           <th>Run</th>
-          <th>Report</th>
+          <th className={layout.hideS}>Report</th>
           <th>Sign-off</th>
           <th>Finished</th>
-          <th>Results, sha256</th>
+          <th className={layout.hideS}>Results, sha256</th>
           <th>Files</th>
         </tr>
       </thead>
@@ -98,7 +102,7 @@ function Table({ items }: { items: readonly Report[] }) {
               <VerdictBadge outcome={outcomeOf(report)} />
             </td>
             <td>
-              <span className="rn">
+              <span className={tables.rn}>
                 <Link to="/runs/$id" params={{ id: report.run }}>
                   {report.name}
                 </Link>
@@ -108,23 +112,23 @@ function Table({ items }: { items: readonly Report[] }) {
                 </small>
               </span>
             </td>
-            <td className="sec nw">{report.id}</td>
+            <td className={clsx('sec nw', layout.hideS)}>{report.id}</td>
             <td>
               <Signed report={report} />
             </td>
             <td className="sec nw" title={report.finished === null ? undefined : moment(report.finished)}>
               {report.finished === null ? 'not recorded' : when(report.finished)}
             </td>
-            <td>
+            <td className={layout.hideS}>
               <span className="mono" title={report.digest}>
                 {report.digest.slice(0, 16)}
               </span>
             </td>
             <td>
-              <span className="row nw" style={{ gap: 6 }}>
+              <span className={clsx(layout.row, 'nw')} style={{ gap: 6 }}>
                 {report.files.map((file) =>
                   file.format === 'html' ? (
-                    <a key={file.format} className="btn s" href={file.href} target="_blank" rel="noreferrer" aria-label={`HTML report of ${report.run}`}>
+                    <a key={file.format} className={clsx(buttons.btn, buttons.s)} href={file.href} target="_blank" rel="noreferrer" aria-label={`HTML report of ${report.run}`}>
                       <IconFileText className="i s" aria-hidden /> HTML
                     </a>
                   ) : (
@@ -143,7 +147,7 @@ function Table({ items }: { items: readonly Report[] }) {
 function Signed({ report }: { report: Report }) {
   const { signed, outdated, signed_by: names } = report
   return (
-    <span className="rn">
+    <span className={tables.rn}>
       {signed > 0 && (
         <span className="ok-t nw">
           <IconSignature className="i s" aria-hidden /> {names.join(', ')}
@@ -165,7 +169,7 @@ function Pdf({ report, file }: { report: Report; file: ReportFile }) {
     <>
       <button
         type="button"
-        className="btn s"
+        className={clsx(buttons.btn, buttons.s)}
         disabled={file.unavailable !== null || print.isPending}
         title={file.unavailable ?? 'Printed on request, a few seconds'}
         aria-label={`PDF report of ${report.run}`}

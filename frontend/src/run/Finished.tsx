@@ -41,6 +41,7 @@ import { View } from './flight/view'
 import { WhatToDo } from './verdict/WhatToDo'
 import { useWhatIf } from './flight/useWhatIf'
 import { WhatIfCard } from './flight/WhatIfCard'
+import layout from '../ui/layout.module.css'
 import styles from './run.module.css'
 
 const SpaceCard = lazy(() => import('./space/SpaceCard').then((module) => ({ default: module.SpaceCard })))
@@ -117,15 +118,15 @@ export function Finished({ data }: { data: RunData }) {
         </div>
       )}
       <SectionTabs sections={sections} />
-      <div className="grid">
+      <div className={layout.grid}>
         {run.state === 'failed' && !shown && (
-          <NominalWorst data={data} className="c7" title="Uncertain parameters" column={null} worst={null} />
+          <NominalWorst data={data} className={layout.c7} title="Uncertain parameters" column={null} worst={null} />
         )}
-        {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
-        {drawn && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
-        {!flies && !drawn && <Untraced data={data} whatIf={shown ? whatIf : null} className="c12" />}
+        {run.state === 'failed' && <WhatToDo run={run} className={shown ? layout.c12 : layout.c5} />}
+        {drawn && <Flight data={data} view={view} whatIf={whatIf} className={layout.c8} />}
+        {!flies && !drawn && <Untraced data={data} whatIf={shown ? whatIf : null} className={layout.c12} />}
         {shown && (
-          <div className={drawn ? clsx('stack', styles.pair, 'c4') : clsx(raised ? styles.two : 'stack', 'c12')}>
+          <div className={drawn ? clsx(layout.stack, styles.pair, layout.c4) : clsx(raised ? styles.two : layout.stack, layout.c12)}>
             {(flown || !flies) && <WhatIfCard data={data} state={whatIf} className="" />}
             <NominalWorst
               data={data}
@@ -138,15 +139,15 @@ export function Finished({ data }: { data: RunData }) {
             {raised && <Tornado data={data} result={sensitivity} className="" />}
           </div>
         )}
-        {!flies && drawn && <Untraced data={data} className="c12" />}
-        {data.findings.length > 0 && <FindingsCard data={data} result={validation} className="c12" />}
-        {run.baseline && <SinceCard data={data} className="c12" />}
+        {!flies && drawn && <Untraced data={data} className={layout.c12} />}
+        {data.findings.length > 0 && <FindingsCard data={data} result={validation} className={layout.c12} />}
+        {run.baseline && <SinceCard data={data} className={layout.c12} />}
         {flown && (
-          <SeparationCard data={data} onCross={cross} standing={view} whatIf={other} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
+          <SeparationCard data={data} onCross={cross} standing={view} whatIf={other} className={few || timed ? layout.c7 : layout.c12} height={few ? 280 : 370} />
         )}
-        {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5 wide" height={226} />}
+        {few && <Sensitivity data={data} result={sensitivity} validation={validation} className={clsx(layout.c5, layout.wide)} height={226} />}
         {timed && (
-          <div className={few || !flies ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5 wide')} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
+          <div className={few || !flies ? clsx(layout.stack, styles.filled, layout.c12) : clsx(layout.stack, styles.filled, layout.c5, layout.wide)} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
             {calm && <MotionCard data={data} onCross={cross} standing={view} whatIf={flies ? null : other} className="" />}
           </div>
         )}
@@ -155,14 +156,14 @@ export function Finished({ data }: { data: RunData }) {
             data={data}
             result={sensitivity}
             validation={validation}
-            className={raised ? 'c12' : 'c8'}
+            className={raised ? layout.c12 : layout.c8}
             height={150}
           />
         )}
-        {sensitivity && !raised && <Tornado data={data} result={sensitivity} className="c4 wide" tall={data.parameters.length > 6} />}
-        {sensitivity && indices && <IndicesCard data={data} result={sensitivity} className="c12" />}
-        {searched && <MethodsTable data={data} className="c7" id="methods" />}
-        {searched && <Convergence data={data} className="c5 wide" height={Math.min(300, 180 + 30 * methods)} />}
+        {sensitivity && !raised && <Tornado data={data} result={sensitivity} className={clsx(layout.c4, layout.wide)} tall={data.parameters.length > 6} />}
+        {sensitivity && indices && <IndicesCard data={data} result={sensitivity} className={layout.c12} />}
+        {searched && <MethodsTable data={data} className={layout.c7} id="methods" />}
+        {searched && <Convergence data={data} className={clsx(layout.c5, layout.wide)} height={Math.min(300, 180 + 30 * methods)} />}
         <Columns
           pieces={[
             sample && {
@@ -188,10 +189,10 @@ export function Finished({ data }: { data: RunData }) {
               !sample && { height: 130 + 44 * published, card: <Published key="published" data={data} className="" /> },
           ]}
         />
-        {published > 0 && sample && <Published data={data} className="c12" />}
+        {published > 0 && sample && <Published data={data} className={layout.c12} />}
         {space && (
           // Loaded after the page; its height is reserved, so that the layout does not shift.
-          <div className="c12" id="space" style={{ minHeight: 520 }}>
+          <div className={layout.c12} id="space" style={{ minHeight: 520 }}>
             {calm && (
               <Suspense>
                 <SpaceCard data={data} className="" />
@@ -199,13 +200,13 @@ export function Finished({ data }: { data: RunData }) {
             )}
           </div>
         )}
-        {front && <FrontCard data={data} className="c12" />}
-        {many && minima.map(({ position, search }) => <Minima key={position} data={data} search={search} position={position} className="c12" tall />)}
-        {failures.length > 0 && <Failures data={data} className="c12" />}
-        <Provenance data={data} className="c12" />
-        <Components run={run} className="c12" />
-        <SignoffsCard run={run} className="c6" />
-        <Notes run={run} className="c6" />
+        {front && <FrontCard data={data} className={layout.c12} />}
+        {many && minima.map(({ position, search }) => <Minima key={position} data={data} search={search} position={position} className={layout.c12} tall />)}
+        {failures.length > 0 && <Failures data={data} className={layout.c12} />}
+        <Provenance data={data} className={layout.c12} />
+        <Components run={run} className={layout.c12} />
+        <SignoffsCard run={run} className={layout.c6} />
+        <Notes run={run} className={layout.c6} />
       </div>
     </>
   )

@@ -1,4 +1,5 @@
 // The 3D view of a run in its own window with all controls, also for an active run.
+import { clsx } from 'clsx'
 import { Link, useParams, useSearch } from '@tanstack/react-router'
 import { useEffect, useMemo, useState } from 'react'
 import { caseWord, hasScenario } from '../api/campaign'
@@ -17,6 +18,9 @@ import { useWhatIf } from './flight/useWhatIf'
 import { View } from './flight/view'
 import { WhatIfCard } from './flight/WhatIfCard'
 import { Purged } from './header/Removed'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './run.module.css'
 
 export function FlightPage() {
@@ -31,7 +35,7 @@ export function FlightPage() {
 
 function NoTrace({ run }: { run: RunDetail }) {
   return (
-    <div className="card centre">
+    <div className={clsx(cards.card, layout.centre)}>
       <h1>There is no {isLive(run) ? '3D view yet' : '3D view'}</h1>
       <p>
         {isLive(run)
@@ -40,8 +44,8 @@ function NoTrace({ run }: { run: RunDetail }) {
         Its results, and its trace over time if it returns one, are on the page of the run.
       </p>
       {!isLive(run) && <Declare />}
-      <div className="acts">
-        <Link to="/runs/$id" params={{ id: run.id }} className="btn">
+      <div className={layout.acts}>
+        <Link to="/runs/$id" params={{ id: run.id }} className={buttons.btn}>
           Open {run.id}
         </Link>
       </div>
@@ -67,8 +71,8 @@ function Page({ run }: { run: RunDetail }) {
   if (!flies && !hasView(data)) return <NoTrace run={run} />
   return (
     <div className={styles.own}>
-      <div className="ph">
-        <div className="t">
+      <div className={layout.ph}>
+        <div className={layout.t}>
           <nav className={styles.crumb} aria-label="Breadcrumb">
             <Link to="/runs">Runs</Link>/
             <Link to="/runs/$id" params={{ id: run.id }} search={(before) => before} className="mono">
@@ -83,14 +87,14 @@ function Page({ run }: { run: RunDetail }) {
         </div>
       </div>
       {!live && data.traces.length === 0 && (
-        <p className="note" style={{ marginBottom: 'var(--gap)' }} role="status">
+        <p className={cards.note} style={{ marginBottom: 'var(--gap)' }} role="status">
           No {caseWord(data.campaign)} of this run is stored: it ended before its nominal case was stored. The view shows the
           scenario; “What-if” simulates a case of it.
         </p>
       )}
-      <div className="grid">
-        <Flight data={data} view={view} whatIf={whatIf} className={whatIf.whatIf ? 'c8' : 'c12'} alone />
-        <WhatIfCard data={data} state={whatIf} className="c4" />
+      <div className={clsx(layout.grid, styles.whole)}>
+        <Flight data={data} view={view} whatIf={whatIf} className={whatIf.whatIf ? layout.c8 : layout.c12} alone />
+        <WhatIfCard data={data} state={whatIf} className={layout.c4} />
       </div>
     </div>
   )

@@ -16,6 +16,10 @@ import { MethodsTable } from './search/MethodsTable'
 import { Notes } from './header/Notes'
 import { NominalWorst } from './parameters/NominalWorst'
 import { StageStrip } from './search/StageStrip'
+import cards from '../ui/cards.module.css'
+import icons from '../ui/icons.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './run.module.css'
 
 export function Live({ data }: { data: RunData }) {
@@ -25,8 +29,8 @@ export function Live({ data }: { data: RunData }) {
   return (
     <>
       {run.doing && (
-        <p className="note" style={{ marginBottom: 'var(--gap)' }} role="status">
-          <IconLoader className="i spin" aria-hidden />
+        <p className={cards.note} style={{ marginBottom: 'var(--gap)' }} role="status">
+          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden />
           <span>{run.doing.sentence}</span>
         </p>
       )}
@@ -34,12 +38,12 @@ export function Live({ data }: { data: RunData }) {
       <div style={{ marginTop: 'var(--gap)' }}>
         <StageStrip run={run} />
       </div>
-      <div className="grid" style={{ marginTop: 'var(--gap)' }}>
-        <div className={clsx('stack', styles.filled, 'c8')}>
+      <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
+        <div className={clsx(layout.stack, styles.filled, layout.c8)}>
           <Convergence data={data} className="" height={400} />
           <MethodsTable data={data} className="" />
         </div>
-        <div className={clsx('stack', styles.pair, 'c4')}>
+        <div className={clsx(layout.stack, styles.pair, layout.c4)}>
           <NominalWorst
             data={data}
             className=""
@@ -50,7 +54,7 @@ export function Live({ data }: { data: RunData }) {
           <Improvements data={data} className="" />
         </div>
         <LiveFailures data={data} />
-        <Notes run={run} className="c12" />
+        <Notes run={run} className={layout.c12} />
       </div>
     </>
   )
@@ -58,19 +62,19 @@ export function Live({ data }: { data: RunData }) {
 
 /** Shown during the run, because failures may be a reason to cancel it. */
 function LiveFailures({ data }: { data: RunData }) {
-  return data.evaluations?.failures.length ? <Failures data={data} className="c12" /> : null
+  return data.evaluations?.failures.length ? <Failures data={data} className={layout.c12} /> : null
 }
 
 function Queued({ data }: { data: RunData }) {
   return (
     <>
-      <p className="note" style={{ marginBottom: 'var(--gap)' }} role="status">
+      <p className={cards.note} style={{ marginBottom: 'var(--gap)' }} role="status">
         This run is waiting. {data.run.waits ?? 'It starts automatically when a worker is free.'}
       </p>
       <StageStrip run={data.run} />
-      <div className="grid" style={{ marginTop: 'var(--gap)' }}>
-        <NominalWorst data={data} className="c6" title="Uncertain parameters" column={null} worst={null} />
-        <Notes run={data.run} className="c6" />
+      <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
+        <NominalWorst data={data} className={layout.c6} title="Uncertain parameters" column={null} worst={null} />
+        <Notes run={data.run} className={layout.c6} />
       </div>
     </>
   )
@@ -84,7 +88,7 @@ function Figures({ data }: { data: RunData }) {
   const decimals = decimalsFor([cost, run.nominal_cost, run.threshold])
   const margin = cost === null || run.threshold === null ? null : cost - run.threshold
   return (
-    <div className="card">
+    <div className={cards.card}>
       <div className={styles.stats}>
         <Stat
           name={
@@ -137,7 +141,7 @@ const elapsed = (run: RunDetail, now: number): number | null =>
   run.started === null ? null : Math.max(0, now - run.started)
 
 /** The last improvements of each method, newest first. */
-function Improvements({ data, className }: { data: RunData; className: string }) {
+function Improvements({ data, className }: { data: RunData; className: string | undefined }) {
   const rows = searchesOf(data)
     .flatMap(({ stage, series }) => {
       const { index = [], seconds = [], cost = [] } = series?.improvements ?? {}
@@ -155,7 +159,7 @@ function Improvements({ data, className }: { data: RunData; className: string })
   )
   return (
     <Card title="Improvements" note="Newest first" className={className} flush>
-      <table className="tight">
+      <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>
             <th>Method</th>

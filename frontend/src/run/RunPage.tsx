@@ -14,6 +14,7 @@ import { History } from './header/History'
 import { Live } from './Live'
 import { Purged, Removed } from './header/Removed'
 import { RelatedCard } from '../trends/RelatedCard'
+import layout from '../ui/layout.module.css'
 
 export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
@@ -36,7 +37,7 @@ function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
       <Head run={run} stale={stale} />
       {run.removed !== null && <Removed run={run} />}
       {isLive(run) ? <Live data={data} /> : drawn === run.id ? <Finished data={data} /> : <Loading what="results" />}
-      <div className="grid" style={{ marginTop: 'var(--gap)' }}>
+      <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
         <RelatedCard run={run} />
         <History run={run.id} />
       </div>

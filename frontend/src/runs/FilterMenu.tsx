@@ -1,8 +1,12 @@
 // A filter with multiple choice: a button with the current choice, and a list.
+import { clsx } from 'clsx'
 import { type ReactNode, useState } from 'react'
 import type { Facet } from '../client'
 import { count } from '../format/numbers'
 import { Menu, Pick, Picks } from '../ui/Menu'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
 
 interface FilterMenuProps {
   name: string
@@ -29,7 +33,7 @@ export function FilterMenu({ name, options, value = [], onChange, label = (text)
   return (
     <Menu name={name} said={said} on={value.length > 0}>
       {all.length > FEW && (
-        <label className="inp">
+        <label className={fields.inp}>
           <input
             type="search"
             placeholder={`Find ${name.toLowerCase()}`}
@@ -42,14 +46,14 @@ export function FilterMenu({ name, options, value = [], onChange, label = (text)
       <Picks label={name}>
         {shown.map((option) => (
           <Pick key={option.value} on={value.includes(option.value)} onChange={(on) => toggle(option.value, on)}>
-            <span className="grow wrap-any">{label(option.value)}</span>
+            <span className={clsx(layout.grow, layout.wrapAny)}>{label(option.value)}</span>
             <span className="mut tn">{count(option.runs)}</span>
           </Pick>
         ))}
         {shown.length === 0 && <p className="small mut">{all.length ? 'No match.' : 'No run has any yet.'}</p>}
       </Picks>
       {value.length > 0 && (
-        <button type="button" className="btn s" onClick={() => onChange(undefined)}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onChange(undefined)}>
           Any {name.toLowerCase()}
         </button>
       )}

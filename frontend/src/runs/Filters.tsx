@@ -1,4 +1,5 @@
 // The filters of the list: outcome chips with their counts, search, campaign, tag, label, method, user, date; all in the address.
+import { clsx } from 'clsx'
 import { IconPinned, IconTrash } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { facetsQuery } from '../api/queries'
@@ -11,6 +12,8 @@ import { USUAL, USUAL_REMOVED } from './columnKeys'
 import { DateMenu } from './DateMenu'
 import { FilterMenu } from './FilterMenu'
 import { CLEARED, isNarrowed, type RunsSearch, SHOWS, type Show } from './search'
+import buttons from '../ui/buttons.module.css'
+import layout from '../ui/layout.module.css'
 
 const TONE: Record<string, string> = {
   ok: 'var(--ok-solid)',
@@ -30,7 +33,7 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
   return (
     <>
       <Outcomes search={search} counts={counts} onChange={onChange} />
-      <div className="filters">
+      <div className={layout.filters}>
         <SearchBox
           label="Search runs"
           value={search.q ?? ''}
@@ -62,11 +65,11 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
         />
         <DateMenu search={search} onChange={onChange} />
         {isNarrowed(search) && (
-          <button type="button" className="linkbtn small" onClick={() => onChange(CLEARED)}>
+          <button type="button" className={clsx(buttons.linkbtn, 'small')} onClick={() => onChange(CLEARED)}>
             Clear all
           </button>
         )}
-        <span className="row atend">
+        <span className={clsx(layout.row, layout.atend)}>
           <ColumnsMenu cols={search.cols} usual={search.removed ? USUAL_REMOVED : USUAL} onChange={(cols) => onChange({ cols })} />
         </span>
       </div>
@@ -78,27 +81,27 @@ function Outcomes({ search, counts, onChange }: FiltersProps) {
   const numberOf = (show: Show) => (counts[show] ?? 0) + (show === 'running' ? (counts.cancelling ?? 0) : 0)
   const shown = SHOWS.filter((show) => numberOf(show) > 0 || search.show === show)
   return (
-    <div className="filters">
-      <button type="button" className="chip" aria-pressed={!search.show} onClick={() => onChange({ show: undefined })}>
-        All <span className="n">{count(counts.total)}</span>
+    <div className={layout.filters}>
+      <button type="button" className={buttons.chip} aria-pressed={!search.show} onClick={() => onChange({ show: undefined })}>
+        All <span className={buttons.n}>{count(counts.total)}</span>
       </button>
       {shown.map((show) => (
         <button
           key={show}
           type="button"
-          className="chip"
+          className={buttons.chip}
           aria-pressed={search.show === show}
           onClick={() => onChange({ show: search.show === show ? undefined : show })}
         >
           <span style={{ color: TONE[lookOf(show).tone], display: 'flex' }}>
             <OutcomeIcon outcome={show} />
           </span>
-          {lookOf(show).word} <span className="n">{count(numberOf(show))}</span>
+          {lookOf(show).word} <span className={buttons.n}>{count(numberOf(show))}</span>
         </button>
       ))}
       <button
         type="button"
-        className="chip"
+        className={buttons.chip}
         aria-pressed={search.pinned === true}
         onClick={() => onChange({ pinned: search.pinned ? undefined : true })}
       >
@@ -107,11 +110,11 @@ function Outcomes({ search, counts, onChange }: FiltersProps) {
       {(search.removed || (counts.removed ?? 0) > 0) && (
         <button
           type="button"
-          className="chip"
+          className={buttons.chip}
           aria-pressed={search.removed === true}
           onClick={() => onChange({ removed: search.removed ? undefined : true, show: undefined })}
         >
-          <IconTrash className="i" aria-hidden /> Removed <span className="n">{count(counts.removed)}</span>
+          <IconTrash className="i" aria-hidden /> Removed <span className={buttons.n}>{count(counts.removed)}</span>
         </button>
       )}
     </div>

@@ -1,4 +1,5 @@
 // Actions on the selected runs.
+import { clsx } from 'clsx'
 import { Modal } from '@mantine/core'
 import { IconGitCompare, IconPinned, IconPlayerStop, IconX } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
@@ -11,6 +12,10 @@ import type { RunSummary } from '../client'
 import { MOST, olderFirst } from '../compare/search'
 import { count } from '../format/numbers'
 import { plural, RemoveMarked } from '../run/header/Removal'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import lists from '../ui/lists.module.css'
 
 interface MarkedProps {
   /** The selected ones among the loaded. */
@@ -32,23 +37,23 @@ export function Marked({ runs, onClear }: MarkedProps) {
         {count(runs.length)} selected
       </span>
       {runs.every((run) => run.removed === null) && (
-        <button type="button" className="btn s" onClick={() => pin.mutate()} disabled={pin.isPending}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => pin.mutate()} disabled={pin.isPending}>
           <IconPinned className="i s" aria-hidden />
           {pinned ? 'Unpin' : 'Pin'}
         </button>
       )}
       {runs.length > 1 && runs.length <= MOST && (
-        <Link to="/compare" search={{ runs: olderFirst(runs.map((run) => run.id)).join(',') }} className="btn s">
+        <Link to="/compare" search={{ runs: olderFirst(runs.map((run) => run.id)).join(',') }} className={clsx(buttons.btn, buttons.s)}>
           <IconGitCompare className="i s" aria-hidden />
           Compare {plural(runs.length)}
         </Link>
       )}
       <CancelMarked key={runs.map((run) => run.id).join()} live={live} />
       <RemoveMarked runs={runs} onDone={onClear} />
-      <button type="button" className="iconbtn" onClick={onClear} aria-label="Clear selection" title="Clear selection">
+      <button type="button" className={buttons.iconbtn} onClick={onClear} aria-label="Clear selection" title="Clear selection">
         <IconX className="i s" aria-hidden />
       </button>
-      {pin.isError && <span className="ferr">{pin.error.message}</span>}
+      {pin.isError && <span className={fields.ferr}>{pin.error.message}</span>}
     </>
   )
 }
@@ -69,7 +74,7 @@ function CancelMarked({ live }: { live: RunSummary[] }) {
   if (!offered) return null
   return (
     <>
-      <button type="button" className="btn s danger" disabled={live.length === 0} onClick={() => setAsking(true)}>
+      <button type="button" className={clsx(buttons.btn, buttons.s, buttons.danger)} disabled={live.length === 0} onClick={() => setAsking(true)}>
         <IconPlayerStop className="i s" aria-hidden />
         {live.length > 0 ? `Cancel ${plural(live.length)}` : 'Nothing left to cancel'}
       </button>
@@ -77,7 +82,7 @@ function CancelMarked({ live }: { live: RunSummary[] }) {
         <p className="sec">
           Completed evaluations are stored. A cancelled run has no verdict and cannot be resumed; it can be run again.
         </p>
-        <ul className="small sec listed">
+        <ul className={clsx(lists.listed, 'small sec')}>
           {live.slice(0, 8).map((run) => (
             <li key={run.id}>
               <span className="mono">{run.id}</span> {run.name}
@@ -85,14 +90,14 @@ function CancelMarked({ live }: { live: RunSummary[] }) {
           ))}
           {live.length > 8 && <li>and {count(live.length - 8)} more</li>}
         </ul>
-        {cancel.isError && <p className="ferr">{cancel.error.message}</p>}
-        <div className="acts" style={{ justifyContent: 'flex-end', marginTop: 16 }}>
-          <button type="button" className="btn" onClick={() => setAsking(false)}>
+        {cancel.isError && <p className={fields.ferr}>{cancel.error.message}</p>}
+        <div className={layout.acts} style={{ justifyContent: 'flex-end', marginTop: 16 }}>
+          <button type="button" className={buttons.btn} onClick={() => setAsking(false)}>
             Keep running
           </button>
           <button
             type="button"
-            className="btn danger p"
+            className={clsx(buttons.btn, buttons.danger, buttons.p)}
             disabled={cancel.isPending || live.length === 0}
             onClick={() => cancel.mutate()}
           >

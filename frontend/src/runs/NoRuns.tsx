@@ -1,4 +1,5 @@
 // The empty list: what Clearance does, and what to do first.
+import { clsx } from 'clsx'
 import { IconFileText } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -6,6 +7,9 @@ import { asCampaign } from '../api/campaign'
 import { catalogueQuery, libraryQuery } from '../api/queries'
 import { PlanView } from '../launch/plan/PlanView'
 import { ordered } from '../launch/library/shelf'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './runs.module.css'
 
 export function NoRuns() {
@@ -13,8 +17,8 @@ export function NoRuns() {
   const { data: catalogue } = useQuery(catalogueQuery)
   const first = data && ordered(data)[0]
   return (
-    <div className="card">
-      <div className="centre" style={{ paddingBottom: 36 }}>
+    <div className={cards.card}>
+      <div className={layout.centre} style={{ paddingBottom: 36 }}>
         {first && (
           <figure>
             <div className={styles.emptypic}>
@@ -28,11 +32,11 @@ export function NoRuns() {
           A run searches the bounded uncertain parameters for the smallest separation, samples them independently, and
           simulates the worst case again before it reports a verdict.
         </p>
-        <div className="acts" style={{ marginTop: 8 }}>
-          <Link to="/launch" className="btn p">
+        <div className={layout.acts} style={{ marginTop: 8 }}>
+          <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
             Choose a case study
           </Link>
-          <Link to="/launch" search={{ tab: 'yaml' }} className="btn">
+          <Link to="/launch" search={{ tab: 'yaml' }} className={buttons.btn}>
             <IconFileText className="i s" aria-hidden /> Paste or drop a campaign file
           </Link>
         </div>

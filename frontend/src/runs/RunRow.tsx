@@ -1,4 +1,5 @@
 // One row of the run list; its content depends on the state of the run.
+import { clsx } from 'clsx'
 import { useNavigate } from '@tanstack/react-router'
 import { memo, type MouseEvent } from 'react'
 import type { RunSummary } from '../client'
@@ -7,6 +8,8 @@ import { age } from '../format/time'
 import { Progress } from '../ui/Card'
 import { RunName } from './cells'
 import type { CellContext, Column } from './columns'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
 import styles from './runs.module.css'
 
 interface RunRowProps extends CellContext {
@@ -30,7 +33,7 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
   const results = columns.filter((column) => column.result)
   return (
     <tr
-      className={chosen ? styles.at : marked ? 'sel' : undefined}
+      className={chosen ? styles.at : marked ? styles.sel : undefined}
       aria-selected={chosen || marked}
       aria-rowindex={number}
       onClick={open}
@@ -39,6 +42,7 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
       <td className={styles.mark}>
         <label>
           <input
+            className={fields.check}
             type="checkbox"
             checked={marked}
             aria-label={`Select ${run.id}`}
@@ -66,7 +70,7 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
 function Standing({ run, now, span }: { run: RunSummary; now: number; span: number }) {
   if (run.state === 'queued')
     return (
-      <td colSpan={span} className="sec cut" title={run.waits ?? undefined}>
+      <td colSpan={span} className={clsx(layout.cut, 'sec')} title={run.waits ?? undefined}>
         {run.waits ?? 'Waiting for a worker'}
       </td>
     )
@@ -75,7 +79,7 @@ function Standing({ run, now, span }: { run: RunSummary; now: number; span: numb
     const said = run.error ?? run.reason ?? cancelled
     const why = said.charAt(0).toUpperCase() + said.slice(1)
     return (
-      <td colSpan={span} className="sec cut" title={why}>
+      <td colSpan={span} className={clsx(layout.cut, 'sec')} title={why}>
         {why}
       </td>
     )
@@ -105,7 +109,7 @@ function Working({ run, now }: { run: RunSummary; now: number }) {
         {name}
         {!run.doing && stage && stage.planned > 1 ? `, ${Math.round(100 * share)} %` : ''}
       </span>
-      <span className="mut cut">
+      <span className={clsx(layout.cut, 'mut')}>
         {run.doing?.seconds != null && `about ${age(Math.ceil(run.doing.seconds))}, once · `}
         {run.started !== null && `${duration(Math.max(0, now - run.started))} so far`}
         {best !== null && ` · best so far ${fixed(best, decimalsFor([best]))} ${run.unit}`}

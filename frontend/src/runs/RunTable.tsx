@@ -11,10 +11,15 @@ import { type ColumnKey, USUAL, USUAL_REMOVED, WIDE_ONLY } from './columnKeys'
 import { RunRow } from './RunRow'
 import type { Sort, SortKey } from './search'
 import { useRows } from './useRows'
+import cards from '../ui/cards.module.css'
+import fields from '../ui/fields.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './runs.module.css'
 
 const ROW = 46
 const [MARK, NAME] = [42, 190]
+/** Where the list scrolls, so that the longest verdict next to the name is whole in a window of 390 px. */
+const SHORT = 172
 /** [px] Between this width and the next, some default columns are omitted. */
 const NARROW = 1300
 
@@ -43,7 +48,8 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, mark
   const [chosen, setChosen] = useKeys(runs, reveal, marked, onMark)
   const columns = useMemo(() => columnsOf(cols, width, removed), [cols, width, removed])
   const common = commonOf(runs)
-  const least = columns.reduce((sum, column) => sum + column.width, MARK + NAME)
+  const others = columns.reduce((sum, column) => sum + column.width, MARK)
+  const least = others + (others + NAME > width ? SHORT : NAME)
 
   useEffect(() => {
     if (more && !loading && end > runs.length - 30) more()
@@ -67,8 +73,8 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, onLabel, mark
   )
   return (
     <div ref={holder}>
-      <div className={least > width ? clsx('card', styles.scrollx) : clsx('card', styles.clip)}>
-        <table className={styles.runs} aria-rowcount={total + 1} style={{ minWidth: least }} onMouseDown={() => setChosen(-1)}>
+      <div className={least > width ? clsx(cards.card, styles.scrollx) : clsx(cards.card, styles.clip)}>
+        <table className={clsx(tables.table, styles.runs)} aria-rowcount={total + 1} style={{ minWidth: least }} onMouseDown={() => setChosen(-1)}>
           <colgroup>
             <col style={{ width: MARK }} />
             <col />
@@ -167,7 +173,7 @@ function commonOf(runs: RunSummary[]): Common {
 
 const Space = ({ rows }: { rows: number }) =>
   rows > 0 ? (
-    <tr aria-hidden="true" className="space">
+    <tr aria-hidden="true" className={styles.space}>
       <td style={{ height: rows * ROW }} />
     </tr>
   ) : null
@@ -177,6 +183,7 @@ function MarkAll({ runs, marked, onMark }: Pick<RunTableProps, 'runs' | 'marked'
   return (
     <label>
       <input
+        className={fields.check}
         type="checkbox"
         checked={all}
         aria-label="Select all loaded runs"
@@ -209,7 +216,7 @@ function Head({ by, sort, onSort, num, inset, down: first, under, children }: He
       {under ? (
         <>
           <br />
-          <span className="u">{under}</span>
+          <span className={tables.u}>{under}</span>
         </>
       ) : null}
     </>
@@ -224,7 +231,7 @@ function Head({ by, sort, onSort, num, inset, down: first, under, children }: He
       style={inset === undefined ? undefined : { paddingRight: inset }}
       aria-sort={active ? (down ? 'descending' : 'ascending') : undefined}
     >
-      <button type="button" className={active ? clsx(styles.sorter, 'on') : styles.sorter} onClick={() => onSort(next)}>
+      <button type="button" className={active ? clsx(styles.sorter, styles.on) : styles.sorter} onClick={() => onSort(next)}>
         {lines}
         {active && <span aria-hidden> {down ? '↓' : '↑'}</span>}
       </button>

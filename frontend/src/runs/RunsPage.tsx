@@ -1,4 +1,5 @@
 // The run list: campaigns, results, progress.
+import { clsx } from 'clsx'
 import { IconPlus } from '@tabler/icons-react'
 import { useInfiniteQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
@@ -11,6 +12,9 @@ import { Marked } from './Marked'
 import { NoRuns } from './NoRuns'
 import { RunTable } from './RunTable'
 import { CLEARED, filterOf, isNarrowed, type RunsSearch } from './search'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
 
 export function RunsPage() {
   useTitle('Runs')
@@ -38,13 +42,13 @@ export function RunsPage() {
   const selected = runs.filter((run) => marked.has(run.id))
   return (
     <>
-      <div className="ph">
-        <div className="t">
+      <div className={layout.ph}>
+        <div className={layout.t}>
           <h1>Runs</h1>
         </div>
-        <div className="acts">
+        <div className={layout.acts}>
           {selected.length > 0 && <Marked runs={selected} onClear={() => setMarked(new Set())} />}
-          <Link to="/launch" className="btn p">
+          <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
             <IconPlus className="i s" aria-hidden />
             New run
           </Link>
@@ -82,19 +86,19 @@ export function RunsPage() {
 function NothingFound({ narrowed, onChange }: { narrowed: boolean; onChange: (change: Partial<RunsSearch>) => void }) {
   if (!narrowed)
     return (
-      <div className="card centre">
+      <div className={clsx(cards.card, layout.centre)}>
         <h2>Every run is removed</h2>
         <p>They can be restored until they are purged.</p>
-        <button type="button" className="btn" onClick={() => onChange({ removed: true })}>
+        <button type="button" className={buttons.btn} onClick={() => onChange({ removed: true })}>
           Show removed runs
         </button>
       </div>
     )
   return (
-    <div className="card centre">
+    <div className={clsx(cards.card, layout.centre)}>
       <h2>No run matches</h2>
       <p>No run matches this search and these filters.</p>
-      <button type="button" className="btn" onClick={() => onChange(CLEARED)}>
+      <button type="button" className={buttons.btn} onClick={() => onChange(CLEARED)}>
         Clear search and filters
       </button>
     </div>

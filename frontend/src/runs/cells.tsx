@@ -1,4 +1,5 @@
 // The non-numeric cells of the run list. Start reading at `RunName`.
+import { clsx } from 'clsx'
 import { IconAlertTriangle, IconPinned } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import type { RunSummary } from '../client'
@@ -7,19 +8,22 @@ import { decimalsFor, fixed, NONE, signed } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { MarginBar } from '../ui/bars'
 import type { CellContext } from './columns'
+import badges from '../ui/badges.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './runs.module.css'
 
 /** The first column, always shown: name, number, campaign, pin. */
 export function RunName({ run, campaign }: { run: RunSummary; campaign: boolean }) {
   return (
-    <span className="rn">
-      <span className="cut">
+    <span className={clsx(tables.rn, styles.rn)}>
+      <span className={layout.cut}>
         {run.pinned && <IconPinned className="i s mut" aria-label="Pinned" />}{' '}
         <Link to="/runs/$id" params={{ id: run.id }} title={run.name}>
           {run.name}
         </Link>
       </span>
-      <small className="cut">
+      <small className={layout.cut}>
         {run.id}
         {campaign && run.campaign_name !== run.name && ` · ${run.campaign_name}`}
         {run.continues && ` · extends ${run.continues}`}
@@ -44,9 +48,9 @@ export function Time({ at, now }: { at: number | null; now: number }) {
 /** Why, when and by whom a run was removed. */
 export function Removal({ run, now }: { run: RunSummary; now: number }) {
   return (
-    <span className="rn" title={run.removed_reason ?? undefined}>
-      <span className="cut">{run.removed_reason}</span>
-      <small className="cut">
+    <span className={clsx(tables.rn, styles.rn)} title={run.removed_reason ?? undefined}>
+      <span className={layout.cut}>{run.removed_reason}</span>
+      <small className={layout.cut}>
         <Time at={run.removed} now={now} /> by {run.removed_by}
       </small>
     </span>
@@ -103,9 +107,9 @@ export function Tags({ run, onTag, onLabel }: TagsProps) {
   const shown = fitting(all)
   const more = all.slice(shown.length).map(({ text }) => text)
   return (
-    <span className="cut">
+    <span className={layout.cut}>
       {shown.map(({ text, title, show }) => (
-        <button key={text} type="button" className="tag" onClick={show} title={title}>
+        <button key={text} type="button" className={clsx(badges.tag, styles.tag)} onClick={show} title={title}>
           {text}
         </button>
       ))}

@@ -1,4 +1,5 @@
 // The columns of the run list: names, widths, sort orders and cells. Start reading at `COLUMNS`.
+import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'
 import { withoutValue } from '../format/counts'
@@ -10,6 +11,7 @@ import { amount, Margin, Removal, Tags, Time } from './cells'
 import type { ColumnKey } from './columnKeys'
 import type { SortKey } from './search'
 import { Spark } from './Spark'
+import layout from '../ui/layout.module.css'
 
 export interface CellContext {
   /** Units are in the cells because rows differ. */
@@ -53,7 +55,7 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     key: 'verdict',
     name: 'Verdict',
     head: named('Verdict'),
-    width: 118,
+    width: 130,
     sort: 'verdict',
     cell: (run) => <VerdictBadge outcome={outcomeOf(run)} />,
   },
@@ -191,7 +193,7 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     head: named('Campaign'),
     width: 190,
     sort: 'campaign',
-    cell: (run) => <span className="sec cut">{run.campaign_name}</span>,
+    cell: (run) => <span className={clsx(layout.cut, 'sec')}>{run.campaign_name}</span>,
   },
   {
     key: 'tags',
@@ -247,7 +249,7 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     width: 66,
     sort: 'owner',
     cell: (run) => (
-      <span className="sec cut" title={run.owner}>
+      <span className={clsx(layout.cut, 'sec')} title={run.owner}>
         {run.owner}
       </span>
     ),

@@ -1,4 +1,5 @@
 // Reviewers' sign-offs on a run's page: who signed which results, whether these are unchanged, signing, withdrawal.
+import { clsx } from 'clsx'
 import { Modal } from '@mantine/core'
 import { IconCircleCheck, IconCircleX, IconSignature } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
@@ -9,12 +10,15 @@ import { sessionQuery } from '../api/queries'
 import type { RunDetail, Signoff, Signoffs } from '../client'
 import { moment } from '../format/time'
 import { Card } from '../ui/Card'
-import './signoffs.css'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 
 const signoffsQuery = (run: string) =>
   queryOptions({ queryKey: ['signoffs', run], queryFn: () => getSignoffs(run), staleTime: 5_000 })
 
-export function SignoffsCard({ run, className }: { run: RunDetail; className: string }) {
+export function SignoffsCard({ run, className }: { run: RunDetail; className: string | undefined }) {
   const { data, error } = useQuery(signoffsQuery(run.id))
   const may = hasRole(useQuery(sessionQuery).data?.role, 'reviewer')
   const [signing, setSigning] = useState(false)
@@ -38,13 +42,13 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
       right={
         data?.can_sign &&
         may && (
-          <button type="button" className="btn s" onClick={() => setSigning(true)}>
+          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setSigning(true)}>
             <IconSignature className="i s" aria-hidden /> Sign off
           </button>
         )
       }
     >
-      {error && <p className="ferr">{error.message}</p>}
+      {error && <p className={fields.ferr}>{error.message}</p>}
       {data && data.items.length === 0 && (
         <p className="sec">
           {data.can_sign
@@ -67,7 +71,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
 
 function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw?: (signoff: Signoff) => void }) {
   return (
-    <table>
+    <table className={tables.table}>
       <thead>
         <tr>
           <th>Standing</th>
@@ -104,7 +108,7 @@ function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw?: (
             </td>
             <td className="num">
               {item.withdrawn === null && onWithdraw && (
-                <button type="button" className="btn s" onClick={() => onWithdraw(item)}>
+                <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onWithdraw(item)}>
                   Withdraw …
                 </button>
               )}
@@ -160,7 +164,7 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
   )
   return (
     <form
-      className="panel"
+      className={fields.panel}
       onSubmit={(event) => {
         event.preventDefault()
         sign.mutate(undefined)
@@ -171,10 +175,10 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
         <span className="mono">{digest.slice(0, 16)}</span>
         {session && <>, signed in as {session.user}</>}. This cannot be edited later, only withdrawn.
       </p>
-      <label className="lbl">
+      <label className={fields.lbl}>
         Name
         <input
-          className="inp"
+          className={fields.inp}
           value={name}
           maxLength={120}
           required
@@ -182,10 +186,10 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
           onChange={(event) => setName(event.target.value)}
         />
       </label>
-      <label className="lbl">
+      <label className={fields.lbl}>
         Role
         <input
-          className="inp"
+          className={fields.inp}
           value={role}
           maxLength={120}
           required
@@ -198,22 +202,22 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
           <option key={known} value={known} />
         ))}
       </datalist>
-      <label className="lbl">
+      <label className={fields.lbl}>
         Comment
         <textarea
-          className="inp area"
+          className={clsx(fields.inp, fields.area)}
           value={comment}
           maxLength={4000}
           rows={4}
           onChange={(event) => setComment(event.target.value)}
         />
       </label>
-      {sign.isError && <p className="ferr">{sign.error.message}</p>}
-      <div className="acts" style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className="btn" onClick={onDone}>
+      {sign.isError && <p className={fields.ferr}>{sign.error.message}</p>}
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
           Not now
         </button>
-        <button type="submit" className="btn p" disabled={sign.isPending || !name.trim() || !role.trim()}>
+        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={sign.isPending || !name.trim() || !role.trim()}>
           Sign off
         </button>
       </div>
@@ -226,7 +230,7 @@ function WithdrawForm({ run, signoff, onDone }: { run: string; signoff: Signoff;
   const withdraw = useChange(run, () => withdrawSignoff(run, signoff.id, reason.trim()), onDone)
   return (
     <form
-      className="panel"
+      className={fields.panel}
       onSubmit={(event) => {
         event.preventDefault()
         withdraw.mutate(undefined)
@@ -235,10 +239,10 @@ function WithdrawForm({ run, signoff, onDone }: { run: string; signoff: Signoff;
       <p className="sec">
         The sign-off of {signoff.name} ({signoff.role}) stays on record, with the reason that you give.
       </p>
-      <label className="lbl">
+      <label className={fields.lbl}>
         Reason
         <textarea
-          className="inp area"
+          className={clsx(fields.inp, fields.area)}
           value={reason}
           maxLength={4000}
           rows={3}
@@ -247,12 +251,12 @@ function WithdrawForm({ run, signoff, onDone }: { run: string; signoff: Signoff;
           onChange={(event) => setReason(event.target.value)}
         />
       </label>
-      {withdraw.isError && <p className="ferr">{withdraw.error.message}</p>}
-      <div className="acts" style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className="btn" onClick={onDone}>
+      {withdraw.isError && <p className={fields.ferr}>{withdraw.error.message}</p>}
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
           Keep it
         </button>
-        <button type="submit" className="btn danger p" disabled={withdraw.isPending || !reason.trim()}>
+        <button type="submit" className={clsx(buttons.btn, buttons.danger, buttons.p)} disabled={withdraw.isPending || !reason.trim()}>
           Withdraw
         </button>
       </div>

@@ -1,4 +1,5 @@
 // A sweep: worst margin and P(violation) over the values of one parameter, and its runs.
+import { clsx } from 'clsx'
 import { IconBan, IconDownload } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { Link, useParams } from '@tanstack/react-router'
@@ -17,6 +18,10 @@ import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from '..
 import { Card, NumHead } from '../ui/Card'
 import { usePolling } from '../ui/usePolling'
 import { activeOf, saidOf, valueText } from './states'
+import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 
 const sweepQuery = (id: string) => queryOptions({ queryKey: ['sweep', id], queryFn: () => getSweep(id) })
 
@@ -48,34 +53,34 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
   })
   return (
     <>
-      <div className="ph">
-        <div className="t">
+      <div className={layout.ph}>
+        <div className={layout.t}>
           <h1>{sweep.name}</h1>
           <p className="sec">
             {sweep.id}, {sweep.title} over {sweep.runs} values. {saidOf(sweep.states)}.
           </p>
         </div>
-        <div className="acts">
-          <Link to="/sweeps" className="btn">
+        <div className={layout.acts}>
+          <Link to="/sweeps" className={buttons.btn}>
             All sweeps
           </Link>
-          <a className="btn" href={`/api/v1/sweeps/${sweep.id}/table.csv`} download>
+          <a className={buttons.btn} href={`/api/v1/sweeps/${sweep.id}/table.csv`} download>
             <IconDownload className="i s" aria-hidden /> CSV
           </a>
           {activeOf(sweep.states) > 0 && <Cancel sweep={sweep} />}
         </div>
       </div>
       {codes.length > 1 && (
-        <div className="note warn" style={{ marginBottom: 'var(--gap)' }}>
+        <div className={clsx(cards.note, cards.warn)} style={{ marginBottom: 'var(--gap)' }}>
           The code changed while the sweep ran: {codes.length} codes ran its runs. Differences between the values may come
           from the code.
         </div>
       )}
-      <div className="grid">
-        <ChartCard title={`Worst margin and P(violation) over ${sweep.path}`} note={sweep.title} className="c12" run={sweep.id} data={data}>
+      <div className={layout.grid}>
+        <ChartCard title={`Worst margin and P(violation) over ${sweep.path}`} note={sweep.title} className={layout.c12} run={sweep.id} data={data}>
           <OutcomesChart points={points} axis={axis} sync={sweep.id} name={({ x }) => axis.xText(x)} />
         </ChartCard>
-        <Card title="Runs" note={`Submitted by ${sweep.owner}, ${moment(sweep.created)}`} className="c12" flush>
+        <Card title="Runs" note={`Submitted by ${sweep.owner}, ${moment(sweep.created)}`} className={layout.c12} flush>
           <Table sweep={sweep} />
         </Card>
       </div>
@@ -85,7 +90,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
 
 function Table({ sweep }: { sweep: SweepDetail }) {
   return (
-    <table>
+    <table className={tables.table}>
       <thead>
         <tr>
           <NumHead unit={unitText(sweep.unit)}>{sweep.path}</NumHead>
@@ -140,17 +145,17 @@ function Cancel({ sweep }: { sweep: SweepDetail }) {
   const active = activeOf(sweep.states)
   if (!sure)
     return (
-      <button type="button" className="btn" onClick={() => setSure(true)}>
+      <button type="button" className={buttons.btn} onClick={() => setSure(true)}>
         <IconBan className="i s" aria-hidden /> Cancel
       </button>
     )
   return (
-    <span className="row">
+    <span className={layout.row}>
       <span className="sec">{cancel.error ? cancel.error.message : `Cancel ${active === 1 ? 'the run' : `the ${active} runs`} that have not ended?`}</span>
-      <button type="button" className="btn p" disabled={cancel.isPending} onClick={() => cancel.mutate()}>
+      <button type="button" className={clsx(buttons.btn, buttons.p)} disabled={cancel.isPending} onClick={() => cancel.mutate()}>
         Cancel {active === 1 ? 'it' : 'them'}
       </button>
-      <button type="button" className="btn" onClick={() => setSure(false)}>
+      <button type="button" className={buttons.btn} onClick={() => setSure(false)}>
         Keep running
       </button>
     </span>

@@ -1,4 +1,5 @@
 // The list of sweeps.
+import { clsx } from 'clsx'
 import { IconPlus } from '@tabler/icons-react'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -9,6 +10,9 @@ import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card } from '../ui/Card'
 import { saidOf } from './states'
+import buttons from '../ui/buttons.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 
 const sweepsQuery = queryOptions({ queryKey: ['sweeps'], queryFn: () => listSweeps() })
 
@@ -19,12 +23,12 @@ export function SweepsPage() {
   if (!data) return <Loading what="sweeps" />
   return (
     <>
-      <div className="ph">
-        <div className="t">
+      <div className={layout.ph}>
+        <div className={layout.t}>
           <h1>Sweeps</h1>
         </div>
-        <div className="acts">
-          <Link to="/launch" className="btn p">
+        <div className={layout.acts}>
+          <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
             <IconPlus className="i s" aria-hidden />
             New run or sweep
           </Link>
@@ -37,14 +41,14 @@ export function SweepsPage() {
           </p>
         )}
         {data.length > 0 && (
-          <table>
+          <table className={tables.table}>
             <thead>
               <tr>
                 <th>Sweep</th>
                 <th>Parameter</th>
                 <th className="num">Runs</th>
                 <th>State</th>
-                <th>User</th>
+                <th className={layout.hideS}>User</th>
                 <th>Submitted</th>
               </tr>
             </thead>
@@ -52,7 +56,7 @@ export function SweepsPage() {
               {data.map((sweep) => (
                 <tr key={sweep.id}>
                   <td>
-                    <span className="rn">
+                    <span className={tables.rn}>
                       <Link to="/sweeps/$id" params={{ id: sweep.id }}>
                         {sweep.name}
                       </Link>
@@ -64,8 +68,8 @@ export function SweepsPage() {
                   </td>
                   <td className="sec">{sweep.path}</td>
                   <td className="num">{count(sweep.runs)}</td>
-                  <td className="sec">{saidOf(sweep.states)}</td>
-                  <td className="sec">{sweep.owner}</td>
+                  <td className="sec nw">{saidOf(sweep.states)}</td>
+                  <td className={clsx('sec', layout.hideS)}>{sweep.owner}</td>
                   <td className="sec nw" title={moment(sweep.created)}>
                     {when(sweep.created)}
                   </td>

@@ -1,4 +1,5 @@
 // Other runs with the same input as a run, and those that differ in one thing, with links to compare.
+import { clsx } from 'clsx'
 import { IconArrowsDiff, IconChartDots } from '@tabler/icons-react'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -8,6 +9,10 @@ import { count } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from './cells'
 import { differenceOf } from './difference'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 
 const relatedQuery = (run: string, state: string) =>
   queryOptions({ queryKey: ['related', run, state], queryFn: () => getRelated(run) })
@@ -19,17 +24,17 @@ export function RelatedCard({ run }: { run: RunDetail }) {
     <Card
       title="Same input in other runs"
       note="The same campaign, or one that differs only in the seed or the code"
-      className="c12"
+      className={layout.c12}
       id="related"
       flush={rows.length > 0}
       right={
-        <Link to="/trends" search={{ campaign: run.campaign_digest }} className="btn s">
+        <Link to="/trends" search={{ campaign: run.campaign_digest }} className={clsx(buttons.btn, buttons.s)}>
           <IconChartDots className="i s" aria-hidden /> Trend
         </Link>
       }
       footer={data && data.total > rows.length && `The newest ${rows.length} of ${count(data.total)} runs.`}
     >
-      {error && <p className="ferr">{error.message}</p>}
+      {error && <p className={fields.ferr}>{error.message}</p>}
       {data && rows.length === 0 && <p className="sec">No other run has this campaign, with this seed or another.</p>}
       {rows.length > 0 && <Table own={run.id} rows={rows} />}
     </Card>
@@ -38,7 +43,7 @@ export function RelatedCard({ run }: { run: RunDetail }) {
 
 function Table({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {
   return (
-    <table>
+    <table className={tables.table}>
       <thead>
         <tr>
           <th>Verdict</th>
@@ -72,7 +77,7 @@ function Table({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {
               <DateCell outcome={other} />
             </td>
             <td>
-              <Link to="/compare" search={{ runs: `${own},${other.id}` }} className="btn s" aria-label={`Compare ${own} with ${other.id}`}>
+              <Link to="/compare" search={{ runs: `${own},${other.id}` }} className={clsx(buttons.btn, buttons.s)} aria-label={`Compare ${own} with ${other.id}`}>
                 <IconArrowsDiff className="i s" aria-hidden /> Compare
               </Link>
             </td>

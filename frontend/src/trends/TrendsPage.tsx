@@ -18,6 +18,10 @@ import { type Along, apart, axisOf } from './axis'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from './cells'
 import type { TrendSearch } from './search'
 import { changesOf } from './changes'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 import styles from './trends.module.css'
 
 const trendQuery = ({ campaign, name }: TrendSearch) =>
@@ -43,20 +47,20 @@ function Campaigns() {
   const { data, error } = useQuery(facetsQuery)
   return (
     <>
-      <div className="ph">
-        <div className="t">
+      <div className={layout.ph}>
+        <div className={layout.t}>
           <h1>Trends</h1>
         </div>
       </div>
       <Card title="Campaigns" note="By name, those with the most runs first" flush={Boolean(data?.campaigns.length)}>
-        {error && <p className="ferr">{error.message}</p>}
+        {error && <p className={fields.ferr}>{error.message}</p>}
         {data?.campaigns.length === 0 && (
           <p className="sec">
             There are no runs yet. <Link to="/launch">Launch one</Link>.
           </p>
         )}
         {data && data.campaigns.length > 0 && (
-          <table>
+          <table className={tables.table}>
             <thead>
               <tr>
                 <th>Campaign</th>
@@ -101,8 +105,8 @@ function Shown({ trend }: { trend: Trend }) {
   })
   return (
     <>
-      <div className="ph">
-        <div className="t">
+      <div className={layout.ph}>
+        <div className={layout.t}>
           <h1>{trend.name}</h1>
           <p className="sec">
             {trend.digest ? (
@@ -117,9 +121,9 @@ function Shown({ trend }: { trend: Trend }) {
             )}
           </p>
         </div>
-        <div className="acts">
+        <div className={layout.acts}>
           {trend.digest && (
-            <Link to="/trends" search={{ name: trend.name }} className="btn">
+            <Link to="/trends" search={{ name: trend.name }} className={buttons.btn}>
               All campaigns of this name
             </Link>
           )}
@@ -128,14 +132,14 @@ function Shown({ trend }: { trend: Trend }) {
       {runs.length === 0 ? (
         <p className="sec">No run has this campaign.</p>
       ) : (
-        <div className="grid">
-          <ChartCard title={`Worst margin and P(violation) ${along === 'time' ? 'over time' : 'by run'}`} note={changesOf(runs)} className="c12" run="trend" data={data} right={<AlongSeg value={along} onChange={show} />}>
+        <div className={layout.grid}>
+          <ChartCard title={`Worst margin and P(violation) ${along === 'time' ? 'over time' : 'by run'}`} note={changesOf(runs)} className={layout.c12} run="trend" data={data} right={<AlongSeg value={along} onChange={show} />}>
             <OutcomesChart points={points} axis={axis} sync="trend" name={({ run }) => run} />
           </ChartCard>
           <Card
             title="Runs"
             note="The newest first"
-            className="c12"
+            className={layout.c12}
             flush
             footer={total > runs.length && `The newest ${runs.length} of ${count(total)} runs.`}
           >
@@ -163,7 +167,7 @@ function AlongSeg({ value, onChange }: { value: Along; onChange: (value: Along) 
 
 function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
   return (
-    <table>
+    <table className={tables.table}>
       <thead>
         <tr>
           <th className="num">No.</th>

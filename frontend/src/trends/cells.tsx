@@ -4,6 +4,7 @@ import type { Outcome } from '../client'
 import { decimalsFor, NONE, percent, signed } from '../format/numbers'
 import { rfc3339, when } from '../format/time'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import tables from '../ui/tables.module.css'
 
 /** The verdict or the state of a run, as icon and word. */
 export function OutcomeBadge({ outcome }: { outcome: Outcome | null }) {
@@ -20,7 +21,7 @@ export const boundOf = (outcome: Outcome | null): string =>
 
 export function RunCell({ run, name }: { run: string; name?: string }) {
   return (
-    <span className="rn">
+    <span className={tables.rn}>
       <Link to="/runs/$id" params={{ id: run }}>
         {name ?? run}
       </Link>

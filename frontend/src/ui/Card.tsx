@@ -2,6 +2,10 @@
 import { clsx } from 'clsx'
 import { type ReactNode, useEffect, useRef, useState } from 'react'
 import { field } from '../format/numbers'
+import badges from './badges.module.css'
+import buttons from './buttons.module.css'
+import cards from './cards.module.css'
+import tables from './tables.module.css'
 import styles from './ui.module.css'
 
 interface CardProps {
@@ -15,15 +19,15 @@ interface CardProps {
   children: ReactNode
 }
 
-export function Card({ title, note, right, footer, flush, className = '', id, children }: CardProps) {
+export function Card({ title, note, right, footer, flush, className, id, children }: CardProps) {
   return (
-    <section className={`card ${className}`} id={id}>
-      <div className="h">
+    <section className={clsx(cards.card, className)} id={id}>
+      <div className={cards.h}>
         <h2>{title}</h2>
-        <span className="d">{note}</span>
-        {right && <div className="r">{right}</div>}
+        <span className={cards.d}>{note}</span>
+        {right && <div className={cards.r}>{right}</div>}
       </div>
-      {flush ? <Flush>{children}</Flush> : <div className="bd">{children}</div>}
+      {flush ? <Flush>{children}</Flush> : <div className={cards.bd} data-body>{children}</div>}
       {footer && <div className={styles.ft}>{footer}</div>}
     </section>
   )
@@ -41,7 +45,7 @@ function Flush({ children }: { children: ReactNode }) {
     return () => observer.disconnect()
   }, [])
   return (
-    <div className={clsx('bd', styles.flush)} ref={body} tabIndex={scrolls ? 0 : undefined}>
+    <div data-flush data-body className={clsx(cards.bd, styles.flush)} ref={body} tabIndex={scrolls ? 0 : undefined}>
       {children}
     </div>
   )
@@ -61,8 +65,8 @@ interface StatProps {
 export function Stat({ name, value, unit, note, bad, testId, exact }: StatProps) {
   return (
     <div className={styles.stat}>
-      <div className="k">{name}</div>
-      <div className={bad ? 'n bad-t' : 'n'}>
+      <div className={styles.k}>{name}</div>
+      <div className={bad ? clsx(styles.n, 'bad-t') : styles.n}>
         <span data-testid={testId} title={exact == null ? undefined : field(exact)}>
           {value}
         </span>
@@ -81,12 +85,12 @@ interface NumHeadProps {
 }
 
 /** The header of a numeric column: title, and below it the unit. */
-export function NumHead({ unit, title, className = '', children }: NumHeadProps) {
+export function NumHead({ unit, title, className, children }: NumHeadProps) {
   return (
-    <th className={`num ${className}`} title={title}>
+    <th className={clsx('num', className)} title={title}>
       {children}
       <br />
-      <span className="u">{unit}</span>
+      <span className={tables.u}>{unit}</span>
     </th>
   )
 }
@@ -101,7 +105,7 @@ interface SegProps<T extends string> {
 
 export function Seg<T extends string>({ label, options, value, onChange, tall }: SegProps<T>) {
   return (
-    <div className={tall ? clsx('seg', styles.tall) : 'seg'} role="group" aria-label={label}>
+    <div className={tall ? clsx(buttons.seg, styles.tall) : buttons.seg} role="group" aria-label={label}>
       {options.map((option) => (
         <button
           key={option.value}
@@ -136,7 +140,7 @@ export function Tags({ tags }: { tags: readonly string[] }) {
   return (
     <span className="nw">
       {tags.map((tag) => (
-        <span key={tag} className="tag">
+        <span key={tag} className={badges.tag}>
           {tag}
         </span>
       ))}

@@ -1,5 +1,7 @@
 // A small icon button with an accessible name and a tooltip.
+import { clsx } from 'clsx'
 import type { IconLink } from '@tabler/icons-react'
+import buttons from './buttons.module.css'
 
 interface IconButtonProps {
   label: string
@@ -12,7 +14,7 @@ interface IconButtonProps {
 
 export function IconButton({ label, title = label, icon: Icon, off, act }: IconButtonProps) {
   return (
-    <button type="button" className="iconbtn bd" aria-label={label} title={title} disabled={off} onClick={act}>
+    <button type="button" className={clsx(buttons.iconbtn, buttons.bd)} data-control aria-label={label} title={title} disabled={off} onClick={act}>
       <Icon className="i s" aria-hidden />
     </button>
   )

@@ -3,7 +3,7 @@ import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { isSafe, Markdown } from './Markdown'
 
-const shown = (text: string): string => renderToStaticMarkup(<Markdown text={text} />).replace(/^<div class="md">|<\/div>$/g, '')
+const shown = (text: string): string => renderToStaticMarkup(<Markdown text={text} />).replace(/^<div class="[^"]*">|<\/div>$/g, '')
 
 it.each([
   ['# Why\n\nThe *radius* is **75 m**.', '<h3>Why</h3><p>The <em>radius</em> is <strong>75 m</strong>.</p>'],

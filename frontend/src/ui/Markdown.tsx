@@ -1,12 +1,17 @@
 // Markdown as elements: the text is parsed, never inserted as HTML, so that it cannot contain a script. Images
 // are not loaded and HTML is shown as text. Source of the syntax: GitHub Flavored Markdown. Start: `Markdown`.
+import { clsx } from 'clsx'
 import { marked, type Token, type Tokens } from 'marked'
 import { Fragment, type ReactNode, useMemo } from 'react'
+import fields from './fields.module.css'
+import layout from './layout.module.css'
+import prose from './prose.module.css'
+import tables from './tables.module.css'
 import styles from './ui.module.css'
 
 export function Markdown({ text }: { text: string }) {
   const tokens = useMemo(() => marked.lexer(text, { gfm: true, breaks: false }), [text])
-  return <div className="md">{blocks(tokens)}</div>
+  return <div className={prose.md}>{blocks(tokens)}</div>
 }
 
 const blocks = (tokens: readonly Token[]): ReactNode => tokens.map((token, i) => <Fragment key={i}>{block(token)}</Fragment>)
@@ -47,7 +52,7 @@ function block(token: Token): ReactNode {
 function list({ ordered, start, items }: Tokens.List): ReactNode {
   const shown = items.map((item, i) => (
     <li key={i} className={item.task ? styles.task : undefined}>
-      {item.task && <input type="checkbox" checked={item.checked} readOnly disabled aria-label="Task" />}
+      {item.task && <input className={fields.check} type="checkbox" checked={item.checked} readOnly disabled aria-label="Task" />}
       {blocks(item.tokens.filter((token) => token.type !== 'checkbox'))}
     </li>
   ))
@@ -57,8 +62,8 @@ function list({ ordered, start, items }: Tokens.List): ReactNode {
 function table({ header, rows, align }: Tokens.Table): ReactNode {
   const side = (i: number) => ({ textAlign: align[i] ?? undefined })
   return (
-    <div className="scrollx" tabIndex={0} role="region" aria-label="Table">
-      <table className="tight">
+    <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Table">
+      <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>
             {header.map((cell, i) => (

@@ -1,7 +1,11 @@
 // A button with a panel of choices below it.
+import { clsx } from 'clsx'
 import { Popover } from '@mantine/core'
 import { IconChevronDown } from '@tabler/icons-react'
 import type { ReactNode } from 'react'
+import buttons from './buttons.module.css'
+import fields from './fields.module.css'
+import layout from './layout.module.css'
 
 interface MenuProps {
   name: string
@@ -17,9 +21,9 @@ export function Menu({ name, said, on, icon, above, children }: MenuProps) {
   return (
     <Popover position={above ? 'top-end' : 'bottom-start'} width={280} trapFocus returnFocus shadow="none" withinPortal={!above}>
       <Popover.Target>
-        <button type="button" className={on ? 'chip on' : 'chip'}>
+        <button type="button" className={on ? clsx(buttons.chip, buttons.on) : buttons.chip}>
           {icon}
-          <span className="cut">
+          <span className={clsx(layout.cut, buttons.cuts)}>
             {name}
             {said !== null && <>: {said}</>}
           </span>
@@ -27,7 +31,7 @@ export function Menu({ name, said, on, icon, above, children }: MenuProps) {
         </button>
       </Popover.Target>
       <Popover.Dropdown aria-label={name}>
-        <div className="panel">{children}</div>
+        <div className={fields.panel}>{children}</div>
       </Popover.Dropdown>
     </Popover>
   )
@@ -35,7 +39,7 @@ export function Menu({ name, said, on, icon, above, children }: MenuProps) {
 
 /** The choices of a menu as checkboxes. */
 export const Picks = ({ label, children }: { label: string; children: ReactNode }) => (
-  <div className="picks" role="group" aria-label={label}>
+  <div className={fields.picks} role="group" aria-label={label}>
     {children}
   </div>
 )
@@ -47,8 +51,8 @@ interface PickProps {
 }
 
 export const Pick = ({ on, onChange, children }: PickProps) => (
-  <label className="pickrow">
-    <input type="checkbox" checked={on} onChange={(event) => onChange(event.target.checked)} />
+  <label className={fields.pickrow}>
+    <input className={fields.check} type="checkbox" checked={on} onChange={(event) => onChange(event.target.checked)} />
     {children}
   </label>
 )

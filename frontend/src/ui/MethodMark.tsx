@@ -1,12 +1,13 @@
 // A method's marker and name.
 import { isOpen, OUTLINE, useMethodLook } from './methods'
+import figures from './figures.module.css'
 import styles from './ui.module.css'
 
 export function Mark({ method }: { method: string | null }) {
   const { colour, shape } = useMethodLook()(method)
   const stroke = `var(${colour})`
   return (
-    <svg className="mk" viewBox="0 0 10 10" aria-hidden="true">
+    <svg className={figures.mk} viewBox="0 0 10 10" aria-hidden="true">
       <path
         d={OUTLINE[shape]}
         fill={isOpen(shape) ? 'none' : stroke}

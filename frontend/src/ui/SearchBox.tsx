@@ -1,7 +1,10 @@
 // A search box for runs: what is typed is reported after a short pause.
+import { clsx } from 'clsx'
 import { IconSearch } from '@tabler/icons-react'
 import { useEffect, useRef, useState } from 'react'
 import { useHotkeys } from './useHotkeys'
+import buttons from './buttons.module.css'
+import fields from './fields.module.css'
 
 interface SearchBoxProps {
   label: string
@@ -38,7 +41,7 @@ export function SearchBox({ label, value, begin = false, onChange }: SearchBoxPr
   }, [text, onChange])
 
   return (
-    <label className="inp search">
+    <label className={clsx(fields.inp, fields.search)}>
       <IconSearch className="i s mut" aria-hidden />
       <input
         ref={input}
@@ -49,7 +52,7 @@ export function SearchBox({ label, value, begin = false, onChange }: SearchBoxPr
         onChange={(event) => setText(event.target.value)}
         onKeyDown={(event) => event.key === 'Escape' && event.currentTarget.blur()}
       />
-      <span className="kbd">/</span>
+      <span className={buttons.kbd}>/</span>
     </label>
   )
 }

@@ -8,7 +8,10 @@ import {
   IconHelpCircle,
   IconLoader,
 } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import type { RunSummary } from '../client'
+import badges from './badges.module.css'
+import icons from './icons.module.css'
 
 export type Outcome = 'cleared' | 'violated' | 'inconclusive' | Exclude<RunSummary['state'], 'done'>
 
@@ -33,13 +36,13 @@ export const lookOf = (outcome: Outcome) => LOOK[outcome]
 export function OutcomeIcon({ outcome, className = 'i' }: { outcome: Outcome; className?: string }) {
   const { Icon } = LOOK[outcome]
   const busy = outcome === 'running' || outcome === 'cancelling'
-  return <Icon className={busy ? `${className} spin` : className} aria-hidden="true" />
+  return <Icon className={clsx(className, busy && icons.spin)} aria-hidden="true" />
 }
 
 export function VerdictBadge({ outcome }: { outcome: Outcome }) {
   const { tone, word } = LOOK[outcome]
   return (
-    <span className={`vd ${tone}`}>
+    <span className={badges.vd} data-tone={tone}>
       <OutcomeIcon outcome={outcome} />
       {word}
     </span>

@@ -1,6 +1,8 @@
 // Copy to the clipboard, save as a file.
+import { clsx } from 'clsx'
 import { IconCheck, IconCopy } from '@tabler/icons-react'
 import { type ReactNode, useEffect, useState } from 'react'
+import buttons from './buttons.module.css'
 
 /** Saves text or a blob as a file. */
 export function save(name: string, content: string | Blob, type = 'text/plain'): void {
@@ -28,7 +30,7 @@ export function CopyButton({ text, children }: CopyProps) {
   }, [done])
   const copy = () => void navigator.clipboard.writeText(text()).then(() => setDone(true))
   return (
-    <button type="button" className="btn s" onClick={copy}>
+    <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={copy}>
       {done ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />}
       <span aria-live="polite">{done ? 'Copied' : children}</span>
     </button>

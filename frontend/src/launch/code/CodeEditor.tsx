@@ -16,6 +16,7 @@ import { hintOf, type Known } from './hints'
 import { ProblemList } from './ProblemList'
 import type { Rule } from './schema'
 import { diagnosticsOf, fromPage, type Hands, locking, opened, placedIn, unified } from './setup'
+import buttons from '../../ui/buttons.module.css'
 import styles from './code.module.css'
 
 export interface CodeEditorProps {
@@ -62,7 +63,7 @@ export default function CodeEditor(props: CodeEditorProps) {
   })
   return (
     <>
-      <div className="code" ref={host} />
+      <div data-editor ref={host} />
       <Standing {...props} text={lines} cursor={cursor} schema={schema} />
       <ProblemList placed={placed} onGo={go} onForm={onForm} />
     </>
@@ -140,7 +141,7 @@ function Standing({ text, cursor, campaign, catalogue, schema, readOnly, onForm 
               {found.hint.text && <span className="mut">. {found.hint.text}</span>}
             </span>
           )}
-          <button type="button" className="linkbtn" onClick={() => onForm(found.field)}>
+          <button type="button" className={buttons.linkbtn} onClick={() => onForm(found.field)}>
             Show in the form
           </button>
         </>

@@ -1,6 +1,8 @@
 // The problems of the text by line, with links to the line and to the field in the form.
+import { clsx } from 'clsx'
 import { IconAlertCircle } from '@tabler/icons-react'
 import type { Placed } from './setup'
+import buttons from '../../ui/buttons.module.css'
 import styles from './code.module.css'
 
 interface ProblemListProps {
@@ -19,7 +21,7 @@ export function ProblemList({ placed, onGo, onForm }: ProblemListProps) {
       {sorted.map(({ problem, from, to, line }) => (
         <li key={problem.field + problem.message} data-problem={problem.field}>
           <IconAlertCircle className="i bad-t" aria-hidden />
-          <button type="button" className="linkbtn nw" onClick={() => onGo(from, to)}>
+          <button type="button" className={clsx(buttons.linkbtn, 'nw')} onClick={() => onGo(from, to)}>
             Line {line}
           </button>
           <span>
@@ -28,7 +30,7 @@ export function ProblemList({ placed, onGo, onForm }: ProblemListProps) {
             {problem.given && <span className="mut"> (given {problem.given})</span>}
           </span>
           {problem.field && !problem.field.startsWith('line ') && (
-            <button type="button" className="linkbtn nw" aria-label={`Show ${problem.field} in the form`} onClick={() => onForm(problem.field)}>
+            <button type="button" className={clsx(buttons.linkbtn, 'nw')} aria-label={`Show ${problem.field} in the form`} onClick={() => onForm(problem.field)}>
               In the form
             </button>
           )}

@@ -1,6 +1,11 @@
 // Saving the campaign as a draft: the button, the state, and the resolution of conflicts.
+import { clsx } from 'clsx'
 import { IconAlertTriangle, IconDeviceFloppy } from '@tabler/icons-react'
 import type { Saved } from './useSaved'
+import buttons from '../../ui/buttons.module.css'
+import cards from '../../ui/cards.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './draft.module.css'
 
 interface DraftBarProps {
@@ -19,7 +24,7 @@ export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarP
   const standing = dirty ? 'Unsaved changes.' : draft ? `All changes are saved in ${draft.id}.` : ''
   return (
     <div className={styles.draftbar}>
-      <button type="button" className="btn wide" disabled={saving || (draft !== null && !dirty)} onClick={() => save()}>
+      <button type="button" className={clsx(buttons.btn, buttons.wide)} disabled={saving || (draft !== null && !dirty)} onClick={() => save()}>
         <IconDeviceFloppy className="i s" aria-hidden />
         {saving ? 'Saving …' : draft ? `Save ${draft.id}` : 'Save as draft'}
       </button>
@@ -27,22 +32,22 @@ export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarP
         {standing}
       </p>
       {draft && (
-        <label className="row small">
-          <input type="checkbox" checked={remove} onChange={(event) => onRemove(event.target.checked)} />
+        <label className={clsx(layout.row, 'small')}>
+          <input className={fields.check} type="checkbox" checked={remove} onChange={(event) => onRemove(event.target.checked)} />
           Delete {draft.id} once the run is queued
         </label>
       )}
       {trouble && (
-        <div className="note bad" role="alert">
+        <div className={clsx(cards.note, cards.bad)} role="alert">
           <IconAlertTriangle className="i" aria-hidden />
           <div>
             <p>{trouble.message}</p>
             {overtaken && (
-              <div className="acts">
-                <button type="button" className="btn s" onClick={() => save(true)}>
+              <div className={clsx(layout.acts, styles.acts)}>
+                <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => save(true)}>
                   Keep mine as a new draft
                 </button>
-                <button type="button" className="btn s" onClick={onReopen}>
+                <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={onReopen}>
                   Open theirs
                 </button>
               </div>

@@ -12,6 +12,10 @@ import { count } from '../../format/numbers'
 import { moment, when } from '../../format/time'
 import { Card, Tags } from '../../ui/Card'
 import { useNow } from '../../ui/useNow'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 import styles from './draft.module.css'
 
 const FEW = 4
@@ -31,18 +35,18 @@ export function Drafts() {
       flush
       footer={
         shown.length < data.length && (
-          <button type="button" className="linkbtn" onClick={() => setAll(true)}>
+          <button type="button" className={buttons.linkbtn} onClick={() => setAll(true)}>
             Show {count(data.length - shown.length)} more
           </button>
         )
       }
     >
-      <table>
+      <table className={tables.table}>
         <thead>
           <tr>
             <th>Draft</th>
             <th>Name</th>
-            <th className="hide-n">Tags</th>
+            <th className={layout.hideN}>Tags</th>
             <th>Saved by</th>
             <th>Saved</th>
             <th>Run</th>
@@ -57,8 +61,8 @@ export function Drafts() {
                   {draft.id}
                 </Link>
               </td>
-              <td className="wrap-any">{draft.name || <span className="mut">Untitled</span>}</td>
-              <td className="hide-n">
+              <td className={layout.wrapAny}>{draft.name || <span className="mut">Untitled</span>}</td>
+              <td className={layout.hideN}>
                 <Tags tags={draft.tags} />
               </td>
               <td>
@@ -75,10 +79,10 @@ export function Drafts() {
                   </Link>
                 )}
               </td>
-              <td className="acts">
+              <td className={layout.acts}>
                 <button
                   type="button"
-                  className="iconbtn"
+                  className={buttons.iconbtn}
                   aria-label={`Delete draft ${draft.id}`}
                   title="Delete"
                   onClick={() => setLeaving(draft)}
@@ -111,20 +115,20 @@ function Deletion({ draft, onDone }: { draft: DraftSummary; onDone: () => void }
     onSettled: () => cache.invalidateQueries({ queryKey: ['drafts'] }),
   })
   return (
-    <div className="panel">
+    <div className={fields.panel}>
       <p>
         {draft.name || 'This untitled draft'} will be deleted for all users. Runs started from it remain.
       </p>
       {removal.error && (
-        <p className="ferr" role="alert">
+        <p className={fields.ferr} role="alert">
           {removal.error.message}
         </p>
       )}
-      <div className={clsx('acts', styles.end)}>
-        <button type="button" className="btn" onClick={onDone}>
+      <div className={clsx(layout.acts, styles.end)}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
           Keep it
         </button>
-        <button type="button" className="btn p" disabled={removal.isPending} onClick={() => removal.mutate()}>
+        <button type="button" className={clsx(buttons.btn, buttons.p)} disabled={removal.isPending} onClick={() => removal.mutate()}>
           Delete
         </button>
       </div>

@@ -3,6 +3,9 @@ import { Modal } from '@mantine/core'
 import { useBlocker } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { useState } from 'react'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './draft.module.css'
 
 interface Place {
@@ -34,21 +37,21 @@ export function Leaving({ dirty, expected, onSave }: LeavingProps) {
   const keep = () => void onSave().then(blocker.proceed, (error: Error) => setFailed(error.message))
   return (
     <Modal opened onClose={blocker.reset} title="Unsaved changes" centered lockScroll={false}>
-      <div className="panel">
+      <div className={fields.panel}>
         <p>Your changes to this campaign are not saved.</p>
         {failed && (
-          <p className="ferr" role="alert">
+          <p className={fields.ferr} role="alert">
             {failed}
           </p>
         )}
-        <div className={clsx('acts', styles.end)}>
-          <button type="button" className="btn" onClick={blocker.reset}>
+        <div className={clsx(layout.acts, styles.end)}>
+          <button type="button" className={buttons.btn} onClick={blocker.reset}>
             Stay
           </button>
-          <button type="button" className="btn" onClick={blocker.proceed}>
+          <button type="button" className={buttons.btn} onClick={blocker.proceed}>
             Leave without saving
           </button>
-          <button type="button" className="btn p" onClick={keep}>
+          <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={keep}>
             Save as draft
           </button>
         </div>

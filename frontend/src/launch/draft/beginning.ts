@@ -2,6 +2,7 @@
 import { checkCampaign, getRunText, getSchema } from '../../api/calls'
 import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Draft, LibraryCampaign, RunDetail, Span } from '../../client'
+import { textsOf } from '../regression/given'
 import { remedied } from './remedied'
 import type { Beginning } from './useDraft'
 
@@ -12,7 +13,8 @@ export interface Start extends Beginning {
   draft: Draft | null
   /** The changes of a run's campaign that its page proposed, as a phrase. */
   changed?: Span[]
-  /** The baseline of that run, which a new run does not have. */
+  /** The labels of that run as KEY=VALUE, and its baseline as it was given. */
+  labels?: string[]
   baseline?: string
 }
 
@@ -23,14 +25,14 @@ export function fromLibrary(item: LibraryCampaign): Start {
 
 /** An earlier run's campaign; `remedy` names changes that its checks propose. */
 export async function fromRun(run: RunDetail, remedy = ''): Promise<Start> {
-  const own = { readable: true, name: run.name, tags: run.tags, draft: null, baseline: run.baseline?.run ?? undefined }
+  const own = { readable: true, name: run.name, tags: run.tags, draft: null, labels: textsOf(run.labels), baseline: run.baseline?.asked }
   const text = await getRunText(run.id)
   if (!remedy) return { ...own, campaign: plain(run.campaign), text }
   const { document, text: amended, said } = await remedied(run, text, remedy)
   return { ...own, campaign: plain(document), text: amended, changed: said }
 }
 
-/** Without the baseline, which belongs to the launch of the run and not to its text. */
+/** Without the findings of the baseline, which belong to the launch of the run and not to its text. */
 const plain = (document: unknown): Campaign => asCampaign({ ...(document as object), baseline: undefined })
 
 /** A draft as it was saved, also in the form if possible. */

@@ -3,6 +3,7 @@ import { useState } from 'react'
 import type { Raw } from '../../api/campaign'
 import { parse, field as shown } from '../../format/numbers'
 import { idOf, useProblems } from './problems'
+import fields from '../../ui/fields.module.css'
 
 interface ListCellProps {
   field: string
@@ -28,7 +29,7 @@ export function ListCell({ field, label, values, onChange }: ListCellProps) {
   return (
     <input
       id={idOf(field)}
-      className="cell"
+      className={fields.cell}
       autoComplete="off"
       spellCheck={false}
       aria-label={label}

@@ -3,6 +3,7 @@ import { useState } from 'react'
 import type { Raw } from '../../api/campaign'
 import { parse, field as shown } from '../../format/numbers'
 import { idOf, useProblems } from './problems'
+import fields from '../../ui/fields.module.css'
 
 interface NumberCellProps {
   /** The service's name of the field. */
@@ -42,7 +43,7 @@ export function NumberCell({
   return (
     <input
       id={idOf(field)}
-      className="cell"
+      className={fields.cell}
       inputMode="decimal"
       autoComplete="off"
       spellCheck={false}

@@ -1,4 +1,5 @@
 // One part of a campaign: its component, and its parameters with unit, limits and text from the catalogue.
+import { clsx } from 'clsx'
 import { Select } from '@mantine/core'
 import { IconTrash } from '@tabler/icons-react'
 import { type Campaign, place, type Raw } from '../../api/campaign'
@@ -12,6 +13,10 @@ import { Sign } from '../../ui/Sign'
 import { NumberCell } from './NumberCell'
 import { numberOf, type Parameter, type Section } from '../campaign/parameters'
 import { FieldErrors, idOf } from './problems'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
+import lists from '../../ui/lists.module.css'
 import styles from './fields.module.css'
 
 export type SetValue = (at: readonly (string | number)[], value: unknown) => void
@@ -30,7 +35,7 @@ interface PartCardProps {
 export function PartCard({ onRemove, ...props }: PartCardProps) {
   const { title, component } = props.section
   const remove = onRemove && (
-    <button type="button" className="iconbtn" aria-label={`Remove ${title}`} title="Remove" onClick={onRemove}>
+    <button type="button" className={buttons.iconbtn} aria-label={`Remove ${title}`} title="Remove" onClick={onRemove}>
       <IconTrash className="i s" aria-hidden />
     </button>
   )
@@ -80,7 +85,7 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
         <Select
           id={idOf(`${field}.on`)}
           label="On input"
-          labelProps={{ className: 'lbl' }}
+          labelProps={{ className: fields.lbl }}
           size="xs"
           data={inputs}
           value={part.on ?? null}
@@ -93,7 +98,7 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
       {component && (
         <details>
           <summary>Equations and source</summary>
-          <div className="about">
+          <div className={lists.about}>
             <Docstring text={component.text} />
             <HelpLink to="/help/components" at={idOfComponent(component.role, component.name)}>
               In the help
@@ -151,7 +156,7 @@ function ParameterField({ parameter, set }: { parameter: Parameter; set: SetValu
   const change = (value: Raw | null) => set(place(path), value ?? undefined)
   return (
     <>
-      <span className="t">
+      <span className={styles.t}>
         <Sign text={entry.symbol} /> {entry.text}
         <small>
           {entry.low === -entry.high ? `±${plain(entry.high)}` : `${plain(entry.low)} to ${plain(entry.high)}`} {unit}
@@ -176,9 +181,9 @@ function Strays({ strays, set }: { strays: Section['strays']; set: SetValue }) {
     const field = at.join('.')
     return (
       <div key={field} id={idOf(field)} tabIndex={-1}>
-        <span className="row small">
+        <span className={clsx(layout.row, 'small')}>
           <span className="mono">{name}</span> {typeof value === 'number' ? plain(value) : value}
-          <button type="button" className="linkbtn" aria-label={`Remove ${field}`} onClick={() => set(at, undefined)}>
+          <button type="button" className={buttons.linkbtn} aria-label={`Remove ${field}`} onClick={() => set(at, undefined)}>
             Remove
           </button>
         </span>

@@ -2,6 +2,7 @@
 import { IconAlertCircle } from '@tabler/icons-react'
 import { createContext, useContext } from 'react'
 import type { FieldProblem } from '../../api/problems'
+import fieldsCss from '../../ui/fields.module.css'
 
 const Problems = createContext<readonly FieldProblem[]>([])
 
@@ -34,7 +35,7 @@ interface MessageProps {
 export function Message({ problem, named }: MessageProps) {
   const words = problem.message.charAt(0).toUpperCase() + problem.message.slice(1)
   return (
-    <p className="ferr" data-problem={problem.field}>
+    <p className={fieldsCss.ferr} data-problem={problem.field}>
       <IconAlertCircle className="i" aria-hidden />
       <span>
         {named && problem.field && <span className="mono">{problem.field} </span>}

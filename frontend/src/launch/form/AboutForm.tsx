@@ -8,6 +8,9 @@ import { Fold } from '../fields/Fold'
 import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
+import buttons from '../../ui/buttons.module.css'
+import fieldsCss from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
 
 interface AboutFormProps {
@@ -21,11 +24,11 @@ export function AboutForm({ campaign, set }: AboutFormProps) {
   return (
     <Card title="About this campaign" id="section-about">
       <Fold title="Name and notes" digest={campaign.name} fields={['name', 'summary', 'notes', 'tags']}>
-        <div className="stack">
+        <div className={layout.stack}>
           <Written field="campaign.name" label="Name of the campaign">
             <input
               id={idOf('campaign.name')}
-              className="inp"
+              className={fieldsCss.inp}
               value={campaign.name}
               maxLength={120}
               onChange={(event) => set(['name'], event.target.value)}
@@ -34,7 +37,7 @@ export function AboutForm({ campaign, set }: AboutFormProps) {
           <Written field="summary" label="Summary, one line for lists and cards">
             <input
               id={idOf('summary')}
-              className="inp"
+              className={fieldsCss.inp}
               value={campaign.summary ?? ''}
               maxLength={400}
               onChange={(event) => set(['summary'], event.target.value)}
@@ -43,7 +46,7 @@ export function AboutForm({ campaign, set }: AboutFormProps) {
           <Written field="notes" label="Notes: sources, what is reconstructed, what is not modelled">
             <textarea
               id={idOf('notes')}
-              className="inp"
+              className={fieldsCss.inp}
               rows={6}
               value={campaign.notes ?? ''}
               onChange={(event) => set(['notes'], event.target.value)}
@@ -61,7 +64,7 @@ export function AboutForm({ campaign, set }: AboutFormProps) {
 function Written({ field, label, children }: { field: string; label: string; children: ReactNode }) {
   return (
     <div className={styles.written}>
-      <label className="lbl" htmlFor={idOf(field)}>
+      <label className={fieldsCss.lbl} htmlFor={idOf(field)}>
         {label}
       </label>
       {children}
@@ -72,11 +75,11 @@ function Written({ field, label, children }: { field: string; label: string; chi
 
 function Values({ published, set }: { published: Published[]; set: SetValue }) {
   return (
-    <div className="stack" id={idOf('published')} tabIndex={-1}>
+    <div className={layout.stack} id={idOf('published')} tabIndex={-1}>
       {published.map((one, i) => (
-        <div key={i} className={clsx('row', styles.published)}>
+        <div key={i} className={clsx(layout.row, styles.published)}>
           <input
-            className="inp"
+            className={fieldsCss.inp}
             aria-label={`Published value ${i + 1}, label`}
             placeholder="Label"
             value={one.label}
@@ -91,7 +94,7 @@ function Values({ published, set }: { published: Published[]; set: SetValue }) {
             />
           </span>
           <input
-            className="inp"
+            className={fieldsCss.inp}
             aria-label={`Published value ${i + 1}, source`}
             placeholder="Source"
             value={one.source ?? ''}
@@ -100,7 +103,7 @@ function Values({ published, set }: { published: Published[]; set: SetValue }) {
           <span className="small mut nw">{Object.keys(one.at ?? {}).length > 0 && `at ${Object.keys(one.at ?? {}).length} values`}</span>
           <button
             type="button"
-            className="iconbtn"
+            className={buttons.iconbtn}
             aria-label={`Remove published value ${i + 1}`}
             onClick={() =>
               set(
@@ -117,7 +120,7 @@ function Values({ published, set }: { published: Published[]; set: SetValue }) {
       <span>
         <button
           type="button"
-          className="btn s"
+          className={clsx(buttons.btn, buttons.s)}
           onClick={() => set(['published'], [...published, { label: '', value: '', at: {}, source: '' }])}
         >
           <IconPlus className="i s" aria-hidden /> Add published value

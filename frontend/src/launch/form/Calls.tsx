@@ -5,6 +5,7 @@ import { Fold } from '../fields/Fold'
 import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
+import fieldsCss from '../../ui/fields.module.css'
 import styles from './form.module.css'
 
 const REPEATS = 'simulator.repeats'
@@ -37,7 +38,7 @@ export function Calls({ campaign, set }: { campaign: Campaign; set: SetValue }) 
     <Fold title="Calls" digest={callsOf(campaign)} fields={[REPEATS, RETRIES]}>
       <div className={styles.fields}>
         <div>
-          <label className="lbl" htmlFor={idOf(`${REPEATS}.count`)}>
+          <label className={fieldsCss.lbl} htmlFor={idOf(`${REPEATS}.count`)}>
             Repeats
           </label>
           <NumberCell
@@ -56,7 +57,7 @@ export function Calls({ campaign, set }: { campaign: Campaign; set: SetValue }) 
             <Select
               id={idOf(`${REPEATS}.combine`)}
               label="Which counts"
-              labelProps={{ className: 'lbl' }}
+              labelProps={{ className: fieldsCss.lbl }}
               size="xs"
               data={[
                 { value: 'worst', label: 'The worst of them' },
@@ -71,7 +72,7 @@ export function Calls({ campaign, set }: { campaign: Campaign; set: SetValue }) 
         )}
         {repeats?.combine === 'quantile' && (
           <div>
-            <label className="lbl" htmlFor={idOf(`${REPEATS}.quantile`)}>
+            <label className={fieldsCss.lbl} htmlFor={idOf(`${REPEATS}.quantile`)}>
               Quantile
             </label>
             <NumberCell
@@ -83,7 +84,7 @@ export function Calls({ campaign, set }: { campaign: Campaign; set: SetValue }) 
           </div>
         )}
         <div>
-          <label className="lbl" htmlFor={idOf(RETRIES)}>
+          <label className={fieldsCss.lbl} htmlFor={idOf(RETRIES)}>
             Retries
           </label>
           <NumberCell

@@ -1,4 +1,5 @@
 // Correlations of uncertain parameters in random samples, as pairs.
+import { clsx } from 'clsx'
 import { Select } from '@mantine/core'
 import { IconPlus, IconTrash } from '@tabler/icons-react'
 import type { Campaign, Correlation } from '../../api/campaign'
@@ -7,6 +8,8 @@ import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
 import type { Parameter } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
+import buttons from '../../ui/buttons.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
 
 interface CorrelationsProps {
@@ -34,7 +37,7 @@ export function Correlations({ campaign, parameters, set }: CorrelationsProps) {
       <div className={styles.correlations} id={idOf('correlations')} tabIndex={-1}>
         <FieldErrors field="correlations" />
         {pairs.map((pair, i) => (
-          <div key={i} className="row" id={idOf(`correlations.${i}`)} tabIndex={-1}>
+          <div key={i} className={layout.row} id={idOf(`correlations.${i}`)} tabIndex={-1}>
             {[0, 1].map((side) => (
               <Select
                 key={side}
@@ -57,7 +60,7 @@ export function Correlations({ campaign, parameters, set }: CorrelationsProps) {
             </span>
             <button
               type="button"
-              className="iconbtn"
+              className={buttons.iconbtn}
               aria-label={`Remove pair ${i + 1}`}
               onClick={() => replace(pairs.filter((_, j) => j !== i))}
             >
@@ -66,7 +69,7 @@ export function Correlations({ campaign, parameters, set }: CorrelationsProps) {
             <FieldErrors field={`correlations.${i}`} deep />
           </div>
         ))}
-        <button type="button" className="btn s" disabled={paths.length < 2} onClick={add}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={paths.length < 2} onClick={add}>
           <IconPlus className="i s" aria-hidden /> Add pair
         </button>
         <p className="small mut">Of random samples only; between two normal distributions it is their correlation, -1 to 1.</p>

@@ -1,4 +1,5 @@
 // The deciding criterion, and further criteria of every evaluation.
+import { clsx } from 'clsx'
 import type { Campaign, List } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { plain } from '../../format/numbers'
@@ -9,6 +10,8 @@ import { PartBody, PartCard, type SetValue } from '../fields/PartCard'
 import { sectionsOf } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
 import { AddPart } from './ScenarioForm'
+import buttons from '../../ui/buttons.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
 
 interface CriterionFormProps {
@@ -35,7 +38,7 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
           </div>
         )}
         <Fold title="Further criteria" digest={told || none} fields={['objectives']}>
-          <div id={idOf('objectives')} tabIndex={-1} className="stack">
+          <div id={idOf('objectives')} tabIndex={-1} className={layout.stack}>
             <FieldErrors field="objectives" />
             {further.length > 0 && (
               <div className={styles.parts}>
@@ -65,7 +68,7 @@ function Centres({ campaign, catalogue, set }: Omit<CriterionFormProps, 'remove'
     return (
       <p className="small">
         Stated: distances to the obstacles' centres are meant.{' '}
-        <button type="button" className="btn s" onClick={() => set(['criterion', 'from_centre'], undefined)}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => set(['criterion', 'from_centre'], undefined)}>
           Withdraw
         </button>
       </p>
@@ -77,10 +80,10 @@ function Centres({ campaign, catalogue, set }: Omit<CriterionFormProps, 'remove'
         An obstacle extends {plain(Math.max(...within))} m from its centre, beyond the threshold: the vehicle could be
         inside it and the flight clear.
       </p>
-      <button type="button" className="btn s" onClick={() => set(['criterion'], toSurfaces(criterion, catalogue))}>
+      <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => set(['criterion'], toSurfaces(criterion, catalogue))}>
         Measure to surfaces
       </button>{' '}
-      <button type="button" className="btn s" onClick={() => set(['criterion', 'from_centre'], true)}>
+      <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => set(['criterion', 'from_centre'], true)}>
         Centres are meant
       </button>
     </div>

@@ -1,4 +1,5 @@
 // The options of a method, as a form generated from their JSON schema, and its start points.
+import { clsx } from 'clsx'
 import { Select } from '@mantine/core'
 import { IconPlus, IconTrash } from '@tabler/icons-react'
 import type { Json, SearchStage } from '../../api/campaign'
@@ -11,6 +12,10 @@ import { NumberCell } from '../fields/NumberCell'
 import type { Parameter } from '../campaign/parameters'
 import { numberOf } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
+import buttons from '../../ui/buttons.module.css'
+import fieldsCss from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
+import lists from '../../ui/lists.module.css'
 import styles from './form.module.css'
 
 interface Rule {
@@ -57,7 +62,7 @@ export function MethodOptions({ field, at, stage, method, parameters, set }: Met
       )}
       <details>
         <summary>What {method.title} does</summary>
-        <div className="about">
+        <div className={lists.about}>
           <Docstring text={method.text} />
           <HelpLink to="/help/methods" at={method.name}>
             In the help
@@ -84,7 +89,7 @@ function Option({ field, name, rule, value, onChange }: OptionProps) {
   const chosen = (text: string | null) => onChange(rule.type === 'boolean' ? text === 'true' : (text ?? undefined))
   return (
     <div>
-      <label className="lbl" htmlFor={idOf(field)}>
+      <label className={fieldsCss.lbl} htmlFor={idOf(field)}>
         {label}
       </label>
       {choices ? (
@@ -139,12 +144,12 @@ function Starts({ title, field, at, starts, parameters, set }: StartsProps) {
   }
   return (
     <div>
-      <span className="lbl">Starts</span>
+      <span className={fieldsCss.lbl}>Starts</span>
       {starts.length === 0 && <p className="small mut">None given: the method chooses its own.</p>}
       {starts.map((start, i) => (
-        <div key={i} className="row" style={{ marginBottom: 4, flexWrap: 'wrap' }}>
+        <div key={i} className={layout.row} style={{ marginBottom: 4, flexWrap: 'wrap' }}>
           {paths.map((path) => (
-            <span key={path} className="row small" style={{ gap: 5 }}>
+            <span key={path} className={clsx(layout.row, 'small')} style={{ gap: 5 }}>
               <Sign text={parameters.find((p) => p.path === path)?.entry.symbol ?? path} />
               <span style={{ width: 96 }}>
                 <NumberCell
@@ -160,7 +165,7 @@ function Starts({ title, field, at, starts, parameters, set }: StartsProps) {
           ))}
           <button
             type="button"
-            className="iconbtn"
+            className={buttons.iconbtn}
             aria-label={`Remove start ${i + 1} of ${title}`}
             onClick={() =>
               set(
@@ -174,7 +179,7 @@ function Starts({ title, field, at, starts, parameters, set }: StartsProps) {
           <FieldErrors field={`${field}.starts.${i}`} deep />
         </div>
       ))}
-      <button type="button" className="btn s" aria-label={`Add start of ${title} at nominal`} onClick={add}>
+      <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Add start of ${title} at nominal`} onClick={add}>
         <IconPlus className="i s" aria-hidden /> Add start at nominal
       </button>
     </div>

@@ -1,4 +1,5 @@
 // The search methods: selection, budgets, options.
+import { clsx } from 'clsx'
 import { IconAdjustments, IconChevronDown, IconChevronUp } from '@tabler/icons-react'
 import { useState } from 'react'
 import type { Campaign, SearchStage } from '../../api/campaign'
@@ -9,6 +10,10 @@ import { MethodOptions } from './MethodOptions'
 import { NumberCell } from '../fields/NumberCell'
 import type { Parameter } from '../campaign/parameters'
 import { FieldErrors, idOf, useProblems } from '../fields/problems'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 import styles from './form.module.css'
 
 interface MethodsTableProps {
@@ -70,13 +75,13 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
       flush
       footer="Cleared requires global methods that agree on the worst case, and a certify stage if a target for P(violation) is set."
     >
-      <table className={styles.ptable}>
+      <table data-dense className={clsx(tables.table, styles.ptable)}>
         <thead>
           <tr>
             <th aria-label="Runs" />
             <th>Method</th>
-            <th className="hide-s">How it searches</th>
-            <th className="hide-n">Source</th>
+            <th className={layout.hideS}>How it searches</th>
+            <th className={layout.hideN}>Source</th>
             <th className="num" style={{ width: 140 }}>
               Evaluations at most
             </th>
@@ -90,7 +95,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
               <td colSpan={6}>
                 <button
                   type="button"
-                  className="btn s"
+                  className={clsx(buttons.btn, buttons.s)}
                   aria-expanded={fixed !== null}
                   onClick={() => setFixed(fixed ? null : known)}
                 >
@@ -144,13 +149,13 @@ function MethodRow({ at, stage, method, single, parameters, set, onToggle }: Met
         tabIndex={-1}
       >
         <td style={{ width: 40 }}>
-          <input type="checkbox" checked={on} aria-label={`Run ${method.title}`} onChange={onToggle} />
+          <input className={fields.check} type="checkbox" checked={on} aria-label={`Run ${method.title}`} onChange={onToggle} />
         </td>
         <td>
           <MethodName method={method.name} title={method.title} />
         </td>
-        <td className="sec hide-s">{method.how}</td>
-        <td className="mut hide-n">{method.source}</td>
+        <td className={clsx(layout.hideS, 'sec')}>{method.how}</td>
+        <td className={clsx(layout.hideN, 'mut')}>{method.source}</td>
         <td>
           <NumberCell
             field={`${field}.evaluations`}
@@ -163,7 +168,7 @@ function MethodRow({ at, stage, method, single, parameters, set, onToggle }: Met
         <td>
           <button
             type="button"
-            className="iconbtn"
+            className={buttons.iconbtn}
             aria-expanded={expanded}
             aria-label={`Options of ${method.title}`}
             title="Options"

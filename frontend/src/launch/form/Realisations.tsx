@@ -7,6 +7,8 @@ import { ListCell } from '../fields/ListCell'
 import type { SetValue } from '../fields/PartCard'
 import { sectionsOf } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
+import cards from '../../ui/cards.module.css'
+import fieldsCss from '../../ui/fields.module.css'
 import styles from './form.module.css'
 
 const FIELD = 'scenario.realisations'
@@ -27,12 +29,12 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
   if (!random && seeds.length < 2) return null
   const digest = `${seeds.length} ${seeds.length === 1 ? 'simulation' : 'simulations'} for every evaluation`
   return (
-    <div className="card">
-      <div className="bd">
+    <div className={cards.card}>
+      <div className={cards.bd}>
         <Fold title="Noise realisations" digest={digest} fields={[FIELD]}>
           <div className={styles.fields}>
             <div>
-              <label className="lbl" htmlFor={idOf(`${FIELD}.seeds`)}>
+              <label className={fieldsCss.lbl} htmlFor={idOf(`${FIELD}.seeds`)}>
                 Seeds
               </label>
               <ListCell
@@ -48,7 +50,7 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
               <Select
                 id={idOf(`${FIELD}.combine`)}
                 label="Which counts"
-                labelProps={{ className: 'lbl' }}
+                labelProps={{ className: fieldsCss.lbl }}
                 size="xs"
                 data={[
                   { value: 'worst', label: 'The worst of them' },

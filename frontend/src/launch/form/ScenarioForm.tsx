@@ -10,6 +10,8 @@ import { FieldErrors, idOf } from '../fields/problems'
 import { Realisations } from './Realisations'
 import { SettingFields } from './SettingsForm'
 import { SIMULATION } from '../campaign/settings'
+import cards from '../../ui/cards.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
 
 interface ScenarioFormProps {
@@ -30,11 +32,11 @@ export function ScenarioForm({ campaign, catalogue, set, remove }: ScenarioFormP
   const sections = sectionsOf(campaign, catalogue).filter((section) => section.at[0] === 'scenario')
   const shared = { campaign, catalogue, set }
   return (
-    <section aria-label="Scenario" id={idOf('scenario')} tabIndex={-1} className="stack">
-      <h2 className="sect">Scenario</h2>
+    <section aria-label="Scenario" id={idOf('scenario')} tabIndex={-1} className={layout.stack}>
+      <h2 className={layout.sect}>Scenario</h2>
       <FieldErrors field="scenario" />
-      <div className="card">
-        <div className={clsx('bd', styles.fields)}>
+      <div className={cards.card}>
+        <div className={clsx(cards.bd, styles.fields)}>
           <SettingFields campaign={campaign} set={set} settings={SIMULATION} />
         </div>
       </div>
@@ -49,7 +51,7 @@ export function ScenarioForm({ campaign, catalogue, set, remove }: ScenarioFormP
         const own = sections.filter((section) => section.at[1] === list)
         return (
           <div key={list} className={styles.partlist} id={idOf(`scenario.${list}`)} tabIndex={-1}>
-            <div className="row">
+            <div className={layout.row}>
               <h3>{TITLE[list]}</h3>
               <AddPart list={list} campaign={campaign} catalogue={catalogue} set={set} />
               {own.length === 0 && <span className="small mut">{NONE[list]}</span>}

@@ -6,6 +6,7 @@ import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
 import { type Setting, settingOf, settled, STAGES, VERDICT } from '../campaign/settings'
+import fieldsCss from '../../ui/fields.module.css'
 import styles from './form.module.css'
 
 interface SettingsFormProps {
@@ -41,7 +42,7 @@ export function SettingFields({ campaign, set, settings }: SettingFieldsProps) {
     const field = setting.at.join('.')
     return (
       <div key={field}>
-        <label className="lbl" htmlFor={idOf(field)}>
+        <label className={fieldsCss.lbl} htmlFor={idOf(field)}>
           {setting.label}
           {setting.unit && <span className="mut">, {setting.unit}</span>}
         </label>

@@ -10,6 +10,8 @@ import { Calls } from './Calls'
 import { type Parameter, simulatorOf } from '../campaign/parameters'
 import { ParameterGrid, type SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
+import layout from '../../ui/layout.module.css'
+import lists from '../../ui/lists.module.css'
 
 interface SimulatorFormProps {
   campaign: Campaign
@@ -26,8 +28,8 @@ export function SimulatorForm({ campaign, catalogue, parameters, set }: Simulato
     set(['simulator', 'parameters'], {})
   }
   return (
-    <section aria-label="Simulator" id={idOf('simulator')} tabIndex={-1} className="stack">
-      <h2 className="sect">Simulator</h2>
+    <section aria-label="Simulator" id={idOf('simulator')} tabIndex={-1} className={layout.stack}>
+      <h2 className={layout.sect}>Simulator</h2>
       <Card title={entry?.title ?? name}>
         <div style={{ display: 'grid', gap: 10 }}>
           <Select
@@ -46,7 +48,7 @@ export function SimulatorForm({ campaign, catalogue, parameters, set }: Simulato
           {entry && (
             <details>
               <summary>Description</summary>
-              <div className="about">
+              <div className={lists.about}>
                 <Docstring text={entry.text} />
               </div>
             </details>

@@ -8,6 +8,8 @@ import { Density } from './Density'
 import { NumberCell } from '../fields/NumberCell'
 import { boundsOf, numberOf, type Parameter } from '../campaign/parameters'
 import { idOf, Message, useProblems } from '../fields/problems'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
 
 const KINDS = [
@@ -64,6 +66,7 @@ export function UncertainRow({ path, name, parameter, uncertain, held, onToggle,
       >
         <td>
           <input
+            className={fields.check}
             type="checkbox"
             checked={on}
             aria-label={`${name} varies`}
@@ -123,7 +126,7 @@ export function UncertainRow({ path, name, parameter, uncertain, held, onToggle,
             onChange={distribute}
           />
         </td>
-        <td className="hide-n">
+        <td className={layout.hideN}>
           <Density {...numbers} distribution={distribution} />
         </td>
       </tr>
@@ -160,9 +163,9 @@ interface DistributionFieldsProps {
 function DistributionFields({ field, path, name, distribution, set }: DistributionFieldsProps) {
   const keys = NUMBERS[distribution.kind as keyof typeof NUMBERS] ?? []
   return (
-    <span className="row">
+    <span className={layout.row}>
       {keys.map((key) => (
-        <span key={key} className="row small mut" style={{ gap: 5 }}>
+        <span key={key} className={clsx(layout.row, 'small mut')} style={{ gap: 5 }}>
           {key}
           <span style={{ width: 84 }}>
             <NumberCell

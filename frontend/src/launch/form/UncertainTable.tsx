@@ -8,6 +8,8 @@ import { Correlations } from './Correlations'
 import { numberOf, type Parameter } from '../campaign/parameters'
 import { FieldErrors } from '../fields/problems'
 import { UncertainRow } from './UncertainRow'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 import styles from './form.module.css'
 
 interface UncertainTableProps {
@@ -54,7 +56,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
         'holds for that distribution.'
       }
     >
-      <table className={clsx(styles.ptable, styles.inTable)}>
+      <table data-dense className={clsx(tables.table, styles.ptable, styles.inTable)}>
         <thead>
           <tr>
             <th aria-label="Varies" />
@@ -65,7 +67,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
             <th className="num">High</th>
             <th>Unit</th>
             <th>Distribution</th>
-            <th className="hide-n">Density over bounds</th>
+            <th className={layout.hideN}>Density over bounds</th>
           </tr>
         </thead>
         <tbody>

@@ -9,6 +9,10 @@ import { unitText } from '../../format/units'
 import { Sign } from '../../ui/Sign'
 import { PlanView } from '../plan/PlanView'
 import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
+import lists from '../../ui/lists.module.css'
 import styles from './library.module.css'
 
 interface LibraryProps {
@@ -54,7 +58,7 @@ export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose
       </div>
       {found.length === 0 ? <p className="sec">No campaign in the library matches.</p> : <Legend shown={shown} />}
       {shown.length < found.length && (
-        <button type="button" className="btn s" onClick={() => onShelf({ ...shelf, whole: true })}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onShelf({ ...shelf, whole: true })}>
           <IconChevronDown className="i s" aria-hidden /> Show {count(found.length - shown.length)} more
         </button>
       )}
@@ -76,27 +80,27 @@ interface ShelvesProps {
 
 function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
   return (
-    <div className="filters">
+    <div className={clsx(layout.filters, styles.shelves)}>
       <button
         type="button"
-        className="chip"
+        className={buttons.chip}
         aria-pressed={shelf.tag === null}
         onClick={() => onChange({ ...shelf, tag: null })}
       >
-        All <span className="n">{count(campaigns.length)}</span>
+        All <span className={buttons.n}>{count(campaigns.length)}</span>
       </button>
       {tagsOf(campaigns).map(({ tag, count: n }) => (
         <button
           key={tag}
           type="button"
-          className="chip"
+          className={buttons.chip}
           aria-pressed={shelf.tag === tag}
           onClick={() => onChange({ ...shelf, tag: shelf.tag === tag ? null : tag })}
         >
-          {tag} <span className="n">{count(n)}</span>
+          {tag} <span className={buttons.n}>{count(n)}</span>
         </button>
       ))}
-      <span className="inp search">
+      <span className={clsx(fields.inp, fields.search)}>
         <IconSearch className="i s" aria-hidden />
         <input
           type="search"
@@ -186,7 +190,7 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
       onClick={onChoose}
       onKeyDown={onKey}
     >
-      <span className="pic">
+      <span className={styles.pic}>
         <PlanView campaign={campaign} catalogue={catalogue} flight={nominal} clear={clear} />
       </span>
       <span className={styles.tx}>
@@ -195,7 +199,7 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
           <span className={styles.radio} aria-hidden />
         </span>
         <span className="small sec">{titlesOf(campaign, catalogue).join(' \u00b7 ')}</span>
-        <span className="kv">
+        <span className={clsx(lists.kv, styles.kv)}>
           <span className="mut">Criterion</span>
           <span className="num">
             <Sign text={criterion?.quantity || 'value'} /> {high ? '<' : '>'} {plain(threshold)} {unitText(criterion?.unit ?? '')}

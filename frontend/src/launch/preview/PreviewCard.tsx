@@ -16,6 +16,9 @@ import { PreviewPlan } from './PreviewPlan'
 import { hasHeights, PreviewSide } from './PreviewSide'
 import { rangesOf } from './ranges'
 import type { LivePreview } from './usePreview'
+import buttons from '../../ui/buttons.module.css'
+import icons from '../../ui/icons.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './preview.module.css'
 
 /** A simulation that takes longer is probably being compiled [s]. */
@@ -47,7 +50,7 @@ export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live
   const label = `${campaign.name}: start, ${drawn.plan.goal ? 'goal' : 'course'} and ${bodies.length} obstacles, ${bodies.filter((body) => body.moving).length} of them moving`
   const ranges = drawn.ranges.boxes.length + drawn.ranges.fans.length + drawn.ranges.rings.length
   return (
-    <Card title="Preview" className="preview" note={readable ? undefined : 'of the last text that could be read'}>
+    <Card title="Preview" className={styles.preview} note={readable ? undefined : 'of the last text that could be read'}>
       <div ref={holder}>
         <PreviewPlan {...shared} label={`Seen from above, ${label}`} />
         {hasHeights(shared) && <PreviewSide {...shared} label={`Seen from the side, ${label}`} />}
@@ -96,16 +99,16 @@ interface FlightProps {
 function Flight({ ok, live, criterion }: FlightProps) {
   const { following, flown, stale, waited, trouble } = live
   return (
-    <div className="nominal">
-      <button type="button" className="btn wide" aria-pressed={following} onClick={() => live.follow(!following)}>
+    <div>
+      <button type="button" className={clsx(buttons.btn, buttons.wide)} aria-pressed={following} onClick={() => live.follow(!following)}>
         <IconRoute className="i s" aria-hidden />
         {following ? 'Stop previewing every edit' : 'Preview nominal case'}
       </button>
-      <div className="said small" aria-live="polite" data-testid="nominal-flight">
+      <div className={clsx(styles.said, 'small')} aria-live="polite" data-testid="nominal-flight">
         {following && !ok && <p className="mut">It is simulated again after the problems are solved.</p>}
         {waited !== null && (
-          <p className="row">
-            <IconLoader className="i s spin" aria-hidden />
+          <p className={layout.row}>
+            <IconLoader className={clsx(icons.spin, 'i s')} aria-hidden />
             <span>
               Simulating the nominal case{waited > 0 && `, ${waited} s`}.
               {waited >= LONG && ' New combinations of components are compiled first: once, for up to a minute.'}
@@ -113,11 +116,11 @@ function Flight({ ok, live, criterion }: FlightProps) {
           </p>
         )}
         {following && trouble && (
-          <p className="row bad-t">
+          <p className={clsx(layout.row, 'bad-t')}>
             <IconAlertTriangle className="i s" aria-hidden />
             <span>
               {trouble.message.charAt(0).toUpperCase() + trouble.message.slice(1)}.{' '}
-              <button type="button" className="linkbtn" onClick={live.again}>
+              <button type="button" className={buttons.linkbtn} onClick={live.again}>
                 Try again
               </button>
             </span>
@@ -139,14 +142,14 @@ function Told({ flown, stale, criterion }: { flown: Preview; stale: boolean; cri
     <div className={stale ? 'mut' : undefined}>
       {stale && <p>Of the campaign before the last edit:</p>}
       {value === null || margin === null ? (
-        <p className="row">
+        <p className={layout.row}>
           <IconAlertTriangle className="i s" aria-hidden />
           <span>
             The nominal case is {flown.status}: {flown.reason || 'the reason is unknown'}.
           </span>
         </p>
       ) : (
-        <p className={margin > 0 ? 'row' : 'row bad-t'}>
+        <p className={margin > 0 ? layout.row : clsx(layout.row, 'bad-t')}>
           {margin > 0 ? <IconCircleCheck className="i s" aria-hidden /> : <IconCircleX className="i s" aria-hidden />}
           <span>
             Nominal {sign}{' '}

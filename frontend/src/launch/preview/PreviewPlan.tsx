@@ -185,7 +185,7 @@ function ScaleBar({ area, scale }: { area: Area; scale: number }) {
   const length = ([5, 2, 1].find((m) => m * power <= most) ?? 1) * power
   const [x, y] = [area.left + area.width - 8, area.top + area.height - 8]
   return (
-    <g className="bar">
+    <g className={styles.bar}>
       <path d={`M${x} ${y - 4}v4h${-length * scale}v-4`} fill="none" stroke="var(--ink-2)" strokeWidth={1.3} />
       <text x={x - 0.5 * length * scale} y={y - 5} textAnchor="middle">
         {plain(length)} m
@@ -196,7 +196,7 @@ function ScaleBar({ area, scale }: { area: Area; scale: number }) {
 
 function North({ x, y }: { x: number; y: number }) {
   return (
-    <g className="bar">
+    <g className={styles.bar}>
       <path d={`M${x} ${y + 22}V${y + 2}M${x - 3.5} ${y + 8}L${x} ${y + 1}L${x + 3.5} ${y + 8}`} fill="none" stroke="var(--ink-2)" strokeWidth={1.4} />
       <text x={x - 7} y={y + 10} textAnchor="end">
         N

@@ -33,7 +33,7 @@ export function Axes2({ area, across, up, names }: AxesProps) {
   const x = (value: number) => left + ((value - across[0]) / (across[1] - across[0])) * width
   const y = (value: number) => top + height - ((value - up[0]) / (up[1] - up[0])) * height
   return (
-    <g className="axes">
+    <g>
       <rect x={left} y={top} width={width} height={height} fill="var(--vp)" />
       <path
         d={[...columns.map((v) => `M${x(v)} ${top}v${height}`), ...rows.map((v) => `M${left} ${y(v)}h${width}`)].join('')}

@@ -7,6 +7,8 @@ import type { Catalogue } from '../../client'
 import { Card } from '../../ui/Card'
 import type { SetValue } from '../fields/PartCard'
 import { askedOf, minutesOf, searchesOf, stated } from './proposal'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
 import styles from './proposal.module.css'
 
 interface ProposalCardProps {
@@ -36,10 +38,10 @@ export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
       {data?.measured && (
         <>
           <div className={styles.time}>
-            <label className="lbl" htmlFor={TIME}>
+            <label className={fields.lbl} htmlFor={TIME}>
               Time for all searches
             </label>
-            <span className="inp">
+            <span className={fields.inp}>
               <input
                 id={TIME}
                 inputMode="decimal"
@@ -48,9 +50,9 @@ export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
                 value={text}
                 onChange={(event) => setText(event.target.value)}
               />
-              <span className="un">min</span>
+              <span className={fields.un}>min</span>
             </span>
-            <button type="button" className="btn" disabled={searches.length === 0 || same} onClick={use}>
+            <button type="button" className={buttons.btn} disabled={searches.length === 0 || same} onClick={use}>
               Use the proposal
             </button>
           </div>

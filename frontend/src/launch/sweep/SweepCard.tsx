@@ -1,4 +1,5 @@
 // Launches a sweep: the campaign with several values of one fixed parameter, as one launch.
+import { clsx } from 'clsx'
 import { IconPlayerTrackNext } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
 import { useRef, useState } from 'react'
@@ -9,19 +10,23 @@ import { unitText } from '../../format/units'
 import { Card } from '../../ui/Card'
 import type { Parameter } from '../campaign/parameters'
 import { valuesOf } from './values'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 
 interface SweepCardProps {
   campaign: Campaign
   parameters: readonly Parameter[]
   name: string
   tags: string[]
+  labels: Record<string, string>
   /** The campaign cannot be started as it is. */
   blocked: boolean
   typed: () => Promise<string>
   onLaunched: (sweep: string) => void
 }
 
-export function SweepCard({ campaign, parameters, name, tags, blocked, typed, onLaunched }: SweepCardProps) {
+export function SweepCard({ campaign, parameters, name, tags, labels, blocked, typed, onLaunched }: SweepCardProps) {
   const [open, setOpen] = useState(false)
   const [path, setPath] = useState('')
   const [text, setText] = useState('')
@@ -35,7 +40,7 @@ export function SweepCard({ campaign, parameters, name, tags, blocked, typed, on
     mutationFn: async () => {
       const checked = await checkCampaign(await typed())
       if (!checked.ok) throw new Refusal(422, 'The campaign has problems', 'Solve the problems of the campaign first.', [])
-      const request = { campaign: asCampaign(checked.document), path: chosen?.path ?? '', values: values ?? [], name, tags }
+      const request = { campaign: asCampaign(checked.document), path: chosen?.path ?? '', values: values ?? [], name, tags, labels }
       const body = JSON.stringify(request)
       if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
       return submitSweep(request, submission.current.key)
@@ -49,7 +54,7 @@ export function SweepCard({ campaign, parameters, name, tags, blocked, typed, on
       note="Several values of one parameter"
       id="sweep"
       right={
-        <button type="button" className="btn s" aria-expanded={open} onClick={() => setOpen(!open)}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} aria-expanded={open} onClick={() => setOpen(!open)}>
           {open ? 'Hide' : 'Show'}
         </button>
       }
@@ -57,13 +62,13 @@ export function SweepCard({ campaign, parameters, name, tags, blocked, typed, on
       {!open && <p className="small mut">One run for each value of a parameter that is not uncertain, shown together.</p>}
       {open && fixed.length === 0 && <p className="sec">Every parameter of this campaign is uncertain.</p>}
       {open && fixed.length > 0 && (
-        <div className="stack" style={{ gap: 10 }}>
+        <div className={layout.stack} style={{ gap: 10 }}>
           <div>
-            <label className="lbl" htmlFor="sweep-path">
+            <label className={fields.lbl} htmlFor="sweep-path">
               Parameter
             </label>
-            <span className="inp">
-              <select id="sweep-path" value={chosen?.path} onChange={(event) => setPath(event.target.value)} style={{ flex: 1, minWidth: 0 }}>
+            <span className={fields.inp}>
+              <select className={fields.select} id="sweep-path" value={chosen?.path} onChange={(event) => setPath(event.target.value)} style={{ flex: 1, minWidth: 0 }}>
                 {fixed.map((parameter) => (
                   <option key={parameter.path} value={parameter.path}>
                     {parameter.path}
@@ -79,10 +84,10 @@ export function SweepCard({ campaign, parameters, name, tags, blocked, typed, on
             )}
           </div>
           <div>
-            <label className="lbl" htmlFor="sweep-values">
+            <label className={fields.lbl} htmlFor="sweep-values">
               Values{unit && `, ${unit}`}
             </label>
-            <span className={'problem' in given && given.problem ? 'inp invalid' : 'inp'}>
+            <span className={'problem' in given && given.problem ? clsx(fields.inp, fields.invalid) : fields.inp}>
               <input
                 id="sweep-values"
                 autoComplete="off"
@@ -93,12 +98,12 @@ export function SweepCard({ campaign, parameters, name, tags, blocked, typed, on
                 onChange={(event) => setText(event.target.value)}
               />
             </span>
-            <p id="sweep-problem" className="ferr" aria-live="polite">
+            <p id="sweep-problem" className={fields.ferr} aria-live="polite">
               {'problem' in given ? given.problem : ''}
               {launch.error && saidOf(launch.error)}
             </p>
           </div>
-          <button type="button" className="btn wide" disabled={blocked || values === null || launch.isPending} onClick={() => launch.mutate()}>
+          <button type="button" className={clsx(buttons.btn, buttons.wide)} disabled={blocked || values === null || launch.isPending} onClick={() => launch.mutate()}>
             <IconPlayerTrackNext className="i s" aria-hidden />
             {launch.isPending ? 'Starting …' : `Start ${values?.length ?? ''} runs`.replace('  ', ' ')}
           </button>

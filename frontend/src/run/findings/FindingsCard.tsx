@@ -19,12 +19,14 @@ import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
 import { ModePicture } from './ModePicture'
 import { useAddress } from '../data/useAddress'
 import { validatedWord } from '../data/validated'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 import styles from './findings.module.css'
 
 interface FindingsProps {
   data: RunData
   result: ValidateResult | null
-  className: string
+  className: string | undefined
 }
 
 export function FindingsCard({ data, result, className }: FindingsProps) {
@@ -53,7 +55,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
         )
       }
     >
-      <table className={clsx('tight', styles.pick)}>
+      <table className={clsx(tables.table, tables.tight, styles.pick)}>
         <thead>
           <tr>
             <th>Finding</th>
@@ -148,7 +150,7 @@ function Nominal({ data, decimals, choose, on }: RowProps) {
 
 /** A click on the row selects it; the button in it does the same by keyboard. */
 const picking = (name: string, on: boolean, choose: (name: string) => void) => ({
-  className: on ? 'sel' : undefined,
+  className: on ? styles.sel : undefined,
   onClick: (event: MouseEvent) => {
     if (!(event.target as HTMLElement).closest('button') && !getSelection()?.toString()) choose(name)
   },
@@ -168,7 +170,7 @@ function Name({ name, on, choose }: { name: string; on: boolean; choose: (name: 
 
 function Picture({ data, name }: { data: RunData; name: string }) {
   return (
-    <td className="pic">
+    <td className={styles.pic}>
       <ModePicture run={data.run.id} name={name} stored={data.traces.some((trace) => trace.name === name)} />
     </td>
   )
@@ -219,7 +221,7 @@ function FoundBy({ finding }: { finding: FindingDetail }) {
   return (
     <span className={styles.finders}>
       {found.map((by) => (
-        <span key={by.position} className="row nw" title={methodLook(by.method).title}>
+        <span key={by.position} className={clsx(layout.row, 'nw')} title={methodLook(by.method).title}>
           <MethodName method={by.method} short /> <span className="sec tn">{count(by.evaluations)}</span>
         </span>
       ))}
@@ -233,8 +235,8 @@ function Validated({ finding }: { finding: FindingDetail }) {
   const { ok, realisation } = validation
   const Icon = ok ? IconCircleCheck : IconHelpCircle
   return (
-    <span className="rn">
-      <span className="row">
+    <span className={tables.rn}>
+      <span className={layout.row}>
         <Icon className={ok ? 'i s ok-t' : 'i s unk-t'} aria-hidden /> {validatedWord(validation)}
       </span>
       {realisation !== null && <small>noise seed {realisation}</small>}

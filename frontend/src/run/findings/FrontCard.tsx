@@ -1,4 +1,5 @@
 // Several criteria: the Pareto front of the worst cases for two criteria, and its points as a table.
+import { clsx } from 'clsx'
 import { useMemo, useState } from 'react'
 import { resultOf } from '../../api/stages'
 import { ChartCard } from '../../charts/ChartCard'
@@ -15,11 +16,13 @@ import { useMethodLook } from '../../ui/methods'
 import { Sign, symbolText } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import { criteriaOf, frontOf, type Placed, someOf } from './front'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 import runStyles from '../run.module.css'
 
 const ROWS = 12
 
-export function FrontCard({ data, className }: { data: RunData; className: string }) {
+export function FrontCard({ data, className }: { data: RunData; className: string | undefined }) {
   const methodLook = useMethodLook()
   const { run, parameters, stages } = data
   const searches = useMemo(() => stages.flatMap((stage) => resultOf(stage, 'search') ?? []), [stages])
@@ -142,8 +145,8 @@ function Points({ data, criteria, points }: PointsProps) {
   const digits = new Map(criteria.map((c) => [c.name, decimalsFor(points.map((p) => p.values[c.name] ?? null), 5)]))
   return (
     <>
-      <div className="scrollx" tabIndex={0} role="region" aria-label="Points of the front">
-        <table className="tight">
+      <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Points of the front">
+        <table className={clsx(tables.table, tables.tight)}>
           <thead>
             <tr>
               <th>Found by</th>

@@ -1,4 +1,5 @@
 // Below the result of a what-if of a simulator: when it is evaluated, how long that takes, and what the result is.
+import { clsx } from 'clsx'
 import { IconPlayerPlay } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { useId } from 'react'
@@ -6,6 +7,7 @@ import { caseInstalledQuery } from '../../api/queries'
 import type { CaseAnswer, FlightAnswer } from '../../client'
 import { plain } from '../../format/numbers'
 import type { WhatIfState } from './useWhatIf'
+import buttons from '../../ui/buttons.module.css'
 import styles from './flight.module.css'
 
 /** A time as "about 4 s": two digits are enough to decide whether to wait. */
@@ -36,7 +38,7 @@ export function CaseNote({ answer, busy, follows, stale, seconds, evaluate, miss
       ) : (
         <button
           type="button"
-          className="btn s"
+          className={clsx(buttons.btn, buttons.s)}
           disabled={busy || missing !== ''}
           aria-describedby={missing ? why : undefined}
           onClick={evaluate}

@@ -22,7 +22,7 @@ interface FlightProps {
   data: RunData
   view: View
   whatIf: WhatIfState
-  className: string
+  className: string | undefined
   /** The page shows only the flight: actions of other cards are in its header. */
   alone?: boolean
 }

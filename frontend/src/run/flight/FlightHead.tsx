@@ -21,6 +21,9 @@ import type { View } from './view'
 import type { Camera, Place } from '../data/viewChange'
 import { type ChosenSearch, NOMINAL } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './flight.module.css'
 
 interface Props {
@@ -41,7 +44,7 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
   const [address] = useAddress(data.run.id)
   const place = placeOf(shown)
   return (
-    <div className={clsx('row', styles.flightHead)}>
+    <div className={clsx(layout.row, styles.flightHead)}>
       {alone && <Choice data={data} />}
       <Seg
         label="Camera"
@@ -49,11 +52,11 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
         options={camerasOf(data).map((camera) => ({ value: camera, label: NAMES[camera] ?? `${camera.charAt(0).toUpperCase()}${camera.slice(1)}` }))}
         onChange={(camera) => view.steer({ camera })}
       />
-      <span className="row" style={{ gap: 4 }}>
+      <span className={layout.row} style={{ gap: 4 }}>
         <CopyInstant view={view} address={address} alone={alone} />
         {!alone && (
           <Link
-            className="iconbtn bd"
+            className={clsx(buttons.iconbtn, buttons.bd)}
             to="/runs/$id/flight"
             params={{ id: data.run.id }}
             search={{ ...whatIfIn(address), finding: data.chosen, t: place.time ?? address.t, cam: place.camera ?? address.cam }}
@@ -100,7 +103,7 @@ function Choice({ data }: { data: RunData }) {
   const found = data.findings.map(({ label }) => label)
   const labels = found.length === 0 && isLive(data.run) ? [data.chosen] : found
   return (
-    <select aria-label={caseWord(data.campaign) === 'flight' ? 'Flight shown' : 'Case shown'} value={labels.includes(data.chosen) ? data.chosen : NOMINAL} onChange={(event) => change({ finding: event.target.value })}>
+    <select className={fields.select} aria-label={caseWord(data.campaign) === 'flight' ? 'Flight shown' : 'Case shown'} value={labels.includes(data.chosen) ? data.chosen : NOMINAL} onChange={(event) => change({ finding: event.target.value })}>
       {[...new Set([...labels, NOMINAL])].map((label) => (
         <option key={label} value={label}>
           {label === NOMINAL ? 'Nominal alone' : label === 'F1' ? 'Worst (F1)' : label}
@@ -136,14 +139,14 @@ function CopyInstant({ view, address, alone }: CopyProps) {
     <>
       <button
         type="button"
-        className="iconbtn bd"
+        className={clsx(buttons.iconbtn, buttons.bd)}
         aria-label="Copy link to this instant"
         title="Copy link to this instant"
         onClick={() => void copy()}
       >
         {said.startsWith('Copied') ? <IconCheck className="i s" aria-hidden /> : <IconLink className="i s" aria-hidden />}
       </button>
-      <span className="small sec said" role="status">
+      <span className={clsx(styles.said, 'small sec')} role="status">
         {said}
       </span>
     </>

@@ -2,6 +2,9 @@
 import { IconCheck, IconLoader, IconPlugConnectedX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { Known } from './view'
+import buttons from '../../ui/buttons.module.css'
+import icons from '../../ui/icons.module.css'
+import layout from '../../ui/layout.module.css'
 import runStyles from '../run.module.css'
 
 interface Props {
@@ -11,28 +14,28 @@ interface Props {
 
 export function FlightNotice({ known: { phase, said }, onRetry }: Props) {
   return (
-    <div className={phase === 'open' ? clsx(runStyles.poster, 'back') : runStyles.poster} role="status">
+    <div className={phase === 'open' ? clsx(runStyles.poster, runStyles.back) : runStyles.poster} role="status">
       {phase === 'opening' && (
-        <span className="row">
-          <IconLoader className="i spin" aria-hidden /> Opening the 3D view
+        <span className={layout.row}>
+          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> Opening the 3D view
         </span>
       )}
       {phase === 'lost' && (
-        <span className="row">
-          <IconLoader className="i spin" aria-hidden /> {said}
+        <span className={layout.row}>
+          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> {said}
         </span>
       )}
       {phase === 'failed' && (
         <span className={runStyles.failed}>
           <IconPlugConnectedX className="i" aria-hidden />
           <span>{said}</span>
-          <button type="button" className="btn s" onClick={onRetry}>
+          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={onRetry}>
             Open the 3D view again
           </button>
         </span>
       )}
       {phase === 'open' && said && (
-        <span className="row">
+        <span className={layout.row}>
           <IconCheck className="i s" aria-hidden /> {said}
         </span>
       )}

@@ -1,5 +1,6 @@
 // Speeds and commands over time, one small chart each: nominal and chosen flight, with the crosshair of the separation
 // chart. The selected columns are in the address.
+import { clsx } from 'clsx'
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { useMemo } from 'react'
 import { ChartCard } from '../../charts/ChartCard'
@@ -30,6 +31,8 @@ import {
 } from './flown'
 import { type Flown, flownOf, useShown, whatIfOf } from './SeparationCard'
 import { useAddress } from '../data/useAddress'
+import buttons from '../../ui/buttons.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './flight.module.css'
 
 /** Minimum width of a chart [px]. */
@@ -37,7 +40,7 @@ const LEAST = 200
 
 interface MotionProps {
   data: RunData
-  className: string
+  className: string | undefined
   /** Called with the time under the pointer [s], which the 3D view shows. */
   onCross: (time: number) => void
   /** The result of the open what-if of a simulator. */
@@ -181,19 +184,19 @@ function Choice({ all, shown, chosen, onChange }: ChoiceProps) {
       <Picks label="Columns over time">
         {all.map((column) => (
           <Pick key={column.name} on={names.includes(column.name)} onChange={(on) => toggle(column.name, on)}>
-            <span className="grow">
+            <span className={layout.grow}>
               <Sign text={column.symbol} /> <span className="mut">{wordsOf(column)}</span>
             </span>
             <span className="mut">{unitText(column.unit)}</span>
           </Pick>
         ))}
       </Picks>
-      <span className="row">
-        <button type="button" className="btn s" onClick={() => onChange(all.map(({ name }) => name).join(','))}>
+      <span className={layout.row}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onChange(all.map(({ name }) => name).join(','))}>
           All
         </button>
         {chosen && (
-          <button type="button" className="btn s" onClick={() => onChange(undefined)}>
+          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onChange(undefined)}>
             Default columns
           </button>
         )}

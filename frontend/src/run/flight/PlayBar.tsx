@@ -20,6 +20,8 @@ import type { RunData } from '../data/data'
 import type { View } from './view'
 import { WhatIfButton } from './WhatIfButton'
 import type { WhatIfState } from './useWhatIf'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './flight.module.css'
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5]
@@ -58,6 +60,7 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
         />
       )}
       <select
+        className={fields.select}
         aria-label="Speed of play"
         value={speed}
         disabled={shown === null}
@@ -192,7 +195,7 @@ function Asked({ name, on, ask }: { name: string; on: boolean; ask: (on: boolean
   }
   return (
     <Pick on={asked ?? on} onChange={change}>
-      <span className="grow">{name}</span>
+      <span className={layout.grow}>{name}</span>
     </Pick>
   )
 }

@@ -49,7 +49,7 @@ export function useShown(id: string): [Shown, (shown: Shown) => void] {
 
 interface SeparationProps {
   data: RunData
-  className: string
+  className: string | undefined
   height: number
   /** Called with the time under the pointer [s], which the 3D view shows. */
   onCross: (time: number) => void

@@ -1,10 +1,12 @@
 // Below the verdict of a run that evaluates a simulator: what it does not show, and why a case has no trace.
+import { clsx } from 'clsx'
 import { resultOf } from '../../api/stages'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
 import { sceneOf } from './declared'
 import type { WhatIfState } from './useWhatIf'
 import { WhatIfButton } from './WhatIfButton'
+import cards from '../../ui/cards.module.css'
 
 /** The reasons why cases have no trace, by name; the nominal one first. */
 export function untracedOf(data: Pick<RunData, 'stages'>): [string, string][] {
@@ -18,7 +20,7 @@ interface Props {
   data: RunData
   /** The what-if, where no other card opens it. */
   whatIf?: Pick<WhatIfState, 'whatIf' | 'toggle'> | null
-  className: string
+  className: string | undefined
 }
 
 export function Untraced({ data, whatIf = null, className }: Props) {
@@ -26,7 +28,7 @@ export function Untraced({ data, whatIf = null, className }: Props) {
   const shown = reasons.filter(([name]) => name === NOMINAL || name === data.chosen)
   const scene = sceneOf(data)
   return (
-    <div className={`note ${className}`} id="trace">
+    <div className={clsx(cards.note, className)} id="trace">
       {scene ? (
         `This run evaluates a simulator. The 3D view shows what its trace declares, z ${scene.frame === 'z_up' ? 'up' : 'down'}: positions from its columns, obstacles as stated.`
       ) : data.traces.length > 0 ? (

@@ -15,13 +15,16 @@ import { InstalledNote } from './CaseNote'
 import type { RunData, UncertainParameter } from '../data/data'
 import type { WhatIfState } from './useWhatIf'
 import { baseOf, STEPS, stepped, valuesOf, type WhatIf, within, withValue } from './whatif'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import runStyles from '../run.module.css'
 import styles from './flight.module.css'
 
 interface Props {
   data: RunData
   state: WhatIfState
-  className: string
+  className: string | undefined
 }
 
 export function WhatIfCard({ data, state, className }: Props) {
@@ -39,10 +42,11 @@ export function WhatIfCard({ data, state, className }: Props) {
       flush
       right={<IconButton label="Close the what-if" icon={IconX} act={toggle} />}
       footer={
-        <span className={clsx('row', styles.whatIfFrom)}>
-          <label className="row">
+        <span className={clsx(layout.row, styles.whatIfFrom)}>
+          <label className={layout.row}>
             Begin at
             <select
+              className={fields.select}
               aria-label="Begin at the parameters of"
               value={whatIf.like}
               onChange={(event) => change({ like: event.target.value, set: {}, seed: null })}
@@ -56,7 +60,7 @@ export function WhatIfCard({ data, state, className }: Props) {
           </label>
           <button
             type="button"
-            className="btn s"
+            className={clsx(buttons.btn, buttons.s)}
             disabled={changed === 0 && whatIf.seed === null}
             onClick={() => change({ like: whatIf.like, set: {}, seed: null })}
           >
@@ -147,8 +151,8 @@ interface FigureProps {
 function Figure({ name, value, text, unit, bad, testId }: FigureProps) {
   return (
     <div className={styles.whatIfFigure}>
-      <span className="k">{name}</span>
-      <span className={bad ? 'n num bad-t' : 'n num'}>
+      <span className={styles.k}>{name}</span>
+      <span className={bad ? clsx(styles.n, 'num bad-t') : clsx(styles.n, 'num')}>
         <span data-testid={testId}>{text}</span>
         {value !== null && <small>{unit}</small>}
       </span>
@@ -259,7 +263,7 @@ function Field({ parameter, label, value, onChange }: FieldProps) {
   }
   return (
     <input
-      className="cell num"
+      className={clsx(fields.cell, styles.cell, 'num')}
       inputMode="decimal"
       autoComplete="off"
       spellCheck={false}

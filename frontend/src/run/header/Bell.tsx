@@ -2,6 +2,7 @@
 import { IconBell, IconBellFilled } from '@tabler/icons-react'
 import { useState } from 'react'
 import { type Asked, toggleRun, useWanted } from '../../page/notify'
+import buttons from '../../ui/buttons.module.css'
 
 const WHY: Record<Exclude<Asked, 'granted'>, string> = {
   denied: 'Blocked by the browser’s settings for this site.',
@@ -16,7 +17,7 @@ export function Bell({ run }: { run: string }) {
       {answer !== 'granted' && <span className="small bad-t">{WHY[answer]}</span>}
       <button
         type="button"
-        className="btn"
+        className={buttons.btn}
         aria-pressed={on}
         onClick={() => void toggleRun(run).then(setAnswer)}
         title="Browser notification when this run ends"

@@ -1,4 +1,5 @@
 // Edits pin, name and tags of a run; its campaign never changes.
+import { clsx } from 'clsx'
 import { Modal, TagsInput } from '@mantine/core'
 import { IconPencil, IconPin, IconPinnedFilled } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
@@ -6,6 +7,9 @@ import { useState } from 'react'
 import { facetsQuery } from '../../api/queries'
 import type { RunDetail } from '../../client'
 import { useEdit } from './useEdit'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 
 export function EditRun({ run }: { run: RunDetail }) {
   const [open, setOpen] = useState(false)
@@ -15,7 +19,7 @@ export function EditRun({ run }: { run: RunDetail }) {
     <span className="nw">
       <button
         type="button"
-        className="iconbtn"
+        className={buttons.iconbtn}
         onClick={() => setOpen(true)}
         aria-label="Change name and tags"
         title="Change name and tags"
@@ -24,7 +28,7 @@ export function EditRun({ run }: { run: RunDetail }) {
       </button>
       <button
         type="button"
-        className="iconbtn"
+        className={buttons.iconbtn}
         onClick={() => edit.mutate({ pinned: !run.pinned })}
         disabled={edit.isPending}
         aria-pressed={run.pinned}
@@ -52,16 +56,16 @@ function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
   const wrong = all.filter((tag) => !/^[\p{L}\p{N}_.+-]{1,40}$/u.test(tag))
   return (
     <form
-      className="panel"
+      className={fields.panel}
       onSubmit={(event) => {
         event.preventDefault()
         edit.mutate({ name: name.trim(), tags: all })
       }}
     >
-      <label className="lbl">
+      <label className={fields.lbl}>
         Name
         <input
-          className="inp"
+          className={fields.inp}
           value={name}
           maxLength={120}
           required
@@ -71,7 +75,7 @@ function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
       </label>
       <TagsInput
         label="Tags"
-        labelProps={{ className: 'lbl' }}
+        labelProps={{ className: fields.lbl }}
         size="xs"
         value={tags}
         data={known}
@@ -84,14 +88,14 @@ function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
         acceptValueOnBlur={false}
       />
       {wrong.length > 0 && (
-        <p className="ferr">A tag consists of letters, digits and . _ + -, at most 40 of them: {wrong.join(', ')}</p>
+        <p className={fields.ferr}>A tag consists of letters, digits and . _ + -, at most 40 of them: {wrong.join(', ')}</p>
       )}
-      {edit.isError && <p className="ferr">{edit.error.message}</p>}
-      <div className="acts" style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className="btn" onClick={onDone}>
+      {edit.isError && <p className={fields.ferr}>{edit.error.message}</p>}
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
           Leave as it is
         </button>
-        <button type="submit" className="btn p" disabled={edit.isPending || wrong.length > 0 || !name.trim()}>
+        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={edit.isPending || wrong.length > 0 || !name.trim()}>
           Save
         </button>
       </div>

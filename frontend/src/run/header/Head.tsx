@@ -1,4 +1,5 @@
 // The header of a run's page: identity, state, actions.
+import { clsx } from 'clsx'
 import { Modal } from '@mantine/core'
 import { IconPlayerStop, IconRefresh } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
@@ -18,6 +19,10 @@ import { outcomeOf, VerdictBadge } from '../../ui/VerdictBadge'
 import { Bell } from './Bell'
 import { EditRun } from './EditRun'
 import { Remove } from './Removed'
+import badges from '../../ui/badges.module.css'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import runStyles from '../run.module.css'
 
 export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
@@ -25,8 +30,8 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
   const [ran, setRan] = useState('')
   if (isLive(run) && ran !== run.id) setRan(run.id)
   return (
-    <div className="ph">
-      <div className="t">
+    <div className={layout.ph}>
+      <div className={layout.t}>
         <nav className={runStyles.crumb} aria-label="Breadcrumb">
           <Link to="/runs">Runs</Link>/<span>{run.campaign_name}</span>/<span className="mono">{run.id}</span>
         </nav>
@@ -72,17 +77,17 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           )}
         </div>
       </div>
-      <div className="acts">
+      <div className={layout.acts}>
         {!isLive(run) && run.removed === null && <Remove run={run} />}
         {isLive(run) && <Freshness stale={stale} />}
         {isLive(run) && <Bell run={run.id} />}
         {isLive(run) && hasScenario(asCampaign(run.campaign)) && (
-          <Link to="/runs/$id/flight" params={{ id: run.id }} className="btn" title="The flights found so far, and the searches">
+          <Link to="/runs/$id/flight" params={{ id: run.id }} className={buttons.btn} title="The flights found so far, and the searches">
             3D view
           </Link>
         )}
         <ExportMenu run={run} />
-        <Link to="/launch" search={{ from: run.id }} className="btn">
+        <Link to="/launch" search={{ from: run.id }} className={buttons.btn}>
           <IconRefresh className="i s" aria-hidden />
           Run again
         </Link>
@@ -99,7 +104,7 @@ function Labels({ labels }: { labels: RunDetail['labels'] }) {
   return (
     <span data-testid="labels" className={runStyles.labels}>
       {pairs.map(([key, value]) => (
-        <Link key={key} to="/runs" search={{ label: [`${key}=${value}`] }} className="tag" title={`Show runs with the label ${key}=${value}`}>
+        <Link key={key} to="/runs" search={{ label: [`${key}=${value}`] }} className={badges.tag} title={`Show runs with the label ${key}=${value}`}>
           <span className="mut">{key}</span>&nbsp;{value}
         </Link>
       ))}
@@ -133,7 +138,7 @@ function Cancel({ run }: { run: RunDetail }) {
     <>
       <button
         type="button"
-        className="btn danger"
+        className={clsx(buttons.btn, buttons.danger)}
         disabled={cancelling || over}
         title={over ? 'This run has ended.' : undefined}
         onClick={() => setAsking(true)}
@@ -153,12 +158,12 @@ function Cancel({ run }: { run: RunDetail }) {
           The {count(run.evaluations)} completed evaluations are stored. A cancelled run has no verdict and cannot
           be resumed; it can be run again.
         </p>
-        {cancel.isError && <p className="ferr">{cancel.error.message}</p>}
-        <div className="acts" style={{ justifyContent: 'flex-end', marginTop: 16 }}>
-          <button type="button" className="btn" onClick={() => setAsking(false)}>
+        {cancel.isError && <p className={fields.ferr}>{cancel.error.message}</p>}
+        <div className={layout.acts} style={{ justifyContent: 'flex-end', marginTop: 16 }}>
+          <button type="button" className={buttons.btn} onClick={() => setAsking(false)}>
             Keep running
           </button>
-          <button type="button" className="btn danger p" disabled={cancel.isPending} onClick={() => cancel.mutate()}>
+          <button type="button" className={clsx(buttons.btn, buttons.danger, buttons.p)} disabled={cancel.isPending} onClick={() => cancel.mutate()}>
             Cancel run
           </button>
         </div>

@@ -1,10 +1,15 @@
 // The audit trail of a run, collapsed by default.
+import { clsx } from 'clsx'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getHistory } from '../../api/calls'
 import { moment } from '../../format/time'
 import { Card } from '../../ui/Card'
 import { saidOf } from './said'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 
 const historyQuery = (run: string) =>
   queryOptions({ queryKey: ['history', run], queryFn: () => getHistory(run), staleTime: 0 })
@@ -16,18 +21,18 @@ export function History({ run }: { run: string }) {
     <Card
       title="History"
       note="Who did what to this run"
-      className="c12"
+      className={layout.c12}
       id="history"
       flush={open && (data?.length ?? 0) > 0}
       right={
-        <button type="button" className="btn s" aria-expanded={open} onClick={() => setOpen(!open)}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} aria-expanded={open} onClick={() => setOpen(!open)}>
           {open ? 'Hide' : 'Show'}
         </button>
       }
     >
-      {open && error && <p className="ferr">{error.message}</p>}
+      {open && error && <p className={fields.ferr}>{error.message}</p>}
       {open && data && (
-        <table>
+        <table className={tables.table}>
           <thead>
             <tr>
               <th style={{ width: 190 }}>When</th>

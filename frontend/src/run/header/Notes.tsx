@@ -1,10 +1,15 @@
 // Notes on a run, in Markdown.
+import { clsx } from 'clsx'
 import { IconPencil } from '@tabler/icons-react'
 import { lazy, Suspense, useState } from 'react'
 import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
 import { Card } from '../../ui/Card'
 import { useEdit } from './useEdit'
+import buttons from '../../ui/buttons.module.css'
+import cards from '../../ui/cards.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './header.module.css'
 
 // Most runs have no notes: the parser is loaded on first use.
@@ -12,7 +17,7 @@ const Parsed = lazy(() => import('../../ui/Markdown').then((module) => ({ defaul
 
 const MOST = 20_000
 
-export function Notes({ run, className }: { run: RunDetail; className: string }) {
+export function Notes({ run, className }: { run: RunDetail; className: string | undefined }) {
   const [draft, setDraft] = useState<string | null>(null)
   const [read, setRead] = useState('')
   const edit = useEdit(run, () => setDraft(null))
@@ -30,7 +35,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string })
       right={
         !writing &&
         run.removed === null && (
-          <button type="button" className="btn s" onClick={begin}>
+          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={begin}>
             <IconPencil className="i s" aria-hidden /> {run.notes ? 'Edit' : 'Write'}
           </button>
         )
@@ -55,28 +60,28 @@ export function Notes({ run, className }: { run: RunDetail; className: string })
                 if (event.key === 'Enter' && (event.ctrlKey || event.metaKey)) event.currentTarget.form?.requestSubmit()
               }}
             />
-            <div className="preview" aria-label="Preview" role="region">
+            <div className={styles.preview} aria-label="Preview" role="region">
               {draft.trim() ? <Markdown text={draft} /> : <p className="mut">What you write is shown here.</p>}
             </div>
           </div>
-          {edit.isError && <p className="ferr">{edit.error.message}</p>}
+          {edit.isError && <p className={fields.ferr}>{edit.error.message}</p>}
           {run.notes !== read && (
-            <div className="note" role="status">
+            <div className={cards.note} role="status">
               <b>Another user has written:</b>
               <Markdown text={run.notes} />
-              <button type="button" className="btn s" onClick={() => setRead(run.notes)}>
+              <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setRead(run.notes)}>
                 I have read it; keep mine
               </button>
             </div>
           )}
-          <div className="acts" style={{ justifyContent: 'flex-end', marginTop: 10 }}>
-            <span className="small mut grow">
+          <div className={layout.acts} style={{ justifyContent: 'flex-end', marginTop: 10 }}>
+            <span className={clsx(layout.grow, 'small mut')}>
               {draft.length > 0.9 * MOST && `${count(MOST - draft.length)} characters left`}
             </span>
-            <button type="button" className="btn s" onClick={() => setDraft(null)}>
+            <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setDraft(null)}>
               Discard
             </button>
-            <button type="submit" className="btn s p" disabled={edit.isPending || draft === run.notes}>
+            <button type="submit" className={clsx(buttons.btn, buttons.s, buttons.p)} disabled={edit.isPending || draft === run.notes}>
               Save notes
             </button>
           </div>

@@ -1,4 +1,5 @@
 // Removal and restoration of runs: the buttons of a selection, and the dialog that asks for a reason.
+import { clsx } from 'clsx'
 import { Modal } from '@mantine/core'
 import { IconArrowBackUp, IconTrash } from '@tabler/icons-react'
 import { type QueryClient, useMutation, useQueryClient } from '@tanstack/react-query'
@@ -7,6 +8,10 @@ import { removeRuns, restoreRuns } from '../../api/calls'
 import { isLive } from '../../api/queries'
 import type { RunDetail, RunSummary } from '../../client'
 import { count } from '../../format/numbers'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
+import lists from '../../ui/lists.module.css'
 
 export const plural = (n: number): string => `${count(n)} ${n === 1 ? 'run' : 'runs'}`
 
@@ -39,18 +44,18 @@ export function RemoveMarked({ runs, onDone }: { runs: readonly RunSummary[]; on
   return (
     <>
       {over.length > 0 && (
-        <button type="button" className="btn s" onClick={() => setAsking(true)}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setAsking(true)}>
           <IconTrash className="i s" aria-hidden />
           Remove {plural(over.length)}
         </button>
       )}
       {gone.length > 0 && (
-        <button type="button" className="btn s" onClick={() => restore.mutate()} disabled={restore.isPending}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => restore.mutate()} disabled={restore.isPending}>
           <IconArrowBackUp className="i s" aria-hidden />
           Restore {plural(gone.length)}
         </button>
       )}
-      {restore.isError && <span className="ferr">{restore.error.message}</span>}
+      {restore.isError && <span className={fields.ferr}>{restore.error.message}</span>}
       <RemoveDialog
         runs={over}
         staying={runs.length - over.length}
@@ -93,7 +98,7 @@ function RemoveForm({ runs, staying, onClose, onDone }: Omit<RemoveDialogProps, 
   })
   return (
     <form
-      className="panel"
+      className={fields.panel}
       onSubmit={(event) => {
         event.preventDefault()
         remove.mutate()
@@ -104,7 +109,7 @@ function RemoveForm({ runs, staying, onClose, onDone }: Omit<RemoveDialogProps, 
         removal can be undone until the run is purged.
       </p>
       {runs.length > 1 && (
-        <ul className="small sec listed">
+        <ul className={clsx(lists.listed, 'small sec')}>
           {runs.slice(0, 8).map((run) => (
             <li key={run.id}>
               <span className="mono">{run.id}</span> {run.name}
@@ -116,10 +121,10 @@ function RemoveForm({ runs, staying, onClose, onDone }: Omit<RemoveDialogProps, 
       {Boolean(staying) && (
         <p className="small sec">{plural(staying ?? 0)} of the selection still running: cancel first to remove them.</p>
       )}
-      <label className="lbl">
+      <label className={fields.lbl}>
         Reason
         <textarea
-          className="inp area"
+          className={clsx(fields.inp, fields.area)}
           value={reason}
           maxLength={400}
           rows={2}
@@ -128,12 +133,12 @@ function RemoveForm({ runs, staying, onClose, onDone }: Omit<RemoveDialogProps, 
           onChange={(event) => setReason(event.target.value)}
         />
       </label>
-      {remove.isError && <p className="ferr">{remove.error.message}</p>}
-      <div className="acts" style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className="btn" onClick={onClose}>
+      {remove.isError && <p className={fields.ferr}>{remove.error.message}</p>}
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onClose}>
           {runs.length === 1 ? 'Keep it' : 'Keep them'}
         </button>
-        <button type="submit" className="btn danger p" disabled={remove.isPending || !reason.trim()}>
+        <button type="submit" className={clsx(buttons.btn, buttons.danger, buttons.p)} disabled={remove.isPending || !reason.trim()}>
           Remove {runs.length === 1 ? 'run' : plural(runs.length)}
         </button>
       </div>

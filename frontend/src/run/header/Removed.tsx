@@ -1,4 +1,5 @@
 // Notice of a removed run: who, when and why, and restoration; notice of a purged run.
+import { clsx } from 'clsx'
 import { IconArrowBackUp, IconTrash } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
@@ -6,12 +7,16 @@ import type { RunDetail } from '../../client'
 import { moment } from '../../format/time'
 import { RemoveDialog, useRestore } from './Removal'
 import { History } from './History'
+import buttons from '../../ui/buttons.module.css'
+import cards from '../../ui/cards.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 
 export function Remove({ run }: { run: RunDetail }) {
   const [asking, setAsking] = useState(false)
   return (
     <>
-      <button type="button" className="btn" onClick={() => setAsking(true)}>
+      <button type="button" className={buttons.btn} onClick={() => setAsking(true)}>
         <IconTrash className="i s" aria-hidden />
         Remove
       </button>
@@ -23,15 +28,15 @@ export function Remove({ run }: { run: RunDetail }) {
 export function Removed({ run }: { run: RunDetail }) {
   const restore = useRestore([run])
   return (
-    <div className="note warn" role="status" style={{ marginBottom: 'var(--gap)', alignItems: 'center' }}>
+    <div className={clsx(cards.note, cards.warn)} role="status" style={{ marginBottom: 'var(--gap)', alignItems: 'center' }}>
       <IconTrash className="i" aria-hidden />
-      <span className="wrap-any">
+      <span className={layout.wrapAny}>
         <b>Removed from the lists</b> by {run.removed_by}, {run.removed !== null && moment(run.removed)}: {run.removed_reason}
-        {restore.isError && <span className="ferr"> {restore.error.message}</span>}
+        {restore.isError && <span className={fields.ferr}> {restore.error.message}</span>}
       </span>
       <button
         type="button"
-        className="btn s atend"
+        className={clsx(buttons.btn, buttons.s, layout.atend)}
         onClick={() => restore.mutate()}
         disabled={restore.isPending}
       >
@@ -44,11 +49,11 @@ export function Removed({ run }: { run: RunDetail }) {
 export function Purged({ id, said }: { id: string; said: string }) {
   return (
     <>
-      <div className="card centre" role="alert" style={{ marginBottom: 'var(--gap)' }}>
+      <div className={clsx(cards.card, layout.centre)} role="alert" style={{ marginBottom: 'var(--gap)' }}>
         <IconTrash size={36} stroke={1.5} aria-hidden />
         <h1>{id} was purged</h1>
-        <p className="wrap-any">{said}.</p>
-        <Link to="/runs" className="btn">
+        <p className={layout.wrapAny}>{said}.</p>
+        <Link to="/runs" className={buttons.btn}>
           All runs
         </Link>
       </div>

@@ -1,4 +1,5 @@
 // Global sensitivity: Morris' elementary effects and Sobol indices, one row per parameter.
+import { clsx } from 'clsx'
 import type { SensitivityResult } from '../../client'
 import { count, NONE, percent, plain } from '../../format/numbers'
 import { words } from '../../format/said'
@@ -6,11 +7,12 @@ import { Card } from '../../ui/Card'
 import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
+import tables from '../../ui/tables.module.css'
 
 interface IndicesCardProps {
   data: RunData
   result: SensitivityResult
-  className: string
+  className: string | undefined
 }
 
 interface Column {
@@ -62,7 +64,7 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
       }
     >
       {columns.length > 0 ? (
-        <table className="tight">
+        <table className={clsx(tables.table, tables.tight)}>
           <thead>
             <tr>
               <th>Parameter</th>

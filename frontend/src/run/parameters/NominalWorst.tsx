@@ -1,4 +1,5 @@
 // Nominal against worst: every uncertain parameter with its position within the bounds, and the results.
+import { clsx } from 'clsx'
 import { decimalsFor, fixed, NARROW, NONE, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { WithinBounds } from '../../ui/bars'
@@ -8,6 +9,8 @@ import { MethodName } from '../../ui/MethodMark'
 import { Sign } from '../../ui/Sign'
 import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
 import { noiseOf } from '../flight/flown'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 import styles from './parameters.module.css'
 
 interface Worst {
@@ -21,7 +24,7 @@ interface Worst {
 
 interface NominalWorstProps {
   data: RunData
-  className: string
+  className: string | undefined
   title: string
   note?: string
   /** Header of the column of the other flight; null if only the nominal one is shown. */
@@ -45,14 +48,14 @@ export function NominalWorst({ data, className, title, note, column, worst, id }
       right={worst?.method ? <MethodName method={worst.method} short /> : undefined}
       footer={
         worst && (
-          <span className="row" style={{ justifyContent: 'space-between' }}>
+          <span className={layout.row} style={{ justifyContent: 'space-between' }}>
             Shown rounded; stored at full precision.
             <CopyButton text={() => JSON.stringify(worst.parameters, null, 2)}>Copy values</CopyButton>
           </span>
         )
       }
     >
-      <table className="tight">
+      <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>
             <th>Parameter</th>
@@ -132,7 +135,7 @@ function Told({ name, sign, unit, both, note, values }: ToldProps) {
     <tr>
       <td className="sec">
         {sign ? (
-          <span className="rn">
+          <span className={tables.rn}>
             <span className="m">
               <Sign text={sign} /> <span className="mut small">{unitText(unit)}</span>
             </span>
@@ -159,7 +162,7 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
   return (
     <tr>
       <td style={{ paddingRight: 4 }}>
-        <span className="rn" title={path}>
+        <span className={tables.rn} title={path}>
           <span className="m">
             <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
           </span>
@@ -172,14 +175,14 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
       <td className="num sec">{fixed(nominal, span)}</td>
       {!alone && (
         <td className="num b">
-          <span className="rn">
+          <span className={tables.rn}>
             {value === null ? NONE : fixed(value, span)}
             {at && <span className={styles.atbound}>at {at} bound</span>}
           </span>
         </td>
       )}
       <td style={{ width: 118 }}>
-        <span className="rn">
+        <span className={tables.rn}>
           <WithinBounds low={low} high={high} nominal={nominal} value={value} />
           <span className={styles.bounds}>
             <span>{plain(low)}</span>

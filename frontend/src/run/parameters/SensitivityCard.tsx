@@ -21,7 +21,7 @@ interface SensitivityCardProps {
   result: SensitivityResult
   /** Whether slices of all findings were simulated. */
   validation: ValidateResult | null
-  className: string
+  className: string | undefined
   /** Size of each plot [px]. */
   height: number
 }

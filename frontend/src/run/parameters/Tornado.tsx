@@ -7,6 +7,7 @@ import { decimalsFor, fixed, signed } from '../../format/numbers'
 import { Sign, SvgSign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import type { RunData } from '../data/data'
+import figures from '../../ui/figures.module.css'
 
 interface Bar {
   path: string
@@ -18,7 +19,7 @@ interface Bar {
 interface TornadoProps {
   data: RunData
   result: SensitivityResult
-  className: string
+  className: string | undefined
   /** More spacing between rows, next to higher cards. */
   tall?: boolean
 }
@@ -91,14 +92,14 @@ function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; un
   return (
     <div ref={holder}>
       <svg
-        className="ch"
+        className={figures.ch}
         height={bottom + 40}
         role="img"
         aria-label={`Change of ${quantity} at the bounds of each parameter`}
       >
         {ticks.map((tick) => (
           <g key={tick}>
-            <path className="g" d={`M${x(tick)} 0V${bottom}`} />
+            <path className={figures.g} d={`M${x(tick)} 0V${bottom}`} />
             <text x={x(tick)} y={bottom + 16} textAnchor="middle">
               {signed(tick, decimals)}
             </text>
@@ -108,7 +109,7 @@ function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; un
           const y = i * row + (row - 20) / 2
           return (
             <g key={bar.path}>
-              <text x={4} y={y + 12} className="lab">
+              <text x={4} y={y + 12} className={figures.lab}>
                 <SvgSign text={bar.symbol} />
               </text>
               <Half bar={bar} side="low" x={x} y={y} />
@@ -116,7 +117,7 @@ function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; un
             </g>
           )
         })}
-        <path className="a" d={`M${x(0)} 0V${bottom}`} style={{ stroke: 'var(--ink)' }} strokeWidth={1.5} />
+        <path className={figures.a} d={`M${x(0)} 0V${bottom}`} style={{ stroke: 'var(--ink)' }} strokeWidth={1.5} />
         <text x={left + SIDE + plot / 2} y={bottom + 34} textAnchor="middle">
           Change of <SvgSign text={quantity || 'value'} />, {unit}
         </text>

@@ -1,13 +1,18 @@
 // The component and method descriptions of a run, collapsed, and their differences from the installation.
+import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
 import { lazy, Suspense, useState } from 'react'
 import { componentsQuery } from '../../api/queries'
 import type { RunComponents, RunDetail } from '../../client'
 import { Card } from '../../ui/Card'
+import buttons from '../../ui/buttons.module.css'
+import cards from '../../ui/cards.module.css'
+import layout from '../../ui/layout.module.css'
+import lists from '../../ui/lists.module.css'
 
 const Described = lazy(() => import('./Described').then((module) => ({ default: module.Described })))
 
-export function Components({ run, className }: { run: RunDetail; className: string }) {
+export function Components({ run, className }: { run: RunDetail; className: string | undefined }) {
   const [open, setOpen] = useState(false)
   const { data } = useQuery(componentsQuery(run.id))
   if (!data) return null
@@ -18,12 +23,12 @@ export function Components({ run, className }: { run: RunDetail; className: stri
       className={className}
       id="components"
       right={
-        <button type="button" className="btn s" aria-expanded={open} onClick={() => setOpen(!open)}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} aria-expanded={open} onClick={() => setOpen(!open)}>
           {open ? 'Hide' : 'Show'}
         </button>
       }
     >
-      <div className="stack">
+      <div className={layout.stack}>
         <Origin told={data} />
         <Code told={data} />
         {open && (
@@ -57,7 +62,7 @@ function Code({ told }: { told: RunComponents }) {
       </p>
     )
   return (
-    <div className="note warn">
+    <div className={clsx(cards.note, cards.warn)}>
       <div>
         <p className="m">
           {code === installed ? (
@@ -107,10 +112,10 @@ function Origin({ told }: { told: RunComponents }) {
         .{changes.length === 0 && (sameCode(told) ? ' The installed components are the same.' : ' The installed texts are the same.')}
       </p>
       {changes.length > 0 && (
-        <div className="note warn">
+        <div className={clsx(cards.note, cards.warn)}>
           <div>
             <p className="m">This installation describes them differently. The page shows what is stored with the run.</p>
-            <ul className="listed">
+            <ul className={lists.listed}>
               {changes.map((change) => (
                 <li key={change}>{change}</li>
               ))}

@@ -2,17 +2,18 @@
 import type { Catalogue } from '../../client'
 import { ComponentText } from '../../help/ComponentText'
 import { MethodText } from '../../help/MethodText'
+import layout from '../../ui/layout.module.css'
 
 export function Described({ catalogue }: { catalogue: Catalogue }) {
   return (
-    <div className="stack">
+    <div className={layout.stack}>
       {catalogue.components.map((component) => (
         <details key={`${component.role} ${component.name}`}>
           <summary>
             {component.role.charAt(0).toUpperCase() + component.role.slice(1)}: {component.title}{' '}
             <span className="mono mut small">{component.name}</span>
           </summary>
-          <div className="stack">
+          <div className={layout.stack}>
             <ComponentText component={component} open />
           </div>
         </details>
@@ -22,7 +23,7 @@ export function Described({ catalogue }: { catalogue: Catalogue }) {
           <summary>
             Method: {method.title} <span className="mono mut small">{method.name}</span>
           </summary>
-          <div className="stack">
+          <div className={layout.stack}>
             <MethodText method={method} />
           </div>
         </details>

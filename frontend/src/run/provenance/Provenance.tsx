@@ -1,4 +1,5 @@
 // Provenance: everything needed to reproduce the numbers, and the campaign as a file.
+import { clsx } from 'clsx'
 import { IconDownload } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -11,9 +12,11 @@ import { idOfComponent } from '../../help/links'
 import { Card } from '../../ui/Card'
 import { CopyButton, save } from '../../ui/files'
 import type { RunData } from '../data/data'
+import buttons from '../../ui/buttons.module.css'
+import lists from '../../ui/lists.module.css'
 import styles from './provenance.module.css'
 
-export function Provenance({ data, className }: { data: RunData; className: string }) {
+export function Provenance({ data, className }: { data: RunData; className: string | undefined }) {
   const { run } = data
   const origin = originOf(run)
   const download = useMutation({
@@ -37,7 +40,7 @@ export function Provenance({ data, className }: { data: RunData; className: stri
       right={
         <>
           <CopyButton text={() => JSON.stringify(all, null, 2)}>Copy as JSON</CopyButton>
-          <button type="button" className="btn s" onClick={() => download.mutate()} disabled={download.isPending}>
+          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => download.mutate()} disabled={download.isPending}>
             <IconDownload className="i s" aria-hidden /> Campaign file
           </button>
         </>
@@ -77,7 +80,7 @@ type Rows = [string, ReactNode][]
 
 function List({ rows }: { rows: Rows }) {
   return (
-    <dl className="kv">
+    <dl className={lists.kv}>
       {rows.map(([name, value]) => (
         <div key={name} style={{ display: 'contents' }}>
           <dt>{name}</dt>

@@ -17,6 +17,9 @@ import { Card, NumHead } from '../../ui/Card'
 import { Said } from '../../ui/Said'
 import type { RunData } from '../data/data'
 import { useAddress } from '../data/useAddress'
+import badges from '../../ui/badges.module.css'
+import buttons from '../../ui/buttons.module.css'
+import tables from '../../ui/tables.module.css'
 import styles from './regression.module.css'
 
 type Standing = FindingChange['standing']
@@ -35,7 +38,7 @@ const RUN = /^R-\d+$/
 
 interface SinceProps {
   data: Pick<RunData, 'run'>
-  className: string
+  className: string | undefined
 }
 
 export function SinceCard({ data, className }: SinceProps) {
@@ -62,7 +65,7 @@ export function SinceCard({ data, className }: SinceProps) {
   )
 }
 
-function Without({ sentence: told, className }: { sentence: string; className: string }) {
+function Without({ sentence: told, className }: { sentence: string; className: string | undefined }) {
   return (
     <Card title="Since the baseline" className={className} id="since">
       <p className="sec">{told}</p>
@@ -72,7 +75,7 @@ function Without({ sentence: told, className }: { sentence: string; className: s
 
 function Policy({ regression: { ok } }: { regression: Regression }) {
   return (
-    <span className={`vd ${ok ? 'ok' : 'bad'}`} data-testid="policy">
+    <span className={badges.vd} data-tone={ok ? 'ok' : 'bad'} data-testid="policy">
       {ok ? <IconCircleCheck className="i" aria-hidden /> : <IconCircleX className="i" aria-hidden />}
       {ok ? 'Policy holds' : 'Policy fails'}
     </span>
@@ -112,7 +115,7 @@ export function Changes({ unit, regression, choose }: ChangesProps) {
     <span className={styles.folder}>{regression.run}</span>
   )
   return (
-    <table className="tight">
+    <table className={clsx(tables.table, tables.tight)}>
       <thead>
         <tr>
           <th>Change</th>
@@ -149,16 +152,16 @@ function Row({ choose, change, decimals, smallest }: RowProps) {
   return (
     <tr data-standing={change.standing} title={parameters.join('\n')}>
       <td>
-        <span className={`vd ${tone}`}>
+        <span className={badges.vd} data-tone={tone}>
           <Icon className="i" aria-hidden />
           {word}
-        </span>
+        </span>{' '}
         {change.fails && <span className={clsx('small bad-t', styles.fails)}>fails</span>}
       </td>
       <td className="mono">{change.before ?? <span className="mut">none</span>}</td>
       <td>
         {change.now ? (
-          <button type="button" className="linkbtn mono" onClick={() => choose(change.now ?? '')} title={`Show ${change.now}`}>
+          <button type="button" className={clsx(buttons.linkbtn, 'mono')} onClick={() => choose(change.now ?? '')} title={`Show ${change.now}`}>
             {change.now}
           </button>
         ) : (

@@ -1,6 +1,7 @@
 // The independent sample: its histogram with criterion, nominal and worst, its distribution function if the certify
 // stage drew it, and the statements that it supports.
 
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { GridResult, Sample } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
@@ -14,13 +15,14 @@ import { SvgSign, symbolText } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import { DistributionCurve } from './DistributionCurve'
 import type { RunData } from '../data/data'
+import figures from '../../ui/figures.module.css'
 
 interface SampleCardProps {
   data: RunData
   sample: Sample
   /** Simulated by the certify stage in addition to the sample. */
   grid?: GridResult | null
-  className: string
+  className: string | undefined
 }
 
 export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
@@ -97,18 +99,18 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
   const decimals = tickDecimals(xs)
   return (
     <div ref={holder}>
-      <div className="ytitle">
+      <div className={figures.ytitle}>
         Samples per {plain(spread / counts.length, 2)} {run.unit} bin
       </div>
       <svg
-        className="ch"
+        className={figures.ch}
         height={HEIGHT}
         role="img"
         aria-label={`Histogram of ${symbolText(run.quantity)} over the independent sample`}
       >
         {ys.map((tick) => (
           <g key={tick}>
-            <path className="g" d={`M${LEFT} ${y(tick)}H${width - RIGHT}`} />
+            <path className={figures.g} d={`M${LEFT} ${y(tick)}H${width - RIGHT}`} />
             <text x={LEFT - 6} y={y(tick) + 4} textAnchor="end">
               {count(tick)}
             </text>
@@ -131,7 +133,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
             </rect>
           )
         })}
-        <path className="a" d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
+        <path className={figures.a} d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
         {xs.map((tick) => (
           <text key={tick} x={x(tick)} y={HEIGHT - BOTTOM + 15} textAnchor="middle">
             {fixed(tick, decimals)}
@@ -170,7 +172,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
         )}
       </svg>
       {off && threshold !== null && (
-        <p className="fig">
+        <p className={figures.fig}>
           The criterion, {plain(threshold)} {run.unit}, is outside this axis.
         </p>
       )}
@@ -198,7 +200,7 @@ function Marker({ at, row, text, colour, dashed, width }: MarkerProps) {
         strokeWidth={1.5}
         strokeDasharray={dashed ? '5 4' : undefined}
       />
-      <text className="lab halo" x={at + (right ? -5 : 5)} y={row * 16 + 13} textAnchor={right ? 'end' : 'start'}>
+      <text className={clsx(figures.lab, figures.halo)} x={at + (right ? -5 : 5)} y={row * 16 + 13} textAnchor={right ? 'end' : 'start'}>
         {text}
       </text>
     </>

@@ -15,7 +15,7 @@ import runStyles from '../run.module.css'
 
 interface ConvergenceProps {
   data: RunData
-  className: string
+  className: string | undefined
   height?: number
   id?: string
 }

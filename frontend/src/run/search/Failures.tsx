@@ -1,4 +1,5 @@
 // Evaluations without a value: counts by kind, reasons, and parameters, which can be copied as YAML.
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { EvaluationFailure } from '../../client'
 import { count, decimalsFor, fixed } from '../../format/numbers'
@@ -8,11 +9,14 @@ import { CopyButton } from '../../ui/files'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import { countsOf, MEANING, startsYaml } from './failed'
+import buttons from '../../ui/buttons.module.css'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 import styles from './search.module.css'
 
 const FIRST = 12
 
-export function Failures({ data, className }: { data: RunData; className: string }) {
+export function Failures({ data, className }: { data: RunData; className: string | undefined }) {
   const { run, evaluations } = data
   const [all, setAll] = useState(false)
   const failures = evaluations?.failures ?? []
@@ -28,10 +32,10 @@ export function Failures({ data, className }: { data: RunData; className: string
       flush
       footer={
         failures.length > FIRST && (
-          <span className="row" style={{ justifyContent: 'space-between' }}>
+          <span className={layout.row} style={{ justifyContent: 'space-between' }}>
             {count(shown.length)} of {count(total)} shown
             {failures.length < total && `; the first ${failures.length} are shown here; the CSV file contains all`}
-            <button type="button" className="btn s" onClick={() => setAll(!all)}>
+            <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setAll(!all)}>
               {all ? `Show the first ${FIRST}` : `Show ${count(failures.length)}`}
             </button>
           </span>
@@ -46,7 +50,7 @@ export function Failures({ data, className }: { data: RunData; className: string
           </li>
         ))}
       </ul>
-      <table className="tight">
+      <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>
             <th>Stage</th>

@@ -1,4 +1,5 @@
 // Comparison of the methods: results, effort, and how each ended.
+import { clsx } from 'clsx'
 import { resultOf } from '../../api/stages'
 import type { Compared, Member } from '../../client'
 import { count, decimalsApart, duration, fixed, NONE, plain, signed } from '../../format/numbers'
@@ -10,8 +11,10 @@ import { useMethodLook } from '../../ui/methods'
 import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import { rateOf, type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 
-export function MethodsTable({ data, className, id }: { data: RunData; className: string; id?: string }) {
+export function MethodsTable({ data, className, id }: { data: RunData; className: string | undefined; id?: string }) {
   const methodLook = useMethodLook()
   const { run } = data
   const searches = searchesOf(data)
@@ -35,7 +38,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
       right={<HelpLink to="/help/methods">What each method does</HelpLink>}
       footer={over ? <Ends searches={searches} /> : undefined}
     >
-      <table className="tight">
+      <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>
             <th>Method</th>
@@ -43,7 +46,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
             <th className="num">Evaluations</th>
             <NumHead unit={run.unit}>Best <Sign text={run.quantity || 'value'} /></NumHead>
             <NumHead unit={run.unit}>Above best</NumHead>
-            {whole && <NumHead unit={run.unit} className="hide-n">Margin</NumHead>}
+            {whole && <NumHead unit={run.unit} className={layout.hideN}>Margin</NumHead>}
             <NumHead unit="evaluation">Best at</NumHead>
             {compared && (
               <>
@@ -55,7 +58,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
             {failed && <th className="num">Failed</th>}
             {excluded && <th className="num">Excluded</th>}
             <th className="num">Time</th>
-            <NumHead unit="1/s" title="Evaluations per second of its time" className="hide-n">Rate</NumHead>
+            <NumHead unit="1/s" title="Evaluations per second of its time" className={layout.hideN}>Rate</NumHead>
           </tr>
         </thead>
         <tbody>
@@ -79,7 +82,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
                 {stage.best === null ? NONE : stage.best === best ? 'best' : signed(stage.best - best, decimals)}
               </td>
               {whole && (
-                <td className="num sec hide-n">
+                <td className={clsx(layout.hideN, 'num sec')}>
                   {stage.best === null || run.threshold === null ? NONE : signed(stage.best - run.threshold, decimals)}
                 </td>
               )}
@@ -92,7 +95,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               <td className="num sec" title={stage.state === 'waiting' ? undefined : `${plain(stage.seconds)} s`}>
                 {stage.state === 'waiting' ? NONE : duration(stage.seconds)}
               </td>
-              <td className="num sec hide-n" title={`${count(stage.evaluations)} evaluations in ${plain(stage.seconds)} s`}>
+              <td className={clsx(layout.hideN, 'num sec')} title={`${count(stage.evaluations)} evaluations in ${plain(stage.seconds)} s`}>
                 {plain(rateOf(stage), 3)}
               </td>
             </tr>

@@ -1,4 +1,5 @@
 // The distinct minima of a method, merged as the findings are, and on request every descent: where it started and ended.
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { Minimum, SearchResult } from '../../client'
 import { resultOf } from '../../api/stages'
@@ -10,6 +11,9 @@ import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import { type RunData, stageOf } from '../data/data'
 import { basinsOf, distanceOf, type MergedMinimum, mergedMinima, rangesText } from './minima'
+import buttons from '../../ui/buttons.module.css'
+import layout from '../../ui/layout.module.css'
+import tables from '../../ui/tables.module.css'
 
 /** Initial and maximum number of rows. */
 const SHOWN = 8
@@ -23,7 +27,7 @@ interface MinimaProps {
   search: SearchResult
   /** The position of its stage. */
   position: number
-  className: string
+  className: string | undefined
   /** Starts above their ends instead of next to them, for many parameters. */
   tall?: boolean
 }
@@ -58,16 +62,16 @@ export function Minima({ data, search, position, className, tall }: MinimaProps)
       }
       footer={
         total > SHOWN && (
-          <span className="row" style={{ justifyContent: 'space-between' }}>
+          <span className={layout.row} style={{ justifyContent: 'space-between' }}>
             The {every ? 'first' : 'lowest'} {shown} of {count(total)}
-            <button type="button" className="btn s" onClick={() => setAll(!all)}>
+            <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setAll(!all)}>
               {all ? 'Show fewer' : `Show ${Math.min(MOST, total)}`}
             </button>
           </span>
         )
       }
     >
-      <table className="tight">
+      <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>
             <th className={every ? 'num' : undefined}>{every ? 'No.' : 'Finding'}</th>

@@ -7,6 +7,7 @@ import { lossesOf } from '../../format/counts'
 import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
+import icons from '../../ui/icons.module.css'
 import styles from './search.module.css'
 
 type State = 'done' | 'act' | 'todo' | 'fail'
@@ -25,7 +26,7 @@ export function StageStrip({ run }: { run: RunDetail }) {
   return (
     <div className={styles.stages} role="list" aria-label="Stages">
       {stepsOf(run).map((step) => (
-        <div key={step.name} className={clsx(styles.stg, step.state)} role="listitem">
+        <div key={step.name} className={styles.stg} data-state={step.state} role="listitem">
           <div className={styles.nm}>
             <StepIcon state={step.state} cancelled={run.state === 'cancelled'} />
             {step.name}
@@ -54,7 +55,7 @@ export function StageStrip({ run }: { run: RunDetail }) {
 
 function StepIcon({ state, cancelled }: { state: State; cancelled: boolean }) {
   if (state === 'done') return <IconCircleCheck className="i" aria-label="done" />
-  if (state === 'act') return <IconLoader className="i spin" aria-label="running" />
+  if (state === 'act') return <IconLoader className={clsx(icons.spin, 'i')} aria-label="running" />
   if (state === 'fail')
     return cancelled ? (
       <IconBan className="i" aria-label="cancelled" />

@@ -1,6 +1,7 @@
 // A canvas for data below an SVG for axes and ranges, both of the container's size.
 import { type ReactNode, useLayoutEffect, useRef } from 'react'
 import { prepared } from './paint'
+import figures from '../../ui/figures.module.css'
 import styles from './space.module.css'
 
 interface LayerProps {
@@ -21,7 +22,7 @@ export function Layer({ width, height, label, paint, children }: LayerProps) {
   return (
     <div className={styles.layer} style={{ height }}>
       <canvas ref={canvas} aria-hidden="true" style={{ width, height }} />
-      <svg className="ch" width={width} height={height} role="group" aria-label={label}>
+      <svg className={figures.ch} width={width} height={height} role="group" aria-label={label}>
         {children}
       </svg>
     </div>

@@ -1,5 +1,6 @@
 // Parallel coordinates: one line for each evaluation, one axis for the value and every parameter. A range is drawn on
 // an axis by dragging, and moved by its handles or by keys.
+import { clsx } from 'clsx'
 import { type KeyboardEvent, useCallback, useMemo, useRef } from 'react'
 import { decimalsFor, fixed } from '../../format/numbers'
 import { unitText } from '../../format/units'
@@ -9,6 +10,7 @@ import { Layer } from './Layer'
 import { crossings, type Ink, type Lines, lineNear, paintLines } from './paint'
 import { type Axis, type Brush, nudged, rangeOn, shareOf, type Space, valueAt } from './space'
 import { useDrag } from './useDrag'
+import figures from '../../ui/figures.module.css'
 import styles from './space.module.css'
 
 const [TOP, SIDE, NONE_BELOW, HANDLE] = [44, 50, 22, 8]
@@ -57,7 +59,7 @@ export function Parallel({ height, none, ...view }: ParallelProps) {
       >
         {none && (
           <g>
-            <path className="a" d={`M${x0 - 5} ${lines.none}h10`} />
+            <path className={figures.a} d={`M${x0 - 5} ${lines.none}h10`} />
             <text x={x0 - 10} y={lines.none + 4} textAnchor="end">
               no value
             </text>
@@ -77,8 +79,8 @@ export function Parallel({ height, none, ...view }: ParallelProps) {
 function Criterion({ x, y }: { x: number; y: number }) {
   return (
     <g pointerEvents="none">
-      <path className="cr" d={`M${x - 14} ${y}h28`} />
-      <text className="lab halo" x={x + 18} y={y + 4}>
+      <path className={figures.cr} d={`M${x - 14} ${y}h28`} />
+      <text className={clsx(figures.lab, figures.halo)} x={x + 18} y={y + 4}>
         Criterion
       </text>
     </g>
@@ -142,24 +144,24 @@ function AxisBar({ space, kept, axis, lines, x, beside, brush, onBrush, onOver }
   }
   return (
     <g>
-      <text x={x} y={14} textAnchor="middle" className="lab halo">
+      <text x={x} y={14} textAnchor="middle" className={clsx(figures.lab, figures.halo)}>
         <SvgSign text={axis.symbol} />
         {axis.unit && <tspan className={styles.unit}>, {unitText(axis.unit)}</tspan>}
       </text>
-      <text x={x} y={30} textAnchor="middle" className="halo">
+      <text x={x} y={30} textAnchor="middle" className={figures.halo}>
         {fixed(axis.high, decimals)}
       </text>
       <text
         x={beside ? x - 10 : x}
         y={bottom + (beside ? 3 : 22)}
         textAnchor={beside ? 'end' : 'middle'}
-        className="halo"
+        className={figures.halo}
       >
         {fixed(axis.low, decimals)}
       </text>
-      <path className="a" d={`M${x} ${top}V${bottom}`} />
+      <path className={figures.a} d={`M${x} ${top}V${bottom}`} />
       {shown && <rect className={styles.brush} x={x - 7} y={high} width={14} height={Math.max(1, low - high)} />}
-      <rect className="hit" x={x - 20} y={top - 8} width={40} height={bottom - top + 16} {...drag}>
+      <rect data-hit className={styles.hit} x={x - 20} y={top - 8} width={40} height={bottom - top + 16} {...drag}>
         <title>{axis.text}</title>
       </rect>
       {([0, 1] as const).map((end) => (

@@ -1,5 +1,6 @@
 // Evaluations over pairs of axes: all pairs of few parameters, or one chosen pair of many.
 // A rectangle drawn in a cell is a range on both of its axes.
+import { clsx } from 'clsx'
 import { useCallback, useMemo } from 'react'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { fixed } from '../../format/numbers'
@@ -11,6 +12,7 @@ import { type Cell, paintPoints, placed, pointNear } from './paint'
 import type { ViewProps } from './Parallel'
 import { type Axis, parametersOf, rangeOn, shareOf, type Space, valueAt } from './space'
 import { useDrag } from './useDrag'
+import figures from '../../ui/figures.module.css'
 import styles from './space.module.css'
 
 const [LEFT, BOTTOM, TOP, RIGHT, GAP] = [62, 40, 8, 10, 14]
@@ -126,12 +128,12 @@ function Frame({ cell, cells, space, kept, brush, onBrush, onOver, threshold }: 
   const level = cell.y === 0 && threshold !== null && threshold >= up.low && threshold <= up.high ? yOf(threshold) : null
   return (
     <g>
-      <path className="a" d={`M${left} ${top}V${bottom}H${right}`} />
+      <path className={figures.a} d={`M${left} ${top}V${bottom}H${right}`} />
       {first && <Upright axis={up} cell={cell} />}
       {last && <Level axis={across} cell={cell} />}
-      {level !== null && <path className="cr" d={`M${left} ${level}H${right}`} />}
+      {level !== null && <path className={figures.cr} d={`M${left} ${level}H${right}`} />}
       {level !== null && first && width > 160 && (
-        <text className="lab halo" x={left + 4} y={level - 5}>
+        <text className={clsx(figures.lab, figures.halo)} x={left + 4} y={level - 5}>
           Criterion
         </text>
       )}
@@ -144,7 +146,7 @@ function Frame({ cell, cells, space, kept, brush, onBrush, onOver, threshold }: 
           height={ry ? Math.max(1, yOf(ry[0]) - yOf(ry[1])) : height}
         />
       )}
-      <rect className="hit" x={left} y={top} width={width} height={height} {...drag} />
+      <rect data-hit className={styles.hit} x={left} y={top} width={width} height={height} {...drag} />
     </g>
   )
 }
@@ -197,7 +199,7 @@ function Level({ axis, cell }: { axis: Axis; cell: Cell }) {
 
 function Title({ axis, x, y, turned }: { axis: Axis; x: number; y: number; turned?: boolean }) {
   return (
-    <text x={x} y={y} textAnchor="middle" className="lab" transform={turned ? `rotate(-90 ${x} ${y})` : undefined}>
+    <text x={x} y={y} textAnchor="middle" className={figures.lab} transform={turned ? `rotate(-90 ${x} ${y})` : undefined}>
       <SvgSign text={axis.symbol} />
       {axis.unit && <tspan className={styles.unit}>, {unitText(axis.unit)}</tspan>}
     </text>

@@ -19,8 +19,9 @@ import { Parallel, type ViewProps } from './Parallel'
 import { Scatter } from './Scatter'
 import { type Axis, type Brush, brushed, brushOf, brushTexts, criterionAxis, FATES, keptOf, parametersOf, type Space, spaceOf, VALUE, valueAxis, worstOf } from './space'
 import { Toggles } from './Toggles'
-import './space.css'
-import runStyles from '../run.module.css'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
 import styles from './space.module.css'
 
 /** Maximum number of drawn evaluations: more lines would only cover each other. */
@@ -28,7 +29,7 @@ const MOST = 4000
 /** Maximum number of parameters for the cells of all pairs. */
 const FEW = 4
 
-export function SpaceCard({ data, className }: { data: RunData; className: string }) {
+export function SpaceCard({ data, className }: { data: RunData; className: string | undefined }) {
   const { run, catalogue, evaluations, parameters } = data
   const theme = useTheme()
   const [address, change] = useAddress(run.id)
@@ -85,7 +86,7 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
       data={() => tableOf(space, kept)}
       footer="Drag along an axis or in a cell to select a range; drag its ends to change it, click to clear it. The data and the CSV file contain the selection."
     >
-      <div className="space" onKeyDown={(event) => event.key === 'Escape' && setBrush({})}>
+      <div className={styles.space} onKeyDown={(event) => event.key === 'Escape' && setBrush({})}>
         <div className={styles.head}>
           <div>
             <Toggles space={space} hidden={hidden} onToggle={toggle} />
@@ -171,7 +172,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
           <button
             key={axis.key}
             type="button"
-            className="chip on"
+            className={clsx(buttons.chip, buttons.on)}
             onClick={() => onBrush(axis, null)}
           >
             <span>
@@ -183,7 +184,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
         )
       })}
       {ranged.length > 0 && (
-        <button type="button" className="btn s" onClick={onClear}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={onClear}>
           Clear brush
         </button>
       )}
@@ -193,9 +194,10 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
 
 function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, number]; onPair: (pair: readonly [number, number]) => void }) {
   const choice = (name: string, end: 0 | 1) => (
-    <label className="row small mut">
+    <label className={clsx(layout.row, 'small mut')}>
       {name}
       <select
+        className={fields.select}
         value={pair[end]}
         onChange={(event) => onPair(end === 0 ? [Number(event.target.value), pair[1]] : [pair[0], Number(event.target.value)])}
       >
@@ -209,7 +211,7 @@ function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, nu
     </label>
   )
   return (
-    <div className={runStyles.pair}>
+    <div className={styles.pair}>
       {choice('Vertical', 1)}
       {choice('Horizontal', 0)}
     </div>

@@ -2,6 +2,7 @@
 import { count } from '../../format/numbers'
 import { Mark } from '../../ui/MethodMark'
 import { FATES, type Space } from './space'
+import figures from '../../ui/figures.module.css'
 
 interface TogglesProps {
   space: Space
@@ -14,12 +15,12 @@ const OUTLINES = { failed: 'M1.8 1.8l6.4 6.4M8.2 1.8l-6.4 6.4', excluded: 'M1.7 
 export function Toggles({ space, hidden, onToggle }: TogglesProps) {
   const numbers = FATES.map((_, fate) => space.fates.reduce((sum, of) => sum + (of === fate ? 1 : 0), 0))
   return (
-    <div className="lg" role="group" aria-label="Shown evaluations">
+    <div className={figures.lg} role="group" aria-label="Shown evaluations">
       {space.groups.map((group) => (
         <button
           key={group.key}
           type="button"
-          className="k"
+          className={figures.k}
           aria-pressed={!hidden.has(group.key)}
           title={`${count(group.shown)} of ${count(group.total)} evaluations drawn`}
           onClick={() => onToggle(group.key)}
@@ -33,12 +34,12 @@ export function Toggles({ space, hidden, onToggle }: TogglesProps) {
           <button
             key={fate}
             type="button"
-            className="k"
+            className={figures.k}
             aria-pressed={!hidden.has(fate)}
             title={`Without a value: ${fate === 'failed' ? 'a cross and a dashed line' : 'a square and a dotted line'}`}
             onClick={() => onToggle(fate)}
           >
-            <svg className="mk" viewBox="0 0 10 10" aria-hidden="true">
+            <svg className={figures.mk} viewBox="0 0 10 10" aria-hidden="true">
               <path d={OUTLINES[fate]} fill="none" stroke="var(--ink-3)" strokeWidth={1.6} />
             </svg>
             {fate === 'failed' ? 'Failed' : 'Excluded'} <span className="mut">{count(numbers[FATES.indexOf(fate)])}</span>

@@ -9,6 +9,7 @@ import { Said } from '../../ui/Said'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
 import { NextSteps } from './NextSteps'
+import cards from '../../ui/cards.module.css'
 import styles from './verdict.module.css'
 
 export function Banner({ data }: { data: RunData }) {
@@ -17,10 +18,10 @@ export function Banner({ data }: { data: RunData }) {
   const { summary } = run
   const { tone, word } = lookOf(outcome)
   return (
-    <section className={`banner ${tone}`} aria-label="Verdict" role={run.verdict ? undefined : 'alert'}>
+    <section className={cards.banner} data-tone={tone} aria-label="Verdict" role={run.verdict ? undefined : 'alert'}>
       <OutcomeIcon outcome={outcome} />
       <div>
-        <div className="w" data-testid="verdict">
+        <div className={cards.w} data-testid="verdict">
           {run.verdict ? word : `${word}: no verdict`}
         </div>
         <span className={styles.bannerHelp}>

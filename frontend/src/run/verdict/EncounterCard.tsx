@@ -5,6 +5,7 @@ import { HelpLink } from '../../help/links'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
+import lists from '../../ui/lists.module.css'
 
 const AT: Record<ClosestApproach['at'], string> = {
   start: 'at the start of the horizon',
@@ -16,7 +17,7 @@ const AT: Record<ClosestApproach['at'], string> = {
 interface EncounterProps {
   data: RunData
   encounter: Encounter
-  className: string
+  className: string | undefined
 }
 
 export function EncounterCard({ data, encounter, className }: EncounterProps) {
@@ -32,7 +33,7 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
       id="encounter"
       right={<HelpLink to="/help/evidence" at="vacuous">Why this is checked</HelpLink>}
     >
-      <dl className="kv">
+      <dl className={lists.kv}>
         {unseen && <Closest name="nominal" approach={closest} />}
         {findings.map((each) => each.closest && <Closest key={each.label} name={each.label} approach={each.closest} />)}
         {unseen && (

@@ -8,6 +8,7 @@ import { Sign } from '../../ui/Sign'
 import { finderOf, type RunData } from '../data/data'
 import runStyles from '../run.module.css'
 import { whereOf } from './where'
+import cards from '../../ui/cards.module.css'
 
 export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' | 'findings'> }) {
   const { run, campaign } = data
@@ -22,7 +23,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
   const compute = run.stages.reduce((sum, stage) => sum + stage.seconds, 0)
   const percentOf = percent(statistics?.upper_bound, 3).split('\u202f')
   return (
-    <div className="card" style={{ marginTop: 'var(--gap)' }}>
+    <div className={cards.card} style={{ marginTop: 'var(--gap)' }}>
       <div className={runStyles.stats}>
         <Stat
           name={

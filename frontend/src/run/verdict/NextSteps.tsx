@@ -1,9 +1,11 @@
 // What may be tried next after an inconclusive verdict: each step opens the launch page with the campaign changed.
+import { clsx } from 'clsx'
 import { IconRefresh } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { keysOf, stepsOf } from '../../api/steps'
 import type { RunDetail } from '../../client'
 import { Said } from '../../ui/Said'
+import buttons from '../../ui/buttons.module.css'
 import styles from './verdict.module.css'
 
 export function NextSteps({ run }: { run: RunDetail }) {
@@ -12,7 +14,7 @@ export function NextSteps({ run }: { run: RunDetail }) {
   return (
     <div className={styles.next} role="group" aria-label="Next steps">
       {steps.map((step) => (
-        <Link key={step.key} to="/launch" search={{ from: run.id, remedy: step.key }} className="btn s">
+        <Link key={step.key} to="/launch" search={{ from: run.id, remedy: step.key }} className={clsx(buttons.btn, buttons.s)}>
           <IconRefresh className="i s" aria-hidden />
           <span>
             Run again <Said spans={step.remedy.said} />
@@ -20,7 +22,7 @@ export function NextSteps({ run }: { run: RunDetail }) {
         </Link>
       ))}
       {steps.length > 1 && (
-        <Link to="/launch" search={{ from: run.id, remedy: keysOf(steps) }} className="btn s">
+        <Link to="/launch" search={{ from: run.id, remedy: keysOf(steps) }} className={clsx(buttons.btn, buttons.s)}>
           {steps.length === 2 ? 'With both' : `With all ${steps.length}`}
         </Link>
       )}

@@ -1,4 +1,5 @@
 // Compares published values with those of the run, if the campaign repeats a study, at the published point if given.
+import { clsx } from 'clsx'
 import { IconAlertTriangle } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Fragment } from 'react'
@@ -9,6 +10,9 @@ import { decimalsFor, fixed, NONE, signed } from '../../format/numbers'
 import { Card, NumHead } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { type RunData, searchesOf } from '../data/data'
+import cards from '../../ui/cards.module.css'
+import lists from '../../ui/lists.module.css'
+import tables from '../../ui/tables.module.css'
 
 /** Whether this campaign equals the shipped one, apart from budgets. */
 function useChanged(campaign: Campaign): boolean {
@@ -18,7 +22,7 @@ function useChanged(campaign: Campaign): boolean {
   return shipped !== undefined && part(shipped) !== part(campaign)
 }
 
-export function Published({ data, className }: { data: RunData; className: string }) {
+export function Published({ data, className }: { data: RunData; className: string | undefined }) {
   const { run, campaign } = data
   const rows = campaign.published ?? []
   const changed = useChanged(campaign)
@@ -36,12 +40,12 @@ export function Published({ data, className }: { data: RunData; className: strin
       footer={campaign.notes ? <Notes text={campaign.notes} /> : undefined}
     >
       {changed && (
-        <p className="note warn" style={{ margin: '4px 16px 8px' }}>
+        <p className={clsx(cards.note, cards.warn)} style={{ margin: '4px 16px 8px' }}>
           <IconAlertTriangle className="i" aria-hidden />
           Scenario or bounds of this run differ from the study: the values need not agree.
         </p>
       )}
-      <table className="tight">
+      <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>
             <th>Value</th>
@@ -56,7 +60,7 @@ export function Published({ data, className }: { data: RunData; className: strin
             return (
               <tr key={row.label}>
                 <td>
-                  <span className="rn">
+                  <span className={tables.rn}>
                     <span>{row.label}</span>
                     <small>
                       {[row.source, where(data, row)].filter(Boolean).map((part, i) => (
@@ -86,7 +90,7 @@ function Notes({ text }: { text: string }) {
   return (
     <details>
       <summary>How this campaign was made</summary>
-      <p className="about">{text}</p>
+      <p className={lists.about}>{text}</p>
     </details>
   )
 }

@@ -11,12 +11,15 @@ import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import { casesOf, validatedWord } from '../data/validated'
+import badges from '../../ui/badges.module.css'
+import lists from '../../ui/lists.module.css'
+import tables from '../../ui/tables.module.css'
 import styles from './verdict.module.css'
 
 interface ValidationCardProps {
   data: Pick<RunData, 'run' | 'stages' | 'findings' | 'parameters'>
   result: ValidateResult
-  className: string
+  className: string | undefined
 }
 
 export function ValidationCard({ data, result, className }: ValidationCardProps) {
@@ -38,7 +41,7 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
       id="validation"
       flush={cases.length > 0}
       right={
-        <span className={`vd ${result.ok ? 'ok' : 'unk'}`}>
+        <span className={badges.vd} data-tone={result.ok ? 'ok' : 'unk'}>
           {result.ok ? <IconCircleCheck className="i" aria-hidden /> : <IconCircleX className="i" aria-hidden />}
           {result.ok ? 'Passed' : 'Not passed'}
         </span>
@@ -68,7 +71,7 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
       }
     >
       {cases.length > 0 ? (
-        <table className="tight">
+        <table className={clsx(tables.table, tables.tight)}>
           <thead>
             <tr>
               <th>Case</th>
@@ -110,7 +113,7 @@ function Again({ data: { run, stages }, repeated, violations, spots }: AgainProp
   const { at } = spots
   const stage = at && stages.find((s) => s.position === at.position)
   return (
-    <dl className={clsx('kv', styles.again)} aria-label={repeated ? 'Evaluated again' : 'Simulated again'}>
+    <dl className={clsx(lists.kv, styles.again)} aria-label={repeated ? 'Evaluated again' : 'Simulated again'}>
       <dt>Stored violations</dt>
       <dd data-testid="violations">
         {count(violations.stored)} stored, {count(violations.checked)} checked, {count(violations.confirmed)} confirmed

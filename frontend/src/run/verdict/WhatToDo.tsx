@@ -5,7 +5,7 @@ import { Card } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import styles from './verdict.module.css'
 
-export function WhatToDo({ run, className }: { run: RunDetail; className: string }) {
+export function WhatToDo({ run, className }: { run: RunDetail; className: string | undefined }) {
   const stage = run.stages.find(({ state }) => state === 'running')
   return (
     <Card title="What to do" className={className}>

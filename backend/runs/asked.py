@@ -1,0 +1,74 @@
+"""What the address of a submission adds to its body: labels, a baseline, reuse. A YAML body has no place for them.
+
+Start reading at `Asked`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import Depends, Query
+from pydantic import ValidationError
+
+from backend.http.errors import RefusedError, problem_of
+from backend.runs.requests import RunSubmit
+from campaigns import CampaignError, Problem
+from campaigns.documents import JsonObject
+from campaigns.labels import MOST, parsed
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The parts of a submission that its address gives; empty if it gives none."""
+
+    parts: JsonObject
+
+    def with_body(self, given: RunSubmit) -> RunSubmit:
+        """The submission with both; raises `CampaignError` for a part that is given twice."""
+        twice = [name for name in self.parts if name in given.model_fields_set]
+        if twice:
+            said = "given in the address and in the body: give it once"
+            raise CampaignError("request", [Problem(name, "", said) for name in twice])
+        return given.model_copy(update=self.parts)
+
+    def digest(self, body: bytes) -> str:
+        """Of the whole request, to distinguish a repeated request from another one with the same key."""
+        address = b"\0" + json.dumps(self.parts, sort_keys=True).encode() if self.parts else b""
+        return hashlib.sha256(body + address).hexdigest()
+
+
+def asked(
+    label: Annotated[
+        list[str] | None,
+        Query(max_length=MOST, description="Labels as KEY=VALUE, such as branch=main; repeat it for each."),
+    ] = None,
+    baseline: Annotated[
+        str | None, Query(description="The run with which this one is compared: R-0001, or label:branch=main.")
+    ] = None,
+    reuse: Annotated[
+        bool, Query(description="Answer with an earlier run of the same campaign and code that has a verdict.")
+    ] = False,
+) -> Asked:
+    """Labels, baseline and reuse in the address; 422 with a sentence for what is not allowed."""
+    try:
+        parts: JsonObject = {"labels": parsed(label)} if label else {}
+    except ValueError as error:
+        raise _refused([Problem("label", "", f"{error}")]) from None
+    parts |= {} if baseline is None else {"baseline": baseline}
+    parts |= {"reuse": True} if reuse else {}
+    try:
+        RunSubmit.model_validate({"campaign": {}} | parts)
+    except ValidationError as error:
+        raise _refused([problem_of(e, e["loc"]) for e in error.errors(include_url=False)]) from None
+    return Asked(parts)
+
+
+def _refused(problems: list[Problem]) -> RefusedError:
+    detail = "the request does not match the API description: " + "; ".join(map(str, problems))
+    return RefusedError(422, "invalid-request", detail, problems)
+
+
+AskedFor = Annotated[Asked, Depends(asked)]

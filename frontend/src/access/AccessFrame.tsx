@@ -6,6 +6,7 @@ import { hasRole, type Role } from '../api/access'
 import { sessionQuery } from '../api/queries'
 import { useTitle } from '../page/useTitle'
 import styles from './access.module.css'
+import layout from '../ui/layout.module.css'
 
 const PAGES = [
   { to: '/access/users', name: 'Users', least: 'admin' },
@@ -25,11 +26,11 @@ export function AccessFrame({ title, actions, children }: AccessFrameProps) {
   const { data } = useQuery(sessionQuery)
   return (
     <div className={styles.page}>
-      <div className="ph">
-        <div className="t">
+      <div className={layout.ph}>
+        <div className={layout.t}>
           <h1>{title}</h1>
         </div>
-        {actions && <div className="acts">{actions}</div>}
+        {actions && <div className={layout.acts}>{actions}</div>}
       </div>
       <nav className={styles.tabs} aria-label="Access">
         {PAGES.filter(({ least }) => hasRole(data?.role, least)).map(({ to, name }) => (

@@ -1,4 +1,5 @@
 // The audit trail for administrators: in pages, newest first, by user and action; its head, and its export.
+import { clsx } from 'clsx'
 import { IconDownload } from '@tabler/icons-react'
 import { infiniteQueryOptions, useInfiniteQuery } from '@tanstack/react-query'
 import { useNavigate, useSearch } from '@tanstack/react-router'
@@ -11,6 +12,9 @@ import { Card } from '../ui/Card'
 import { CopyButton } from '../ui/files'
 import { AccessFrame } from './AccessFrame'
 import styles from './access.module.css'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import tables from '../ui/tables.module.css'
 
 const auditQuery = (actor: string, action: string) =>
   infiniteQueryOptions({
@@ -31,7 +35,7 @@ export function AuditPage() {
       title="Audit trail"
       actions={
         first && (
-          <a className="btn" href="/api/v1/audit/export" download="clearance-audit.jsonl">
+          <a className={buttons.btn} href="/api/v1/audit/export" download="clearance-audit.jsonl">
             <IconDownload className="i s" aria-hidden /> Export as JSON lines
           </a>
         )
@@ -50,7 +54,7 @@ export function AuditPage() {
             flush
             footer={
               query.hasNextPage && (
-                <button type="button" className="btn s" disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
+                <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
                   {query.isFetchingNextPage ? 'Loading …' : 'Show earlier ones'}
                 </button>
               )
@@ -93,9 +97,9 @@ interface ChoiceProps {
 function Choice({ label, value, options, onChange }: ChoiceProps) {
   const all = value && !options.includes(value) ? [value, ...options] : options
   return (
-    <label className="lbl">
+    <label className={fields.lbl}>
       {label}
-      <select className="inp" value={value} onChange={(event) => onChange(event.target.value || undefined)}>
+      <select className={fields.inp} value={value} onChange={(event) => onChange(event.target.value || undefined)}>
         <option value="">any</option>
         {all.map((option) => (
           <option key={option}>{option}</option>
@@ -108,7 +112,7 @@ function Choice({ label, value, options, onChange }: ChoiceProps) {
 function Table({ entries }: { entries: readonly AuditEntry[] }) {
   if (entries.length === 0) return <p className="sec" style={{ padding: 12 }}>No row matches.</p>
   return (
-    <table>
+    <table className={tables.table}>
       <thead>
         <tr>
           <th className="num">Row</th>

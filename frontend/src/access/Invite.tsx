@@ -1,4 +1,5 @@
 // Inviting a user: name and role, then the link, which is shown only once.
+import { clsx } from 'clsx'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
@@ -8,6 +9,9 @@ import { moment } from '../format/time'
 import { isLocal } from './hosts'
 import { Secret } from './Secret'
 import styles from './access.module.css'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
 
 export function InviteForm({ onDone }: { onDone: () => void }) {
   const cache = useQueryClient()
@@ -20,16 +24,16 @@ export function InviteForm({ onDone }: { onDone: () => void }) {
   if (invite.data) return <InvitationLink invitation={invite.data} onDone={onDone} />
   return (
     <form
-      className="panel"
+      className={fields.panel}
       onSubmit={(event) => {
         event.preventDefault()
         invite.mutate()
       }}
     >
-      <label className="lbl">
+      <label className={fields.lbl}>
         Name
         <input
-          className="inp"
+          className={fields.inp}
           value={name}
           maxLength={64}
           required
@@ -43,15 +47,15 @@ export function InviteForm({ onDone }: { onDone: () => void }) {
       </label>
       <RoleChoice value={role} onChange={setRole} />
       {invite.isError && (
-        <p className="ferr" role="alert">
+        <p className={fields.ferr} role="alert">
           {invite.error.message}
         </p>
       )}
-      <div className="acts" style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className="btn" onClick={onDone}>
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
           Not now
         </button>
-        <button type="submit" className="btn p" disabled={invite.isPending || !name.trim()}>
+        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={invite.isPending || !name.trim()}>
           Make the link
         </button>
       </div>
@@ -82,9 +86,9 @@ export function InvitationLink({ invitation, onDone }: { invitation: Invitation;
 export function RoleChoice({ value, onChange }: { value: Role; onChange: (role: Role) => void }) {
   return (
     <fieldset className={styles.choices}>
-      <legend className="lbl">Role</legend>
+      <legend className={fields.lbl}>Role</legend>
       {ROLES.map(({ role, may }) => (
-        <label key={role} className="pickrow">
+        <label key={role} className={fields.pickrow}>
           <input type="radio" name="role" checked={role === value} onChange={() => onChange(role)} />
           <span>
             <b>{role}</b> <span className="sec">{may}</span>

@@ -1,4 +1,5 @@
 // The browsers that are signed in: your own, for administrators all; and changing your password.
+import { clsx } from 'clsx'
 import { Modal } from '@mantine/core'
 import { IconLock } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
@@ -11,6 +12,10 @@ import { Loading, Trouble } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import { AccessFrame } from './AccessFrame'
 import { browserOf } from './browser'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 
 export function SessionsPage() {
   const { data, error, isError, refetch } = useQuery(sessionsQuery)
@@ -23,7 +28,7 @@ export function SessionsPage() {
       actions={
         self &&
         self.via !== 'token' && (
-          <button type="button" className="btn" onClick={() => setChanging(true)}>
+          <button type="button" className={buttons.btn} onClick={() => setChanging(true)}>
             <IconLock className="i s" aria-hidden /> {word}
           </button>
         )
@@ -54,11 +59,11 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
   return (
     <>
       {revoke.isError && (
-        <p className="ferr" role="alert">
+        <p className={fields.ferr} role="alert">
           {revoke.error.message}
         </p>
       )}
-      <table>
+      <table className={tables.table}>
         <thead>
           <tr>
             <th>User</th>
@@ -87,7 +92,7 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
                 ) : (
                   <button
                     type="button"
-                    className="btn s"
+                    className={clsx(buttons.btn, buttons.s)}
                     disabled={revoke.isPending}
                     aria-label={`Sign out ${session.user}, ${browserOf(session.agent)}`}
                     onClick={() => revoke.mutate(session.id)}
@@ -119,7 +124,7 @@ function PasswordForm({ has, user, onDone }: { has: boolean; user: string; onDon
   const differ = again !== '' && again !== next
   return (
     <form
-      className="panel"
+      className={fields.panel}
       onSubmit={(event) => {
         event.preventDefault()
         change.mutate()
@@ -130,17 +135,17 @@ function PasswordForm({ has, user, onDone }: { has: boolean; user: string; onDon
       {has && <Password label="Current password" kind="current-password" value={current} onChange={setCurrent} />}
       <Password label="New password" kind="new-password" value={next} onChange={setNext} />
       <Password label="The same again" kind="new-password" value={again} onChange={setAgain} />
-      {differ && <p className="ferr">The two new passwords differ.</p>}
+      {differ && <p className={fields.ferr}>The two new passwords differ.</p>}
       {change.isError && (
-        <p className="ferr" role="alert">
+        <p className={fields.ferr} role="alert">
           {change.error.message}
         </p>
       )}
-      <div className="acts" style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className="btn" onClick={onDone}>
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
           Not now
         </button>
-        <button type="submit" className="btn p" disabled={change.isPending || !next || again !== next}>
+        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={change.isPending || !next || again !== next}>
           Change
         </button>
       </div>
@@ -157,9 +162,9 @@ interface PasswordProps {
 
 function Password({ label, kind, value, onChange }: PasswordProps) {
   return (
-    <label className="lbl">
+    <label className={fields.lbl}>
       {label}
-      <input className="inp" type="password" autoComplete={kind} required value={value} onChange={(event) => onChange(event.target.value)} />
+      <input className={fields.inp} type="password" autoComplete={kind} required value={value} onChange={(event) => onChange(event.target.value)} />
     </label>
   )
 }

@@ -1,4 +1,5 @@
 // API tokens: your own, for administrators all; creating and revoking.
+import { clsx } from 'clsx'
 import { Modal } from '@mantine/core'
 import { IconKey } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
@@ -12,6 +13,10 @@ import { Card } from '../ui/Card'
 import { AccessFrame } from './AccessFrame'
 import { Secret } from './Secret'
 import styles from './access.module.css'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 
 const SCOPES = [
   { scope: 'read', may: 'reads everything', least: 'viewer' },
@@ -35,7 +40,7 @@ export function TokensPage() {
       title="API tokens"
       actions={
         data && (
-          <button type="button" className="btn p" onClick={() => setCreating(true)}>
+          <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={() => setCreating(true)}>
             <IconKey className="i s" aria-hidden /> New token
           </button>
         )
@@ -69,7 +74,7 @@ export function TokensPage() {
 
 function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (token: Token) => void }) {
   return (
-    <table>
+    <table className={tables.table}>
       <thead>
         <tr>
           <th>Name</th>
@@ -100,7 +105,7 @@ function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (toke
             </td>
             <td className="num">
               {token.state === 'active' && (
-                <button type="button" className="btn s" aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>
+                <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>
                   Revoke …
                 </button>
               )}
@@ -141,16 +146,16 @@ function CreateForm({ onDone }: { onDone: () => void }) {
     )
   return (
     <form
-      className="panel"
+      className={fields.panel}
       onSubmit={(event) => {
         event.preventDefault()
         create.mutate()
       }}
     >
-      <label className="lbl">
+      <label className={fields.lbl}>
         Name
         <input
-          className="inp"
+          className={fields.inp}
           value={name}
           maxLength={64}
           required
@@ -162,9 +167,9 @@ function CreateForm({ onDone }: { onDone: () => void }) {
         <span className="small mut">What it is for, such as nightly-ci. Runs that it launches show this name.</span>
       </label>
       <fieldset className={styles.choices}>
-        <legend className="lbl">Scope</legend>
+        <legend className={fields.lbl}>Scope</legend>
         {SCOPES.filter(({ least }) => hasRole(role, least)).map((one) => (
-          <label key={one.scope} className="pickrow">
+          <label key={one.scope} className={fields.pickrow}>
             <input type="radio" name="scope" checked={one.scope === scope} onChange={() => setScope(one.scope)} />
             <span>
               <b>{one.scope}</b> <span className="sec">{one.may}</span>
@@ -172,9 +177,9 @@ function CreateForm({ onDone }: { onDone: () => void }) {
           </label>
         ))}
       </fieldset>
-      <label className="lbl">
+      <label className={fields.lbl}>
         Expires
-        <select className="inp" value={days ?? ''} onChange={(event) => setDays(event.target.value ? Number(event.target.value) : null)}>
+        <select className={fields.inp} value={days ?? ''} onChange={(event) => setDays(event.target.value ? Number(event.target.value) : null)}>
           {LIFETIMES.map((one) => (
             <option key={one.name} value={one.days ?? ''}>
               {one.days === null ? one.name : `in ${one.name}`}
@@ -183,15 +188,15 @@ function CreateForm({ onDone }: { onDone: () => void }) {
         </select>
       </label>
       {create.isError && (
-        <p className="ferr" role="alert">
+        <p className={fields.ferr} role="alert">
           {create.error.message}
         </p>
       )}
-      <div className="acts" style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className="btn" onClick={onDone}>
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
           Not now
         </button>
-        <button type="submit" className="btn p" disabled={create.isPending || !name.trim()}>
+        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={create.isPending || !name.trim()}>
           Create
         </button>
       </div>
@@ -206,18 +211,18 @@ function RevokeForm({ token, onDone }: { token: Token; onDone: () => void }) {
     onSuccess: () => cache.invalidateQueries({ queryKey: ['tokens'] }).then(onDone),
   })
   return (
-    <div className="panel">
+    <div className={fields.panel}>
       <p className="sec">Programs that use it are refused from now on. This cannot be undone, and the name cannot be used again.</p>
       {revoke.isError && (
-        <p className="ferr" role="alert">
+        <p className={fields.ferr} role="alert">
           {revoke.error.message}
         </p>
       )}
-      <div className="acts" style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className="btn" onClick={onDone}>
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
           Keep it
         </button>
-        <button type="button" className="btn danger p" disabled={revoke.isPending} onClick={() => revoke.mutate()}>
+        <button type="button" className={clsx(buttons.btn, buttons.danger, buttons.p)} disabled={revoke.isPending} onClick={() => revoke.mutate()}>
           Revoke
         </button>
       </div>

@@ -1,4 +1,5 @@
 // Users with their roles, for administrators: inviting, changing, withdrawing access; the setting of sign-offs.
+import { clsx } from 'clsx'
 import { Modal } from '@mantine/core'
 import { IconUserPlus } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
@@ -14,6 +15,10 @@ import { Card } from '../ui/Card'
 import { Pick } from '../ui/Menu'
 import { AccessFrame } from './AccessFrame'
 import { InvitationLink, InviteForm, RoleChoice } from './Invite'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
 
 export function UsersPage() {
   const { invite = false } = useSearch({ from: '/access/users' })
@@ -26,7 +31,7 @@ export function UsersPage() {
       title="Users"
       actions={
         data && (
-          <button type="button" className="btn p" onClick={() => ask(true)}>
+          <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={() => ask(true)}>
             <IconUserPlus className="i s" aria-hidden /> Invite
           </button>
         )
@@ -57,7 +62,7 @@ export function UsersPage() {
 function Table({ users, onChange }: { users: readonly User[]; onChange: (user: User) => void }) {
   const self = useQuery(sessionQuery).data?.account
   return (
-    <table>
+    <table className={tables.table}>
       <thead>
         <tr>
           <th>Name</th>
@@ -87,7 +92,7 @@ function Table({ users, onChange }: { users: readonly User[]; onChange: (user: U
             </td>
             <td className="num">
               {!user.fixed && user.name !== self && (
-                <button type="button" className="btn s" aria-label={`Change ${user.name}`} onClick={() => onChange(user)}>
+                <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Change ${user.name}`} onClick={() => onChange(user)}>
                   Change …
                 </button>
               )}
@@ -125,7 +130,7 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
   const error = change.error ?? renew.error
   return (
     <form
-      className="panel"
+      className={fields.panel}
       onSubmit={(event) => {
         event.preventDefault()
         change.mutate({ role })
@@ -134,20 +139,20 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
       <RoleChoice value={role} onChange={setRole} />
       <p className="small mut">A change applies at once, to open browsers and API tokens too.</p>
       {error && (
-        <p className="ferr" role="alert">
+        <p className={fields.ferr} role="alert">
           {error.message}
         </p>
       )}
-      <div className="acts" style={{ justifyContent: 'flex-end' }}>
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
         {!disabled && (
-          <button type="button" className="btn" disabled={renew.isPending} onClick={() => renew.mutate()}>
+          <button type="button" className={buttons.btn} disabled={renew.isPending} onClick={() => renew.mutate()}>
             New link
           </button>
         )}
-        <button type="button" className={disabled ? 'btn' : 'btn danger'} disabled={change.isPending} onClick={() => change.mutate({ disabled: !disabled })}>
+        <button type="button" className={clsx(buttons.btn, !disabled && buttons.danger)} disabled={change.isPending} onClick={() => change.mutate({ disabled: !disabled })}>
           {disabled ? 'Grant access again' : 'Withdraw access'}
         </button>
-        <button type="submit" className="btn p" disabled={change.isPending || role === user.role}>
+        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={change.isPending || role === user.role}>
           Change the role
         </button>
       </div>
@@ -170,7 +175,7 @@ function SignOffs() {
         </Pick>
       )}
       {change.isError && (
-        <p className="ferr" role="alert">
+        <p className={fields.ferr} role="alert">
           {change.error.message}
         </p>
       )}

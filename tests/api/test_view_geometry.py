@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +14,8 @@ from backend.scenes.base.flight import Closest, Flight, from_live, rate
 from backend.scenes.drawing import cameras
 from backend.scenes.drawing.bodies import bodies_of, nearest
 from backend.scenes.drawing.cameras import Scene, Sight, pose
+from backend.scenes.drawing.drawn import Drawn
+from backend.scenes.drawing.flights import Flights
 from tests.api.finished import encounter, straight
 
 UNIT, THRESHOLD = 2.0, 10.0
@@ -115,3 +119,26 @@ def test_the_relative_velocity_is_that_to_the_nearest_obstacle() -> None:
     assert moving.number == 0
     assert flight.velocity(3.0) - moving.velocity(3.0) == pytest.approx((0, 40, 1))
     assert nearest([], place, 0.0) is None
+
+
+def test_a_flight_that_is_taken_away_while_the_camera_asks_for_it_is_no_matter() -> None:
+    """The camera asks in the thread of the view, requests of the page draw in others."""
+    whole = flown(straight(500, 60, -30, -20, 0, -1))
+    drawn, flights = Drawn.__new__(Drawn), Flights.__new__(Flights)
+    nothing = SimpleNamespace(flight=None, visible=True)
+
+    class Leaving:
+        """A flight that is gone as soon as anything of it was read."""
+
+        def __getattr__(self, name: str) -> Any:
+            drawn.flight, drawn.bodies = None, []
+            return getattr(whole, name)
+
+    level = {"_world": SimpleNamespace(frame=SimpleNamespace(span=1.0)), "_setting": SimpleNamespace(planar=0)}
+    drawn.__dict__.update(level, style=SimpleNamespace(layer=0), visible=True, flight=Leaving(), bodies=[])
+    flights.__dict__.update(chosen=drawn, nominal=nothing, what_if=nothing)
+    sight = flights.sight(1.0)
+    assert sight is not None
+    assert sight.vehicle == pytest.approx(whole.at(1.0)[0])
+    assert sight.closest is whole.closest
+    assert flights.sight(1.0) is None

@@ -90,10 +90,11 @@ class Drawn:
         if self.flight is not None:
             self.draw(self.flight, time)
 
-    def place(self, time: float) -> Any:
-        """The drawn position of the vehicle at a time (3,); requires a flight."""
-        assert self.flight is not None
-        return self.flight.at(time)[0] + self._lift
+    def place(self, time: float, flight: Flight | None = None) -> Any:
+        """The drawn position of the vehicle at a time (3,), by default in the flight drawn, which there must be."""
+        flight = flight or self.flight
+        assert flight is not None
+        return flight.at(time)[0] + self._lift
 
     @property
     def tag(self) -> Tag | None:

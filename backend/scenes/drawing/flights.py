@@ -109,14 +109,18 @@ class Flights(Part):
         return next((drawn for drawn in shown if drawn.visible), shown[0] if shown else None)
 
     def sight(self, time: float) -> Sight | None:
-        """The state of that flight at a time [s]."""
+        """The state of that flight at a time [s].
+
+        The camera asks for it while another thread may draw another flight or none: each is read once.
+        """
         lead = self.lead
-        if lead is None or lead.flight is None:
+        flight, bodies = (None, []) if lead is None else (lead.flight, lead.bodies)
+        if lead is None or flight is None:
             return None
-        turn, closest = lead.flight.at(time)[1], lead.flight.closest
-        body = lead.bodies[closest.number] if closest and closest.number < len(lead.bodies) else None
+        turn, closest = flight.at(time)[1], flight.closest
+        body = bodies[closest.number] if closest and closest.number < len(bodies) else None
         return Sight(
-            vehicle=lead.place(time),
+            vehicle=lead.place(time, flight),
             forward=rotated(turn, np.array([1.0, 0.0, 0.0])),
             obstacle=None if body is None else body.at(time),
             reach=0.0 if body is None else body.extent,

@@ -8,9 +8,12 @@ from backend.db.access import Visitor, account_of
 from backend.http.errors import RefusedError
 
 
-def require_own(reader: sa.Connection, visitor: Visitor, owner: str, what: str) -> None:
-    """Raise 403 unless the visitor's account owns it, itself or by a token, or the visitor is an administrator."""
-    if visitor.sees_all or account_of(reader, owner) == visitor.account:
+def require_own(reader: sa.Connection, visitor: Visitor, owner: str | None, what: str) -> None:
+    """Raise 403 unless the visitor's account owns it, itself or by a token, or the visitor is an administrator.
+
+    owner: None where there is no such thing, which the caller reports.
+    """
+    if owner is None or visitor.sees_all or account_of(reader, owner) == visitor.account:
         return
     detail = (
         f"{what} belongs to {owner or 'another user'}, and you are {visitor.account}: only its owner and an "

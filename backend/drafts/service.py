@@ -76,8 +76,7 @@ def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visi
     values: JsonObject = given.model_dump(exclude={"version", "run"})
     with engine.begin() as writer:
         owner = writer.scalar(sa.select(Row.owner).where(Row.id == draft_id))
-        if owner is not None:
-            require_own(writer, visitor, owner, name(draft_id))
+        require_own(writer, visitor, owner, name(draft_id))
         if given.run is not None:
             values["run_id"] = _run(writer, given.run)
         values |= {"version": given.version + 1, "saved": now(writer), "saved_by": visitor.user}

@@ -37,8 +37,7 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> No
     with engine.begin() as writer:
         refuse_removed(writer, run_id)
         owner = writer.scalar(sa.select(Run.owner).where(Run.id == run_id))
-        if owner is not None:
-            require_own(writer, visitor, owner, run_name(run_id))
+        require_own(writer, visitor, owner, run_name(run_id))
         if given.notes is not None and given.notes_before is not None:
             _unchanged(writer, run_id, given.notes_before)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:

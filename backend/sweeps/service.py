@@ -174,8 +174,7 @@ def cancel(engine: sa.Engine, sweep_id: int, visitor: Visitor) -> SweepDetail:
     """Cancel all runs of a sweep that have not ended; 404 if there is no such sweep, 403 if it is another user's."""
     with engine.begin() as writer:
         owner = writer.scalar(sa.select(Sweep.owner).where(Sweep.id == sweep_id))
-        if owner is not None:
-            require_own(writer, visitor, owner, sweep_name(sweep_id))
+        require_own(writer, visitor, owner, sweep_name(sweep_id))
         changed = []
         of = sa.select(Run.id).join(SweepRun, SweepRun.run_id == Run.id)
         # Runs of which the results were purged have ended.

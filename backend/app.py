@@ -80,8 +80,8 @@ def create(settings: Settings) -> FastAPI:
         await to_thread.run_sync(live.close)
         await to_thread.run_sync(app.state.previews.stop)
         await to_thread.run_sync(app.state.cases.close)
+        await door.close()
         engine.dispose()
-        door.close()
 
     app = FastAPI(
         title="Clearance",

@@ -65,8 +65,9 @@ class Door:
         """Run a query; never waits for writers."""
         return await to_thread.run_sync(functools.partial(self._read, question), limiter=self._threads)
 
-    def close(self) -> None:
-        """Close the connections."""
+    async def close(self) -> None:
+        """Close the connections, once those that record a use have ended: a connection that is in use is not closed."""
+        await asyncio.gather(*self._tasks, return_exceptions=True)
         self._engine.dispose()
         self._notes.dispose()
 

@@ -89,6 +89,7 @@ class Service:
         self.server.should_exit = True
         self._thread.join(30)
         assert not self._thread.is_alive()
+        self.engine.dispose()  # what a test has read in the meantime
 
     def publish(self, document: dict[str, Any] | None = None) -> None:
         """Have a catalogue, as a worker would publish it."""

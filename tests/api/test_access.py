@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.access import create_login_code, hashed, revoke_token
-from backend.db.engine import read
+from backend.db.engine import connect, read
 from backend.db.tables import LoginLink, Session, Token
 from backend.sessions.attempts import BURST
 from tests.api.answers import problem
@@ -148,18 +149,33 @@ def last_used(service: Service) -> float | None:
 
 
 @contextmanager
-def writing(service: Service) -> Iterator[None]:
+def writing(engine: sa.Engine) -> Iterator[None]:
     """While a write transaction is open, as a worker's may be."""
-    with service.engine.connect() as connection:
+    with engine.connect() as connection:
         connection.execute(sa.update(Token).values(created=0.0))
         yield
         connection.rollback()
 
 
 @BOTH
+def test_stopping_leaves_no_connection_open_while_a_use_is_recorded(fresh: Fresh, tmp_path: Path) -> None:
+    with running(fresh, tmp_path) as service:
+        notes, count = service.app.state.door._notes, Counter[str]()
+        for name in ("connect", "close"):
+            sa.event.listen(notes, name, lambda *_, name=name: count.update([name]))
+        token, beside = service.token("ci"), connect(service.settings.database_url)
+        with service.visitor(authorization=f"Bearer {token}") as program, writing(beside):
+            assert program.get("/api/v1/session").status_code == 200
+            until(lambda: notes.pool.checkedout())
+            service.stop()
+        beside.dispose()
+        assert count["connect"] == count["close"] == 1
+
+
+@BOTH
 def test_authentication_does_not_wait_for_a_writer(service: Service) -> None:
     token = service.token("ci")
-    with service.visitor(authorization=f"Bearer {token}") as program, writing(service):
+    with service.visitor(authorization=f"Bearer {token}") as program, writing(service.engine):
         program.timeout = httpx.Timeout(5.0)
         assert [program.get("/api/v1/session").status_code for _ in range(3)] == [200] * 3
         assert program.get("/login", params={"code": "x" * 43}).status_code == 403

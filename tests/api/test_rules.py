@@ -56,7 +56,7 @@ def desk(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Itera
         scope["entered"].append(scope["path"])
 
     yield Desk(app, Guard(inside, app.state.door, 100), visitors)
-    app.state.door.close()
+    asyncio.run(app.state.door.close())
     app.state.engine.dispose()
 
 

@@ -18,7 +18,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 from PIL import Image
-from playwright.sync_api import Browser, Download, Page, expect
+from playwright.sync_api import Browser, Download, Page, Route, expect
 
 from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
@@ -228,6 +228,55 @@ def test_two_runs_are_compared(visit: Visit) -> None:
     page.get_by_role("button", name="All", exact=True).click()
     expect(page).to_have_url(re.compile("all=true"))
     assert settings.count() > 20
+
+
+REFUSED = {"title": "Unprocessable Entity", "status": 422, "detail": "The disk is full."}
+LOADED = (
+    ("/runs", "The disk is full."),
+    ("/runs/R-0001", "The disk is full."),
+    ("/compare?runs=R-0001,R-0002", "R-0001, R-0002 could not be loaded and are not compared."),
+    ("/trends", "The disk is full."),
+    ("/reports", "The disk is full."),
+    ("/sweeps", "The disk is full."),
+    ("/help/components", "The disk is full."),
+    ("/launch", "The disk is full."),
+    ("/access/users", "The disk is full."),
+)
+"""Pages, and what they say if nothing can be loaded."""
+
+
+def test_what_cannot_be_loaded_is_said_and_loaded_again(visit: Visit) -> None:
+    """The page itself, its session and its events are there."""
+    page = visit.page
+    for path, said in LOADED:
+        page.route(re.compile(r"/api/v1/(?!session|events|health|workers)"), refuse)
+        visit.go(path)
+        trouble = page.locator("main [role=alert]").filter(has_text=said)
+        expect(trouble).to_be_visible()
+        page.unroute(re.compile(r"/api/v1/(?!session|events|health|workers)"))
+        page.get_by_role("button", name="Try again").first.click()
+        expect(trouble).to_have_count(0)
+        expect(page.get_by_role("heading", level=1).first).to_be_visible()
+    visit.wrong[:] = [entry for entry in visit.wrong if "422" not in entry]  # the browser reports them all
+
+
+def test_a_part_of_a_comparison_that_cannot_be_loaded_is_said(visit: Visit) -> None:
+    page = visit.page
+    part = re.compile(r"/api/v1/runs/R-0002/findings")
+    page.route(part, refuse)
+    visit.go("/compare?runs=R-0001,R-0002")
+    trouble = page.get_by_role("alert", name="What could not be loaded")
+    expect(trouble).to_contain_text("Some results could not be loaded and are missing below: The disk is full.")
+    page.unroute(part)
+    trouble.get_by_role("button", name="Try again").click()
+    expect(trouble).to_have_count(0)
+    expect(page.locator("[data-case='F1 F1']")).to_be_visible()
+    visit.wrong[:] = [entry for entry in visit.wrong if "422" not in entry]
+
+
+def refuse(route: Route) -> None:
+    """As the service does what it cannot do."""
+    route.fulfill(status=422, json=REFUSED, content_type="application/problem+json")
 
 
 def test_runs_to_compare_are_chosen_on_the_page(visit: Visit) -> None:

@@ -1,6 +1,6 @@
 // Compares two to four runs: differences of their campaigns and results. The runs are in the address.
 import { clsx } from 'clsx'
-import { IconArrowsExchange } from '@tabler/icons-react'
+import { IconAlertTriangle, IconArrowsExchange } from '@tabler/icons-react'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { type ReactNode, useMemo } from 'react'
 import { Loading } from '../page/Trouble'
@@ -22,6 +22,7 @@ import { idsOf, MOST } from './search'
 import { Tracks } from './Tracks'
 import { WorstParameters } from './WorstParameters'
 import buttons from '../ui/buttons.module.css'
+import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 
 export function ComparePage() {
@@ -56,7 +57,8 @@ export function ComparePage() {
       </div>
       <Picks comparison={comparison} ids={ids} onChange={(chosen) => go(chosen, all)} />
       {comparison.loading && <Loading what="the runs" />}
-      {!comparison.loading && comparison.runs.length < 2 && (
+      <Failed comparison={comparison} />
+      {!comparison.loading && comparison.missing.length === 0 && comparison.runs.length < 2 && (
         <p className="sec">
           Choose 2 to {MOST} runs here, or mark them in the <Link to="/runs">list of runs</Link> and press “Compare”. A is
           drawn solid, the others dashed.
@@ -66,6 +68,24 @@ export function ComparePage() {
         <Compared comparison={comparison} all={all} onAll={(everything) => go(ids, everything)} />
       )}
     </>
+  )
+}
+
+/** That something could not be loaded, so that what is shown is not taken for all. */
+function Failed({ comparison: { missing, failed, retry } }: { comparison: Comparison }) {
+  if (missing.length === 0 && !failed) return null
+  return (
+    <section className={clsx(cards.note, cards.warn)} role="alert" aria-label="What could not be loaded">
+      <IconAlertTriangle className="i" aria-hidden />
+      <p className={layout.wrapAny}>
+        {missing.length > 0
+          ? `${missing.map(({ id }) => id).join(', ')} could not be loaded and ${missing.length === 1 ? 'is' : 'are'} not compared.`
+          : `Some results could not be loaded and are missing below: ${failed?.message ?? ''}`}{' '}
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={retry}>
+          Try again
+        </button>
+      </p>
+    </section>
   )
 }
 

@@ -27,6 +27,9 @@ export interface Comparison {
   /** The runs that cannot be shown, with reasons. */
   missing: { id: string; error: Error }[]
   loading: boolean
+  /** Why some results of the runs shown are not there. */
+  failed: Error | null
+  retry: () => void
 }
 
 export function useCompared(ids: readonly string[]): Comparison {
@@ -39,7 +42,10 @@ export function useCompared(ids: readonly string[]): Comparison {
   const nominal = useQueries({ queries: known.map((id) => traceOf(id, 'nominal', traced.includes(id))) })
   const worst = useQueries({ queries: known.map((id) => traceOf(id, 'F1', traced.includes(id))) })
   const components = useQueries({ queries: known.map(componentsQuery) })
+  const needed = [...runs, ...stages, ...findings, ...evaluations, ...components]
   return {
+    failed: needed.slice(runs.length).find((query) => query.isError && !query.data)?.error ?? null,
+    retry: () => needed.filter((query) => query.isError).forEach((query) => void query.refetch()),
     loading: runs.some((query) => query.isPending),
     missing: ids.flatMap((id, i) => {
       const error = runs[i]?.data ? null : runs[i]?.error

@@ -27,7 +27,7 @@ export function ComponentsPage() {
   useTitle('Components')
   const query = useQuery(catalogueQuery)
   if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the components" />
+  if (!query.data) return <Loading what="the components" failed={query.failureReason} />
   const { components, simulators = [], unusable, version } = query.data
   const roles = ROLES.flatMap(([role, title]) => {
     const found = components.filter((component) => component.role === role)

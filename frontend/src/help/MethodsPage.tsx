@@ -27,7 +27,7 @@ export function MethodsPage() {
   useTitle('Search methods')
   const query = useQuery(catalogueQuery)
   if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the methods" />
+  if (!query.data) return <Loading what="the methods" failed={query.failureReason} />
   const kinds = ORDER.flatMap((kind) => {
     const methods = query.data.methods.filter((method) => method.kind === kind)
     return methods.length > 0 ? [{ kind, methods }] : []

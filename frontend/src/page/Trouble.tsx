@@ -9,12 +9,21 @@ import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './page.module.css'
 
-export function Loading({ what }: { what: string }) {
+interface LoadingProps {
+  what: string
+  /** Why the last attempt failed, if more follow. */
+  failed?: Error | null
+}
+
+export function Loading({ what, failed }: LoadingProps) {
   return (
     <div className={styles.loading} role="status">
-      <span className={layout.row}>
-        <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> Loading {what}
-      </span>
+      <div className={styles.attempts}>
+        <span className={layout.row}>
+          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> Loading {what}
+        </span>
+        {failed && <p className={layout.wrapAny}>{failed.message} Trying again.</p>}
+      </div>
     </div>
   )
 }

@@ -19,7 +19,6 @@ import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from './
 import type { TrendSearch } from './search'
 import { changesOf } from './changes'
 import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 import styles from './trends.module.css'
@@ -44,7 +43,9 @@ export function TrendsPage() {
 
 /** Without a campaign in the address: a choice of those that have runs. */
 function Campaigns() {
-  const { data, error } = useQuery(facetsQuery)
+  const { data, error, refetch } = useQuery(facetsQuery)
+  if (error && !data) return <Trouble error={error} retry={() => void refetch()} />
+  if (!data) return <Loading what="the campaigns" />
   return (
     <>
       <div className={layout.ph}>
@@ -52,14 +53,13 @@ function Campaigns() {
           <h1>Trends</h1>
         </div>
       </div>
-      <Card title="Campaigns" note="By name, those with the most runs first" flush={Boolean(data?.campaigns.length)}>
-        {error && <p className={fields.ferr}>{error.message}</p>}
-        {data?.campaigns.length === 0 && (
+      <Card title="Campaigns" note="By name, those with the most runs first" flush={data.campaigns.length > 0}>
+        {data.campaigns.length === 0 && (
           <p className="sec">
             There are no runs yet. <Link to="/launch">Launch one</Link>.
           </p>
         )}
-        {data && data.campaigns.length > 0 && (
+        {data.campaigns.length > 0 && (
           <table className={tables.table}>
             <thead>
               <tr>

@@ -20,7 +20,8 @@ from campaigns.asked.reading import Dumper
 from campaigns.claims.numbers import number, signed
 from campaigns.documents import JsonObject
 
-TOP, STRATEGY = "G-requirements", "S-requirements"
+TOP, STRATEGY = "G-all-requirements", "S-all-requirements"
+"""A dash in the middle: names of requirements have none."""
 _UNSAFE = re.compile(r"[^A-Za-z0-9_]+")
 
 
@@ -42,7 +43,8 @@ def argument(
 ) -> str:
     """The document. claims: the sentence of each run's verdict, by its name; address: of the service; at: now."""
     nodes: dict[str, JsonObject] = {}
-    goals = [_goal(nodes, row, claims, address) for row in rows]
+    names = _names([row.id for row in rows])
+    goals = [_goal(nodes, names[row.id], row, claims, address) for row in rows]
     when = datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     met = sum(row.status == "met" for row in rows)
     top: JsonObject = {"text": "The requirements are met, as far as the searches of the runs below can show"}
@@ -59,9 +61,8 @@ def argument(
     return yaml.dump(document | nodes, Dumper=_Text, sort_keys=False, allow_unicode=True, width=110)
 
 
-def _goal(nodes: dict[str, JsonObject], row: RequirementRow, claims: Mapping[str, str], address: str) -> str:
+def _goal(nodes: dict[str, JsonObject], name: str, row: RequirementRow, claims: Mapping[str, str], address: str) -> str:
     """Add the goal of a requirement, with all that is beneath it; its name."""
-    name = _name(row.id)
     goal: JsonObject = {
         "text": f"{row.id}: {row.text or 'no text is known'}",
         "status": row.status,
@@ -137,7 +138,15 @@ def _with(goal: JsonObject, name: str, **lists: Iterable[str]) -> str:
     return name
 
 
-def _name(requirement: str) -> str:
-    """The id of a requirement as a name of elements: two ids never share one."""
-    safe = _UNSAFE.sub("_", requirement)
-    return safe if safe == requirement else f"{safe}_{hashlib.sha256(requirement.encode()).hexdigest()[:8]}"
+def _names(requirements: Sequence[str]) -> dict[str, str]:
+    """The ids of requirements as parts of names of elements; two never share one."""
+    found: dict[str, str] = {}
+    taken: set[str] = set()
+    for key in requirements:
+        safe = _UNSAFE.sub("_", key)
+        name = safe if safe == key else f"{safe}_{hashlib.sha256(key.encode()).hexdigest()[:8]}"
+        while name in taken:
+            name += "_"
+        taken.add(name)
+        found[key] = name
+    return found

@@ -1,8 +1,8 @@
 """Reads requirements from ReqIF files, and writes them as one. Source: OMG, Requirements Interchange Format 1.2.
 
-A file is stored byte by byte, so it is written back as it was; this module only finds the ids and texts in it. A document
-type declaration is refused before anything in it is read: ReqIF has none, and entities are declared there.
-Start reading at `read`.
+A file is stored byte by byte, so it is written back as it was; this module only finds ids and texts in it. A document
+type declaration is refused before anything in it is read: ReqIF has none, and entities are declared there. Start
+reading at `read`.
 """
 
 from __future__ import annotations
@@ -153,22 +153,22 @@ def _text(thing: Xml.Element, values: dict[str, str], text_name: str) -> tuple[s
 
 
 _BLOCKS = ("p", "div", "li", "tr", "br", "h1", "h2", "h3", "h4")
+_SPACE = re.compile(r"\s+")
 
 
 def _plain(xhtml: Xml.Element) -> str:
     """The words of XHTML; blocks are on lines of their own. Without recursion, in the order of the document."""
     found: list[str] = []
-    waiting: list[Xml.Element | str] = [xhtml]
+    waiting: list[tuple[Xml.Element | None, str]] = [(xhtml, "")]
     while waiting:
-        one = waiting.pop()
-        if isinstance(one, str):
-            found.append(one)
+        element, after = waiting.pop()
+        if element is None:
+            found.append(after)
             continue
-        end = "\n" if one.tag in _BLOCKS else ""
-        found.append(end + (one.text or ""))
-        waiting.append(end)
-        for child in reversed(one):
-            waiting += [child.tail or "", child]
+        end = "\n" if element.tag in _BLOCKS else ""
+        found.append(end + _SPACE.sub(" ", element.text or ""))
+        waiting.append((None, end + _SPACE.sub(" ", after)))
+        waiting += [(child, child.tail or "") for child in reversed(element)]
     return _lines("".join(found))
 
 

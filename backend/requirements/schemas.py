@@ -38,8 +38,8 @@ class RequirementRun(Outcome):
     """One run of a requirement: an edge of the matrix."""
 
     part: Literal["evidence", "violation", "other"]
-    """`evidence`: the newest run of its campaign with a verdict, or the newest if none has one; `violation`: it violates,
-    and nothing has changed since; `other`: it does not count."""
+    """`evidence`: the newest run of its campaign with a verdict, or the newest if none has one; `violation`: it
+    violates, and nothing has changed since; `other`: it does not count."""
     signoffs: list[EdgeSignoff]
     signed: bool
     """Whether a sign-off covers the current results."""

@@ -1,4 +1,4 @@
-"""Imports requirements, and changes and exports them; every change is in the audit trail. Start reading at `import_file`."""
+"""Imports, changes and exports requirements; the audit trail has every change. Start reading at `import_file`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requirements as CSV (RFC 4180), and the matrix as CSV, a line for each requirement and run. Start reading at `read`."""
+"""Requirements and the matrix as CSV (RFC 4180). Start reading at `read`."""
 
 from __future__ import annotations
 

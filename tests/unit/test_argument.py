@@ -21,7 +21,8 @@ LEADS = ("supportedBy", "inContextOf")
 
 def run(number: int, verdict: str | None = "cleared", **changes: Any) -> RequirementRun:
     known: dict[str, Any] = {
-        "id": f"R-{number:04d}", "name": "x", "state": "done" if verdict else "failed", "verdict": verdict, "error": None,
+        "id": f"R-{number:04d}", "name": "x", "state": "done" if verdict else "failed", "verdict": verdict,
+        "error": None,
         "campaign_name": f"Campaign {number}", "campaign_digest": f"{number:x}" * 64, "seed": 1, "code": "c" * 64,
         "clearance": "0.1.0", "quantity": "d_min", "unit": "m", "threshold": 0.5, "worst_cost": 0.84, "margin": 0.34,
         "upper_bound": None, "violations": None, "samples": None, "confidence": None, "created": 1.0, "finished": 2.0,
@@ -92,7 +93,7 @@ def test_a_violation_defeats_its_requirement_which_nothing_supports() -> None:
     assert (goal["defeated"], goal["undeveloped"], "supportedBy" in goal) == (True, True, False)
     assert goal["text"] == 'BAD: [x]: Keep "0.5 m": {always} # now\nsecond'
     assert nodes[counter]["text"].startswith("R-0005 is violated")
-    assert [nodes[name]["text"] for name in goal["inContextOf"]][0].startswith("R-0006 is cleared")
+    assert nodes[goal["inContextOf"][0]]["text"].startswith("R-0006 is cleared")
 
 
 def test_every_leaf_has_claim_digest_and_link_and_shows_what_is_suspect() -> None:

@@ -79,7 +79,7 @@ def delete_requirement(
 
 
 @router.get("/requirements/files")
-def list_requirement_files(reader: Reader) -> list[RequirementFileOut]:
+def list_imports(reader: Reader) -> list[RequirementFileOut]:
     """The imported files."""
     return service.files(reader)
 
@@ -106,7 +106,7 @@ async def import_requirements(
 
 
 @router.delete("/requirements/files/{file}", status_code=status.HTTP_204_NO_CONTENT, responses=problems("not-found"))
-def delete_requirement_file(file: FileNumber, engine: Engine, visitor: CurrentVisitor) -> None:
+def delete_import(file: FileNumber, engine: Engine, visitor: CurrentVisitor) -> None:
     """Delete an imported file and its requirements; those that runs state stay rows of the matrix."""
     service.delete_file(engine, file, visitor)
 
@@ -116,7 +116,7 @@ def delete_requirement_file(file: FileNumber, engine: Engine, visitor: CurrentVi
     response_class=Response,
     responses=_made("The file.", "application/octet-stream") | problems("not-found"),
 )
-def get_requirement_file(file: FileNumber, reader: Reader) -> Response:
+def get_import(file: FileNumber, reader: Reader) -> Response:
     """An imported file, byte by byte as it was."""
     name, kind, content = service.content(reader, file)
     return Response(content, headers=_saved(name), media_type="text/csv" if kind == "csv" else "application/xml")
@@ -127,7 +127,7 @@ def get_requirement_file(file: FileNumber, reader: Reader) -> Response:
     response_class=Response,
     responses=_made("Id, text, status and attributes.", "text/csv") | problems("busy"),
 )
-async def export_requirements_csv(request: Request, engine: Engine) -> Response:
+async def export_texts(request: Request, engine: Engine) -> Response:
     """All requirements with their status as CSV."""
     made = await _whole(request, engine, lambda reader: b"".join(sheet.requirements(service.whole(reader))))
     return Response(made, headers=_saved("requirements.csv"), media_type="text/csv")

@@ -20,13 +20,14 @@ from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement,
 from backend.http.errors import RefusedError
 from backend.requirements import present
 from backend.requirements.schemas import EdgeSignoff, RequirementPage, RequirementRow, RequirementRun
-from backend.requirements.standing import Edge, Standing, standing
+from backend.requirements.standing import Edge, Model, Standing, standing
 from backend.runs.outcomes import Outcome, outcomes
 from campaigns.results.verdict import VerdictWord
-from campaigns.runs import run_number
+from campaigns.runs import RunState, run_number
 
 CHUNK = 500
 """Runs that are read in one statement."""
+_UNKNOWN = Model(None)
 
 
 @dataclass(frozen=True)
@@ -113,16 +114,34 @@ def _read(cursor: str) -> str:
 
 
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
-    """The runs of each requirement that count, the newest first, as far as the matrix needs all of them."""
+    """The runs of each requirement that count, the newest first; models only where a violation may rest on them."""
     columns = (RunRequirement.requirement, RunRequirement.run_id, RunRequirement.question, Run.state, Run.verdict)
-    of = sa.select(*columns, Run.flown, CampaignRow.name).join(Run, Run.id == RunRequirement.run_id)
+    of = sa.select(*columns, CampaignRow.name).join(Run, Run.id == RunRequirement.run_id)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     of = of.where(RunRequirement.requirement.in_(ids), *present.counted()).order_by(RunRequirement.run_id.desc())
     found: dict[str, list[Edge]] = defaultdict(list)
-    for row in reader.execute(of):
-        verdict = None if row.verdict is None or row.state != "done" else VerdictWord(row.verdict)
-        edge = Edge(row.run_id, row.name, row.question, verdict, present.model(row.flown))
-        found[row.requirement].append(edge)
+    compared: set[int] = set()
+    newest: set[tuple[str, str]] = set()
+    for key, run_id, question, state, word, name in reader.execute(of):
+        verdict = None if word is None or state != RunState.DONE else VerdictWord(word)
+        found[key].append(Edge(run_id, name, question, verdict, _UNKNOWN))
+        if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
+            compared.add(run_id)
+        if verdict is not None:
+            newest.add((key, name))
+    models = _models(reader, sorted(compared))
+    return {
+        key: [replace(e, model=models[e.run_id]) if e.run_id in models else e for e in edges]
+        for key, edges in found.items()
+    }
+
+
+def _models(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, Model]:
+    """What ran these runs."""
+    found: dict[int, Model] = {}
+    for first in range(0, len(run_ids), CHUNK):
+        of = sa.select(Run.id, Run.flown).where(Run.id.in_(run_ids[first : first + CHUNK]))
+        found |= {run_id: present.model(flown) for run_id, flown in reader.execute(of)}
     return found
 
 

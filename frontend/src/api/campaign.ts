@@ -69,7 +69,7 @@ export interface Campaign {
   simulator?: { name: string; parameters?: Record<string, Raw>; repeats?: Repeats | null; retries?: Raw }
   uncertain: Record<string, Uncertain>
   correlations?: Correlation[]
-  criterion: { component: string; result?: string; parameters?: Record<string, Raw>; threshold: Raw; from_centre?: boolean }
+  criterion: { component: string; result?: string; parameters?: Record<string, Raw>; threshold: Raw; from_centre?: boolean; requirements?: { id: string; text?: string }[] }
   objectives?: Part[]
   stages: {
     sensitivity?: {

@@ -68,7 +68,7 @@ def standing(edges: Sequence[Edge]) -> Standing:
     worst = min((one.status for one in found), key=ORDER.index)
     sentences = [one.sentence for one in found if one.status == worst]
     others = len(found) - len(sentences)
-    rest = f" {others} other campaign{'s' if others > 1 else ''} of it do{'' if others > 1 else 'es'} not change that."
+    rest = f" In {others} other campaign{'s' if others > 1 else ''} it stands no worse."
     return Standing(
         worst,
         " ".join(sentences) + (rest if others else ""),

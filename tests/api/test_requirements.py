@@ -123,6 +123,24 @@ def test_a_violation_is_neither_outrun_nor_hidden(service: Service, client: http
     assert (found["status"], found["removed"], found["total"]) == ("met", 1, 3)
 
 
+def test_a_trend_names_the_requirements_of_each_run(client: httpx.Client) -> None:
+    submit(client)
+    submit(client, criterion=stating("REQ-2", "REQ-1"))
+    runs = client.get("/api/v1/trends", params={"name": campaign()["name"]}).json()["runs"]
+    assert [one["requirements"] for one in runs] == [[], ["REQ-1", "REQ-2"]]
+
+
+def test_report_and_run_name_their_requirements(service: Service, client: httpx.Client) -> None:
+    run = ran(service, client, {"id": "REQ-1", "text": "Keep <0.5> m."}, "REQ-2")
+    text = client.get(f"/api/v1/runs/{run}/report.html").text
+    assert "Requirements that this run is evidence for" in text
+    assert '<td class="b">REQ-1</td><td>Keep &lt;0.5&gt; m.</td>' in text
+    assert "not given" in text
+    assert client.get(f"/api/v1/runs/{run}").json()["campaign"]["criterion"]["requirements"][1] == {"id": "REQ-2"}
+    without = ran(service, client)
+    assert "is evidence for" not in client.get(f"/api/v1/runs/{without}/report.html").text
+
+
 def test_a_run_of_a_sweep_is_no_evidence_and_changes_nothing(service: Service, client: httpx.Client) -> None:
     sign(client, ran(service, client, "REQ-1"))
     asked = campaign(criterion=stating("REQ-1"))

@@ -17,6 +17,7 @@ from backend.http import bodies
 from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import problems
 from backend.requirements import gsn, matrix, reqif, service, sheet
+from backend.requirements.present import CHUNK
 from backend.requirements.schemas import (
     FileKind,
     Imported,
@@ -183,8 +184,8 @@ def _claims(reader: sa.Connection, rows: list[RequirementRow]) -> dict[str, str]
     names = {run.id for row in rows for run in row.runs}
     ordered = sorted(run_number(name) or 0 for name in names)
     found: dict[int, str] = {}
-    for first in range(0, len(ordered), matrix.CHUNK):
-        of = sa.select(Run.id, Run.reason).where(Run.id.in_(ordered[first : first + matrix.CHUNK]))
+    for first in range(0, len(ordered), CHUNK):
+        of = sa.select(Run.id, Run.reason).where(Run.id.in_(ordered[first : first + CHUNK]))
         found |= {row.id: row.reason or "" for row in reader.execute(of)}
     return {name: found.get(run_number(name) or 0, "") for name in names}
 

@@ -19,14 +19,13 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement, Signoff
 from backend.http.errors import RefusedError
 from backend.requirements import present
+from backend.requirements.present import CHUNK
 from backend.requirements.schemas import EdgeSignoff, RequirementPage, RequirementRow, RequirementRun
 from backend.requirements.standing import Edge, Model, Standing, standing
 from backend.runs.outcomes import Outcome, outcomes
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_number
 
-CHUNK = 500
-"""Runs that are read in one statement."""
 _UNKNOWN = Model(None)
 
 

@@ -21,6 +21,9 @@ from campaigns.asked.requirements import definition
 from campaigns.runs import run_name
 from campaigns.versions import Versions, short
 
+CHUNK = 500
+"""Values that are read in one statement."""
+
 
 @dataclass(frozen=True)
 class Present:
@@ -44,11 +47,13 @@ def in_sweep() -> sa.ColumnElement[bool]:
 def present(reader: sa.Connection, names: Collection[str]) -> Present:
     """What is current, for the campaigns of these names."""
     newest: dict[str, tuple[int, str]] = {}
-    for name in names:
-        of = sa.select(Run.id, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-        row = reader.execute(of.where(CampaignRow.name == name, *counted()).order_by(Run.id.desc()).limit(1)).first()
-        if row is not None:
-            newest[name] = (int(row.id), definition(row.document))
+    ordered = sorted(names)
+    for first in range(0, len(ordered), CHUNK):
+        of = sa.select(sa.func.max(Run.id)).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+        last = of.where(CampaignRow.name.in_(ordered[first : first + CHUNK]), *counted()).group_by(CampaignRow.name)
+        found = sa.select(Run.id, CampaignRow.name, CampaignRow.document)
+        found = found.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(last))
+        newest |= {row.name: (int(row.id), definition(row.document)) for row in reader.execute(found)}
     return Present(codes.published(reader), published(reader), newest)
 
 

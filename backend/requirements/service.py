@@ -16,6 +16,7 @@ from backend.db.engine import now
 from backend.db.tables import Requirement, RequirementFile
 from backend.http.errors import RefusedError, not_found
 from backend.requirements import matrix, reqif, sheet
+from backend.requirements.present import CHUNK
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import FileKind, Imported, RequirementFileOut, RequirementGiven, RequirementRow
 from campaigns import Problem
@@ -64,36 +65,65 @@ def _check(found: Sequence[Read]) -> None:
 def import_file(
     engine: sa.Engine, name: str, kind: FileKind, content: bytes, found: Sequence[Read], skipped: int, visitor: Visitor
 ) -> Imported:
-    """Store a file with its requirements, in place of an earlier one of that name; one transaction."""
-    with engine.begin() as writer:
-        at, digest = now(writer), hashlib.sha256(content).hexdigest()
-        stored = {"kind": kind, "digest": digest, "content": content, "imported": at, "imported_by": visitor.user}
-        file_id = _stored(writer, name, stored)
-        before = {row.id: row for row in writer.execute(sa.select(Requirement.__table__))}
-        ids = {one.id for one in found}
-        gone = sorted(key for key, row in before.items() if row.file_id == file_id and key not in ids)
-        if len(before.keys() | ids) - len(gone) > MOST:
-            raise _conflict(f"there would be more than {MOST:,} requirements: delete some first")
-        added, changed = [], []
-        for one in found:
-            old = before.get(one.id)
-            if old is None:
-                added.append(_row(one, file_id, at, visitor))
-                continue
-            values: JsonObject = {"attributes": _cut(one.attributes), "file_id": file_id}
-            if old.text != one.text:
-                changed.append(one.id)
-                values |= {"text": one.text, "changed": at, "changed_by": visitor.user}
-            writer.execute(sa.update(Requirement).where(Requirement.id == one.id).values(**values))
-        if added:
-            writer.execute(sa.insert(Requirement), added)
-        _forget(writer, gone)
-        new = [str(row["id"]) for row in added]
-        told = {"sha256": digest, "added": _some(new), "changed": _some(changed), "gone": _some(gone)}
-        audit.note(writer, visitor, "requirements.imported", name[:80], told)
-        (file,) = [one for one in files(writer) if one.id == file_id]
-        same = len(found) - len(new) - len(changed)
-        return Imported(file=file, added=new, changed=changed, unchanged=same, gone=gone, skipped=skipped)
+    """Store a file with its requirements, in place of an earlier one of that name; one transaction.
+
+    409 for ids of another file: two modules that both number from 1 must not become one requirement.
+    """
+    try:
+        with engine.begin() as writer:
+            return _imported(writer, name, kind, content, found, skipped, visitor)
+    except sa.exc.IntegrityError:  # another import, at the same time
+        raise _conflict("requirements were imported at the same time: try again") from None
+
+
+def _imported(
+    writer: sa.Connection,
+    name: str,
+    kind: FileKind,
+    content: bytes,
+    found: Sequence[Read],
+    skipped: int,
+    visitor: Visitor,
+) -> Imported:
+    at, digest = now(writer), hashlib.sha256(content).hexdigest()
+    stored = {"kind": kind, "digest": digest, "content": content, "imported": at, "imported_by": visitor.user}
+    file_id = _stored(writer, name, stored)
+    before = {row.id: row for row in writer.execute(sa.select(Requirement.__table__))}
+    ids = {one.id for one in found}
+    _refuse_foreign(writer, file_id, [row for key, row in before.items() if key in ids])
+    gone = sorted(key for key, row in before.items() if row.file_id == file_id and key not in ids)
+    if len(before.keys() | ids) - len(gone) > MOST:
+        raise _conflict(f"there would be more than {MOST:,} requirements: delete some first")
+    added, changed = [], []
+    for one in found:
+        old = before.get(one.id)
+        if old is None:
+            added.append(_row(one, file_id, at, visitor))
+            continue
+        values: JsonObject = {"attributes": _cut(one.attributes), "file_id": file_id}
+        if old.text != one.text:
+            changed.append(one.id)
+            values |= {"text": one.text, "changed": at, "changed_by": visitor.user}
+        writer.execute(sa.update(Requirement).where(Requirement.id == one.id).values(**values))
+    if added:
+        writer.execute(sa.insert(Requirement), added)
+    _forget(writer, gone)
+    new = [str(row["id"]) for row in added]
+    told = {"sha256": digest, "added": _some(new), "changed": _some(changed), "gone": _some(gone)}
+    audit.note(writer, visitor, "requirements.imported", name[:80], told)
+    (file,) = [one for one in files(writer) if one.id == file_id]
+    same = len(found) - len(new) - len(changed)
+    return Imported(file=file, added=new, changed=changed, unchanged=same, gone=gone, skipped=skipped)
+
+
+def _refuse_foreign(reader: sa.Connection, file_id: int, there: Sequence[Any]) -> None:
+    foreign = sorted((row.id, row.file_id) for row in there if row.file_id not in (None, file_id))
+    if foreign:
+        other = reader.scalar(sa.select(RequirementFile.name).where(RequirementFile.id == foreign[0][1]))
+        raise _conflict(
+            f"{len(foreign)} ids are already registered from another file, such as {foreign[0][0]} from {other}: name "
+            "an attribute whose values are unique across files, import under that name, or delete that file"
+        )
 
 
 def _stored(writer: sa.Connection, name: str, stored: JsonObject) -> int:
@@ -196,8 +226,8 @@ def _cut(attributes: dict[str, str]) -> dict[str, str]:
 
 
 def _forget(writer: sa.Connection, ids: Sequence[str]) -> None:
-    for first in range(0, len(ids), matrix.CHUNK):
-        some = ids[first : first + matrix.CHUNK]
+    for first in range(0, len(ids), CHUNK):
+        some = ids[first : first + CHUNK]
         writer.execute(sa.delete(Requirement).where(Requirement.id.in_(some)))
 
 

@@ -34,6 +34,7 @@ from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.proposals import endpoints as proposals
 from backend.reports import endpoints as reports
+from backend.requirements import endpoints as requirements
 from backend.results import endpoints as results
 from backend.runs import endpoints as runs
 from backend.scenes import endpoints as scenes
@@ -113,7 +114,20 @@ def create(settings: Settings) -> FastAPI:
     errors.install(app)
     api = APIRouter(responses=errors.PROBLEMS)
     features = (health, workers, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
-    for feature in (*features, flights, cases, proposals, trends, sweeps, webhooks, views, users, tokens, trail):
+    for feature in (
+        *features,
+        flights,
+        cases,
+        proposals,
+        trends,
+        sweeps,
+        webhooks,
+        views,
+        users,
+        tokens,
+        trail,
+        requirements,
+    ):
         api.include_router(feature.router)
     app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
     app.include_router(entrance.router)

@@ -34,7 +34,7 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (SweepSubmit, "validation"),
 )
 _LEFT_OUT = {
-    "Criterion": ("component", "result", "from_centre"),
+    "Criterion": ("component", "result", "from_centre", "requirements"),
     "Campaign": ("scenario", "simulator", "encounter", "regression", "baseline"),
     "Catalogue": ("simulators", "digests", "own", "unusable"),
     "Provenance": ("components", "simulator", "evaluator", "command"),
@@ -61,7 +61,15 @@ _PARTIAL = frozenset(
     {
         *("RunSubmit", "SweepSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
         *("PasswordChange", "UserInvite", "UserChange", "AccessSettingsChange", "TokenRequest"),
-        *("DraftContent", "DraftReplace", "ViewChange", "LayersChange", "FlightRequest", "CaseRequest"),
+        *(
+            "RequirementGiven",
+            "DraftContent",
+            "DraftReplace",
+            "ViewChange",
+            "LayersChange",
+            "FlightRequest",
+            "CaseRequest",
+        ),
     }
 )
 """Request models; all others are responses, which have every field."""
@@ -89,6 +97,7 @@ TAGS = [
     {"name": "results", "description": "Evaluations, findings, traces"},
     {"name": "exports", "description": "A run as files: JSON, CSV, MAT"},
     {"name": "reports", "description": "The report for a safety case"},
+    {"name": "requirements", "description": "Requirements, their matrix with runs, import and export"},
     {"name": "signoffs", "description": "Reviewers' sign-offs of a run's results"},
     {"name": "views", "description": "The 3D views that this visitor has open"},
     {"name": "events", "description": "Live progress"},

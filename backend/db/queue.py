@@ -14,7 +14,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db import labels, snapshots
+from backend.db import labels, requirements, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
@@ -91,6 +91,7 @@ def submit(
     }
     run_id = int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
     labels.store(connection, run_id, given or {})
+    requirements.store(connection, run_id, campaign)
     return run_id
 
 

@@ -85,6 +85,7 @@ KINDS = {
     "notes-changed": Kind(409, "Another user has changed the notes since they were read."),
     "other-version": Kind(409, "The run's campaign was stored by another version of Clearance."),
     "removed": Kind(409, "The run is removed: restore it first."),
+    "requirement-conflict": Kind(409, "The requirement is changed elsewhere, or there are too many."),
     "results-changed": Kind(409, "The results have changed since they were reviewed."),
     "too-many-drafts": Kind(409, "The maximum number of drafts is reached."),
     "withdrawn": Kind(409, "The sign-off is already withdrawn."),

@@ -19,6 +19,9 @@ from backend.http.errors import RefusedError, broken, respond
 LARGEST_BODY = 2_000_000
 """Maximum size of a body [bytes]."""
 
+LARGER_BODIES = {"/api/v1/requirements/files": 8_000_000}
+"""The same of addresses that take files."""
+
 CSP = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
     "font-src 'self' data:; connect-src 'self'; frame-src 'self'; manifest-src 'self'; base-uri 'none'; "
@@ -74,9 +77,10 @@ class Frame:
 
     async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse by Content-Length, or by counting bytes if it is absent."""
+        largest = LARGER_BODIES.get(scope["path"], LARGEST_BODY)
         announced = Headers(scope=scope).get("content-length", "")
-        if _ANNOUNCED.fullmatch(announced) and int(announced) > LARGEST_BODY:
-            refused = RefusedError(413, "too-large", _too_large(f"{int(announced):,} bytes"))
+        if _ANNOUNCED.fullmatch(announced) and int(announced) > largest:
+            refused = RefusedError(413, "too-large", _too_large(largest, f"{int(announced):,} bytes"))
             await respond(refused, scope["path"])(scope, receive, send)
             return
         taken = 0
@@ -85,12 +89,13 @@ class Frame:
             nonlocal taken
             message = await receive()
             taken += len(message.get("body", b""))
-            if taken > LARGEST_BODY:
-                raise HTTPException(413, _too_large("more"))
+            if taken > largest:
+                raise HTTPException(413, _too_large(largest, "more"))
             return message
 
         await self.app(scope, counted, send)
 
 
-def _too_large(given: str) -> str:
-    return f"a request's body is at most {LARGEST_BODY:,} bytes, given {given}: shorten the campaign"
+def _too_large(largest: int, given: str) -> str:
+    what = "shorten the campaign" if largest == LARGEST_BODY else "export fewer requirements at a time"
+    return f"a request's body is at most {largest:,} bytes, given {given}: {what}"

@@ -35,6 +35,8 @@ class TrendRun(Outcome):
     """Whether its code differs from that of the newest earlier run in the trend whose code is stored."""
     campaign_changed: bool
     """Whether its campaign differs from that of the run before it."""
+    requirements: list[str]
+    """The ids of the requirements that its campaign states."""
 
 
 class Trend(Schema):

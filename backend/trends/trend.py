@@ -5,11 +5,12 @@ from __future__ import annotations
 import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run
+from backend.db.tables import Run, RunRequirement
 from backend.http.errors import RefusedError, not_found
 from backend.runs.outcomes import Outcome, outcomes
 from backend.trends.schemas import Trend, TrendRun
 from campaigns import Problem
+from campaigns.runs import run_name, run_number
 
 
 def of_campaign(reader: sa.Connection, digest: str | None, name: str | None, limit: int) -> Trend:
@@ -31,15 +32,32 @@ def of_campaign(reader: sa.Connection, digest: str | None, name: str | None, lim
     numbers = sa.select(sa.func.count(), sa.func.count(sa.distinct(Run.campaign_digest))).where(*conditions)
     total, campaigns = reader.execute(numbers).one()
     found = outcomes(reader, conditions, limit)
-    return Trend(name=name or "", digest=digest, campaigns=campaigns, runs=_marked(found[::-1]), total=total)
+    return Trend(
+        name=name or "",
+        digest=digest,
+        campaigns=campaigns,
+        runs=_marked(found[::-1], _stated(reader, found)),
+        total=total,
+    )
 
 
-def _marked(found: list[Outcome]) -> list[TrendRun]:
+def _stated(reader: sa.Connection, found: list[Outcome]) -> dict[str, list[str]]:
+    """The requirements of these runs, by the names of the runs."""
+    ids = [run_number(outcome.id) for outcome in found]
+    of = sa.select(RunRequirement.run_id, RunRequirement.requirement).where(RunRequirement.run_id.in_(ids))
+    stated: dict[str, list[str]] = {}
+    for run_id, requirement in reader.execute(of.order_by(RunRequirement.requirement)):
+        stated.setdefault(run_name(run_id), []).append(requirement)
+    return stated
+
+
+def _marked(found: list[Outcome], stated: dict[str, list[str]]) -> list[TrendRun]:
     runs: list[TrendRun] = []
     code = campaign = None
     for outcome in found:
         changed = None not in (code, outcome.code) and code != outcome.code
         other = campaign is not None and campaign != outcome.campaign_digest
-        runs.append(TrendRun(**dict(outcome), code_changed=changed, campaign_changed=other))
+        requirements = stated.get(outcome.id, [])
+        runs.append(TrendRun(**dict(outcome), code_changed=changed, campaign_changed=other, requirements=requirements))
         code, campaign = outcome.code or code, outcome.campaign_digest
     return runs

@@ -18,6 +18,7 @@ from pydantic import Field, field_validator, model_validator
 
 from campaigns.asked.distributions import Correlation, Uncertain
 from campaigns.asked.regression import Baseline, Policy
+from campaigns.asked.requirements import Requirements
 from campaigns.asked.scenario import MAX_SEED, Part, Realisations, Scenario
 from campaigns.asked.stages import Search, Stages
 from campaigns.asked.values import (
@@ -125,6 +126,8 @@ class Criterion(Strict):
 
     Omitted from the canonical form if not stated, so campaigns without it keep their digests.
     """
+    requirements: Annotated[Requirements, Field(exclude_if=operator.not_, json_schema_extra=_no_default)] = []
+    """What this criterion is evidence for; omitted from the canonical form if empty, as above."""
 
     @model_validator(mode="before")
     @classmethod

@@ -38,7 +38,7 @@ def test_every_operation_is_described(path: str, method: str, operation: dict[st
     assert "application/problem+json" in operation["responses"]["default"]["content"]
     takes_body = ("/api/v1/runs", "/api/v1/runs/cancel", "/api/v1/runs/remove", "/api/v1/runs/restore")
     takes_body += ("/api/v1/campaigns/check", "/api/v1/campaigns/preview", "/api/v1/drafts", "/api/v1/sweeps")
-    takes_body += ("/api/v1/users", "/api/v1/tokens")
+    takes_body += ("/api/v1/users", "/api/v1/tokens", "/api/v1/requirements/files")
     takes_body += (
         "/api/v1/runs/{run}/flights",
         "/api/v1/runs/{run}/cases",

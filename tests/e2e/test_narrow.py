@@ -58,6 +58,7 @@ GUIDES = (
     "cluster",
     "methods",
     "evidence",
+    "requirements",
     "ci",
     "access",
     "operation",

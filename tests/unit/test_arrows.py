@@ -43,6 +43,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.drafts": (*SHARED, "backend.runs"),
     "backend.trends": (*SHARED, "backend.runs"),
     "backend.sweeps": (*SHARED, "backend.catalog", "backend.runs"),
+    "backend.requirements": (*SHARED, "backend.catalog", "backend.runs"),
     "backend.webhooks": (*SHARED, "backend.runs"),
     "backend.signoffs": (*SHARED, "backend.runs"),
     "backend.results": (*SHARED, "backend.catalog", "backend.runs"),

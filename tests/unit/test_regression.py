@@ -13,11 +13,12 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
 from campaigns.asked.spec import seedless
+from campaigns.claims.say import say
 from campaigns.results import Finding, Verdict
 from campaigns.results.baseline import BaselineResult, Reevaluated
 from campaigns.results.baselines import CannotCompare, with_baseline
 from campaigns.results.regression import FindingChange, Regression, Standing
-from campaigns.results.verdict import VerdictWord
+from campaigns.results.verdict import Check, VerdictWord
 from tests.problems import Problem
 from tests.unit import evidence as given
 from tests.unit.cases import campaign, document
@@ -339,10 +340,11 @@ def ended(found: Regression | None, word: str = "cleared", **changes: Any) -> En
 def test_a_failure_in_junit_has_parameters_link_and_replay_command() -> None:
     found = compared((0.84, 0.9), (0.80, None), (0.70, 0.80), ("F2", None), regression={"fail_on": ["new", "worse"]})
     suite = Xml.fromstring(junit(ended(found)))[0]
+    every = {str(case.get("name")): case for case in suite.findall("testcase")}
     assert {k: suite.get(k) for k in ("tests", "failures", "errors", "skipped")} == {
-        "tests": "4", "failures": "2", "errors": "0", "skipped": "1",
+        "tests": str(len(every)), "failures": "2", "errors": "0", "skipped": "1",
     }  # fmt: skip
-    cases = {case.get("name"): case for case in suite.findall("testcase")}
+    cases = {name: case for name, case in every.items() if not name.startswith("check ")}
     assert list(cases) == ["verdict", "new finding F1", "F1 of the baseline", "F2 of the baseline"]
     worse = cases["F1 of the baseline"].find("failure")
     assert worse is not None
@@ -397,3 +399,37 @@ def test_the_summary_is_markdown_in_which_no_text_is_markup() -> None:
     assert "The exit code is 1: the policy of the campaign fails." in text
     (row,) = [line for line in text.splitlines() if line.startswith("| F1 of")]
     assert row == "| F1 of R-0001 | **worse** | +0.34 | +0.3 | +0.3 | \u22120.04 | `clearance replay R-0007 1:0` |"
+
+
+def test_junit_has_a_case_for_the_criterion_each_requirement_and_each_check() -> None:
+    stated = {"criterion": "separation", "requirements": ("REQ-1", "SYS 2")}
+
+    def cases(word: str, found: Regression | None = None, **changes: Any) -> dict[str, list[str]]:
+        suite = Xml.fromstring(junit(ended(found, word, **(stated | changes))))[0]
+        return {str(case.get("name")): [child.tag for child in case] for case in suite}
+
+    names = ["criterion separation", "requirement REQ-1", "requirement SYS 2"]
+    for word, tags in (
+        ("cleared", ["system-out"] * 3),
+        ("violated", ["failure"] * 3),
+        ("inconclusive", ["skipped", "failure", "failure"]),
+    ):
+        found = cases(word)
+        assert [found[name] for name in names] == [[tag] for tag in tags], word
+    missing = cases("cleared", verdict=None, state="failed")
+    assert [missing.get(name) for name in names] == [None, ["error"], ["error"]]
+    known = compared((0.3,), (0.3,), (0.3,), ("F1",), regression={"fail_on": ["new_violation"]})
+    assert known.accepted
+    accepted = cases("violated", known)
+    assert [accepted[name] for name in names] == [["skipped"]] * 3, "accepted, and not met"
+
+
+def test_junit_reports_each_check_by_its_standing() -> None:
+    checks = [Check(code="nominal", ok=True, said=say("a")), Check(code="agreement", ok=False, said=say("b"))]
+    verdict = concluded(None, "inconclusive").model_copy(update={"checks": checks})
+    suite = Xml.fromstring(junit(ended(None, verdict=verdict)))[0]
+    found = {str(case.get("name")): case for case in suite if str(case.get("name")).startswith("check ")}
+    assert [(name, case[0].tag) for name, case in found.items()] == [
+        ("check Nominal case", "system-out"),
+        ("check Agreement of methods", "failure"),
+    ]

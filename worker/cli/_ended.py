@@ -30,6 +30,10 @@ class EndedRun:
     seconds: float = 0.0
     compared: bool = True
     """False if a baseline was asked for and there is none."""
+    criterion: str = ""
+    """The component or the result that decides; empty if it is not known."""
+    requirements: tuple[str, ...] = ()
+    """The ids of the requirements that it states."""
 
     @property
     def regression(self) -> Regression | None:

@@ -116,6 +116,7 @@ def _as_ended(service: Remote, document: JsonObject, reused: str | None) -> Ende
     from campaigns.results import Verdict
 
     run, compared = document["id"], document.get("baseline")
+    criterion = (document.get("campaign") or {}).get("criterion") or {}
     started, finished = document["started"], document["finished"]
     done = document["state"] == "done"
     return EndedRun(
@@ -130,6 +131,8 @@ def _as_ended(service: Remote, document: JsonObject, reused: str | None) -> Ende
         notes=tuple(filter(None, [reused, compared and compared["sentence"]])),
         seconds=0.0 if started is None or finished is None else finished - started,
         compared=not compared or compared["run"] is not None,
+        criterion=criterion.get("result") or criterion.get("component") or "",
+        requirements=tuple(one["id"] for one in criterion.get("requirements", [])),
     )
 
 

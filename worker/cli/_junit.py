@@ -1,4 +1,5 @@
-"""A run as JUnit XML, for the test report of a CI service: a case for the verdict, and one for each finding compared.
+"""A run as JUnit XML, for the test report of a CI service: a case for the verdict, and one for the criterion, for each
+requirement, check and finding compared.
 
 The format has no standard; this is the form that Jenkins, GitLab and GitHub's reporters read. Start reading at `junit`.
 """
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
+from campaigns.results import verdicts
 from campaigns.results.regression import FindingChange, Standing
 from worker.cli._ended import EndedRun
 
@@ -35,6 +37,9 @@ def junit(ended: EndedRun) -> str:
         if value:
             Xml.SubElement(properties, "property", name=name, value=_clean(value))
     _verdict(suite, ended)
+    _criterion(suite, ended)
+    _requirements(suite, ended)
+    _checks(suite, ended)
     regression = ended.regression
     if regression is not None:
         for case in regression.cases:
@@ -56,8 +61,7 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
         message = f"no verdict: {ended.state}" + (f": {ended.error}" if ended.error else "")
         Xml.SubElement(case, "error", message=_clean(message), type=ended.state).text = _clean(ended.link)
         return
-    accepted = verdict.regression is not None and verdict.regression.accepted and verdict.verdict == "violated"
-    if verdict.verdict == "cleared" or accepted:
+    if verdict.verdict == "cleared" or _accepted(verdict):
         Xml.SubElement(case, "system-out").text = _clean("\n".join([verdict.reason, *ended.notes]))
         return
     text = [verdict.reason, *ended.notes, *_worst(verdict), ended.link]
@@ -65,6 +69,61 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
         text.append(f"{ended.replay} {verdict.worst.finding}")
     failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
     failure.text = _clean("\n".join(filter(None, text)))
+
+
+def _accepted(verdict: Verdict) -> bool:
+    """Whether the policy of the campaign accepts its violations."""
+    return verdict.regression is not None and verdict.regression.accepted and verdict.verdict == "violated"
+
+
+def _criterion(suite: Xml.Element, ended: EndedRun) -> None:
+    """A violation fails it; inconclusive is neither."""
+    verdict = ended.verdict
+    if not ended.criterion or verdict is None:
+        return
+    case = _added(suite, ended, f"criterion {ended.criterion}")
+    if verdict.verdict == "cleared":
+        Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
+    else:
+        _failed(case, verdict, "failure" if verdict.verdict == "violated" else "skipped")
+
+
+def _requirements(suite: Xml.Element, ended: EndedRun) -> None:
+    """Evidence of this run alone: other campaigns may state a requirement, and nobody has signed off yet."""
+    for requirement in ended.requirements:
+        case = _added(suite, ended, f"requirement {requirement}")
+        if ended.verdict is None:
+            Xml.SubElement(case, "error", message=_clean(f"no evidence: {ended.state}"), type=ended.state)
+        elif ended.verdict.verdict == "cleared":
+            text = f"{ended.verdict.sentence}\nEvidence of this run alone; the matrix of requirements has all runs."
+            Xml.SubElement(case, "system-out").text = _clean(text)
+        else:
+            _failed(case, ended.verdict, "failure")
+
+
+def _checks(suite: Xml.Element, ended: EndedRun) -> None:
+    if ended.verdict is None:
+        return
+    failed = 0 if ended.verdict.evaluations is None else ended.verdict.evaluations.failed
+    for check in verdicts.described(ended.verdict.checks, failed):
+        case = _added(suite, ended, f"check {check.title}")
+        text = f"{check.text}; {check.but}" if check.but else check.text
+        if check.standing == "holds":
+            Xml.SubElement(case, "system-out").text = _clean(text)
+        elif check.standing == "open" or _accepted(ended.verdict):
+            Xml.SubElement(case, "skipped", message=_clean(text))
+        else:
+            Xml.SubElement(case, "failure", message=_clean(text), type=str(check.code))
+
+
+def _failed(case: Xml.Element, verdict: Verdict, tag: str) -> None:
+    """What the policy accepts is no failure of the job, and not met either."""
+    accepted = _accepted(verdict)
+    message = f"{verdict.sentence}{' Accepted by the policy of the campaign.' if accepted else ''}"
+    if accepted or tag == "skipped":
+        Xml.SubElement(case, "skipped", message=_clean(message))
+    else:
+        Xml.SubElement(case, tag, message=_clean(message), type=str(verdict.verdict))
 
 
 def _worst(verdict: Verdict) -> list[str]:

@@ -115,6 +115,8 @@ def _ended(
         notes=(note,) if note else (),
         seconds=sum(stage.seconds for stage in store.stages),
         compared=campaign.baseline is not None or not given.baseline,
+        criterion=campaign.criterion.result or campaign.criterion.component,
+        requirements=tuple(one.id for one in campaign.criterion.requirements),
     )
 
 

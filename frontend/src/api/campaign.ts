@@ -45,6 +45,9 @@ export interface Repeats {
   quantile?: Raw | null
 }
 
+/** A requirement that a criterion states; a file may give its id alone. */
+export type Stated = string | { id?: string; text?: string } | null
+
 export interface Campaign {
   version?: number
   name: string
@@ -69,7 +72,7 @@ export interface Campaign {
   simulator?: { name: string; parameters?: Record<string, Raw>; repeats?: Repeats | null; retries?: Raw }
   uncertain: Record<string, Uncertain>
   correlations?: Correlation[]
-  criterion: { component: string; result?: string; parameters?: Record<string, Raw>; threshold: Raw; from_centre?: boolean }
+  criterion: { component: string; result?: string; parameters?: Record<string, Raw>; threshold: Raw; from_centre?: boolean; requirements?: Stated[] }
   objectives?: Part[]
   stages: {
     sensitivity?: {

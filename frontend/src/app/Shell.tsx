@@ -75,6 +75,9 @@ function Frame() {
           <Link to="/compare" activeProps={{ 'aria-current': 'page' }}>
             Compare
           </Link>
+          <Link to="/requirements" activeProps={{ 'aria-current': 'page' }}>
+            Requirements
+          </Link>
           <Link to="/reports" activeProps={{ 'aria-current': 'page' }}>
             Reports
           </Link>

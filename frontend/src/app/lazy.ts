@@ -9,6 +9,7 @@ export const lazy = {
   trends: () => import('../trends/TrendsPage'),
   sweeps: () => import('../sweeps/SweepsPage'),
   sweep: () => import('../sweeps/SweepPage'),
+  requirements: () => import('../requirements/RequirementsPage'),
   reports: () => import('../reports/ReportsPage'),
   users: () => import('../access/UsersPage'),
   tokens: () => import('../access/TokensPage'),

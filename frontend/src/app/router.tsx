@@ -4,6 +4,7 @@ import { readAudit, readUsers } from '../access/search'
 import { readCompare } from '../compare/search'
 import { readChosen } from '../run/data/chosen'
 import { readReports } from '../reports/search'
+import { readRequirements } from '../requirements/search'
 import { readSearch } from '../runs/search'
 import { readTrend } from '../trends/search'
 import { onlyKnown, parseSearch, stringifySearch } from './address'
@@ -144,6 +145,13 @@ const reports = createRoute({
   component: lazyRouteComponent(lazy.reports, 'ReportsPage'),
 })
 
+const requirements = createRoute({
+  getParentRoute: () => root,
+  path: '/requirements',
+  validateSearch: onlyKnown(readRequirements),
+  component: lazyRouteComponent(lazy.requirements, 'RequirementsPage'),
+})
+
 const users = createRoute({
   getParentRoute: () => root,
   path: '/access/users',
@@ -171,7 +179,7 @@ const audit = createRoute({
 })
 
 export const router = createRouter({
-  routeTree: root.addChildren([start, runs, launch, run.addChildren([runPage, flight]), docs, verdicts, evidence, methods, components, guide, compare, trends, sweeps, sweep, reports, users, tokens, sessions, audit]),
+  routeTree: root.addChildren([start, runs, launch, run.addChildren([runPage, flight]), docs, verdicts, evidence, methods, components, guide, compare, trends, sweeps, sweep, reports, requirements, users, tokens, sessions, audit]),
   defaultPreload: 'intent',
   parseSearch,
   stringifySearch,

@@ -10,6 +10,7 @@ export const GUIDES = [
   { name: 'cluster', title: 'Cluster' },
   { name: 'methods', title: 'Methods' },
   { name: 'evidence', title: 'Evidence' },
+  { name: 'requirements', title: 'Requirements' },
   { name: 'ci', title: 'Continuous integration' },
   { name: 'access', title: 'Users and access' },
   { name: 'operation', title: 'Operation' },

@@ -17,6 +17,7 @@ const PAGES: readonly Place[] = [
   { to: '/compare', group: 'Pages', name: 'Compare', note: 'Runs side by side' },
   { to: '/sweeps', group: 'Pages', name: 'Sweeps', note: 'Several values of one parameter' },
   { to: '/trends', group: 'Pages', name: 'Trends', note: 'A campaign over time' },
+  { to: '/requirements', group: 'Pages', name: 'Requirements', note: 'The matrix of requirements and runs' },
   { to: '/reports', group: 'Pages', name: 'Reports', note: 'All reports, with sign-offs' },
   { to: '/help', group: 'Pages', name: 'Verdicts', note: 'What each of them means' },
   { to: '/help/methods', group: 'Pages', name: 'Search methods', note: 'What each of them guarantees' },

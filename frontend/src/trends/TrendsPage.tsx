@@ -97,10 +97,10 @@ function Shown({ trend }: { trend: Trend }) {
     void navigate({ to: '/trends', search: { ...search, along: next === usual ? undefined : next }, replace: true })
   const data = () => ({
     name: 'trend',
-    columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'confidence', 'campaign', 'code'],
+    columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'confidence', 'campaign', 'code', 'requirements'],
     rows: runs.map((run) => [
       run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, run.verdict, run.seed,
-      run.margin, run.unit, run.upper_bound, run.confidence, run.campaign_digest, run.code,
+      run.margin, run.unit, run.upper_bound, run.confidence, run.campaign_digest, run.code, run.requirements.join('; '),
     ]),
   })
   return (
@@ -166,6 +166,7 @@ function AlongSeg({ value, onChange }: { value: Along; onChange: (value: Along) 
 }
 
 function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
+  const stated = runs.some(({ requirements }) => requirements.length > 0)
   return (
     <table className={tables.table}>
       <thead>
@@ -178,6 +179,7 @@ function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
           {named && <th>Campaign</th>}
           <th className="num">Seed</th>
           <th>Code</th>
+          {stated && <th>Evidence for</th>}
           <th>Finished</th>
         </tr>
       </thead>
@@ -206,6 +208,18 @@ function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
               <CodeCell code={run.code} />
               {run.code_changed && <span className="b"> changed</span>}
             </td>
+            {stated && (
+              <td className="sec">
+                {run.requirements.map((id, at) => (
+                  <span key={id}>
+                    {at > 0 && ', '}
+                    <Link to="/requirements" search={{ q: id }}>
+                      {id}
+                    </Link>
+                  </span>
+                ))}
+              </td>
+            )}
             <td>
               <DateCell outcome={run} />
             </td>

@@ -9,12 +9,14 @@ import fields from './fields.module.css'
 interface SearchBoxProps {
   label: string
   value: string
+  /** What may be searched for. */
+  hint?: string
   /** Has the focus at first. */
   begin?: boolean
   onChange: (value: string) => void
 }
 
-export function SearchBox({ label, value, begin = false, onChange }: SearchBoxProps) {
+export function SearchBox({ label, value, hint = 'Name, number, tag, user', begin = false, onChange }: SearchBoxProps) {
   const input = useRef<HTMLInputElement>(null)
   const [text, setText] = useState(value)
   const sent = useRef(value)
@@ -47,7 +49,7 @@ export function SearchBox({ label, value, begin = false, onChange }: SearchBoxPr
         ref={input}
         type="search"
         value={text}
-        placeholder="Name, number, tag, user"
+        placeholder={hint}
         aria-label={label}
         onChange={(event) => setText(event.target.value)}
         onKeyDown={(event) => event.key === 'Escape' && event.currentTarget.blur()}

@@ -56,3 +56,8 @@ it('judges by surfaces once an obstacle reaches beyond the threshold', () => {
     threshold: 0.5,
   })
 })
+
+it('keeps the requirements of a criterion', () => {
+  const campaign = asked(0.5, [part('circle')], { requirements: ['REQ-1', { id: 'REQ-2', text: 'x' }] })
+  expect(criterionFor(campaign, [part('box')], CATALOGUE).requirements).toEqual(['REQ-1', { id: 'REQ-2', text: 'x' }])
+})

@@ -35,8 +35,10 @@ export function criterionFor(campaign: Campaign, obstacles: Part[], catalogue: C
   return within.size > 0 ? toSurfaces(campaign.criterion, catalogue) : campaign.criterion
 }
 
-/** The same threshold, kept from surfaces: never less than what was kept before. */
+/** The same threshold and requirements, kept from surfaces: never less than what was kept before. */
 export function toSurfaces(criterion: Campaign['criterion'], catalogue: Catalogue): Campaign['criterion'] {
   const surface = catalogue.components.find((c) => c.role === 'criterion' && c.measured_to === 'surface')
-  return surface ? { component: surface.name, parameters: {}, threshold: criterion.threshold } : criterion
+  if (!surface) return criterion
+  const { threshold, requirements } = criterion
+  return { component: surface.name, parameters: {}, threshold, ...(requirements && { requirements }) }
 }

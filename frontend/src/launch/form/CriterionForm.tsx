@@ -37,6 +37,7 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
             <Centres {...shared} />
           </div>
         )}
+        <StatedRequirements campaign={campaign} />
         <Fold title="Further criteria" digest={told || none} fields={['objectives']}>
           <div id={idOf('objectives')} tabIndex={-1} className={layout.stack}>
             <FieldErrors field="objectives" />
@@ -57,6 +58,22 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
         </Fold>
       </div>
     </Card>
+  )
+}
+
+/** What it is evidence for; written in the file. */
+export function StatedRequirements({ campaign }: Pick<CriterionFormProps, 'campaign'>) {
+  const stated = campaign.criterion.requirements
+  return (
+    <div id={idOf('criterion.requirements')} tabIndex={-1} className="small">
+      {Array.isArray(stated) && stated.length > 0 && (
+        <p>
+          Evidence for: {stated.map((one) => (typeof one === 'string' ? one : (one?.id ?? '?'))).join(', ')}{' '}
+          <span className="mut">(requirements are written in the YAML)</span>
+        </p>
+      )}
+      <FieldErrors field="criterion.requirements" deep />
+    </div>
   )
 }
 

@@ -6,6 +6,7 @@ import { Docstring } from '../../help/Docstring'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { unitText } from '../../format/units'
+import { StatedRequirements } from './CriterionForm'
 import { Calls } from './Calls'
 import { type Parameter, simulatorOf } from '../campaign/parameters'
 import { ParameterGrid, type SetValue } from '../fields/PartCard'
@@ -83,6 +84,7 @@ export function ResultForm({ campaign, catalogue, set }: SimulatorFormProps) {
           </p>
         )}
         <FieldErrors field="criterion.result" />
+        <StatedRequirements campaign={campaign} />
       </div>
     </Card>
   )

@@ -42,6 +42,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           </span>
           <Tags tags={run.tags} />
           <Labels labels={run.labels} />
+          <Requirements run={run} />
           {run.removed === null && <EditRun run={run} />}
           <span className="small mut nw" title={moment(run.created)}>
             {dayAndClock(run.created)}, {run.owner}
@@ -106,6 +107,22 @@ function Labels({ labels }: { labels: RunDetail['labels'] }) {
       {pairs.map(([key, value]) => (
         <Link key={key} to="/runs" search={{ label: [`${key}=${value}`] }} className={badges.tag} title={`Show runs with the label ${key}=${value}`}>
           <span className="mut">{key}</span>&nbsp;{value}
+        </Link>
+      ))}
+    </span>
+  )
+}
+
+/** What its criterion is evidence for; each leads to its row of the matrix. */
+function Requirements({ run }: { run: RunDetail }) {
+  const given = asCampaign(run.campaign).criterion.requirements ?? []
+  const stated = given.flatMap((one) => (typeof one === 'object' && one?.id ? [{ id: one.id, text: one.text }] : []))
+  if (stated.length === 0) return null
+  return (
+    <span data-testid="requirements" className={runStyles.labels}>
+      {stated.map(({ id, text }) => (
+        <Link key={id} to="/requirements" search={{ q: id }} className={badges.tag} title={text ?? `Show the requirement ${id}`}>
+          <span className="mut">requirement</span>&nbsp;{id}
         </Link>
       ))}
     </span>

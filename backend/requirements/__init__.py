@@ -1,0 +1,1 @@
+"""Requirements, the matrix of requirements and runs, and their import and export."""

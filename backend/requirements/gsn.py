@@ -1,0 +1,152 @@
+"""The argument as YAML in Goal Structuring Notation, in the form of gsn2x 4.
+
+Only evidence that stands is a solution: cleared, signed off, unchanged. What is not yet evidence is a context of an
+undeveloped goal; a violation is a counter-solution that defeats the goal of its requirement, which nothing supports.
+Sources: GSN Community Standard 3 (SCSC-141C), with its dialectic extension; gsn2x, "Syntax in YAML". Read `argument`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+import yaml
+
+from backend.requirements.schemas import RequirementRow, RequirementRun
+from campaigns.asked.reading import Dumper
+from campaigns.claims.numbers import number, signed
+from campaigns.documents import JsonObject
+
+TOP, STRATEGY = "G-all-requirements", "S-all-requirements"
+"""A dash in the middle: names of requirements have none."""
+_UNSAFE = re.compile(r"[^A-Za-z0-9_]+")
+
+
+class _Text(Dumper):
+    """Writes lists on one line, and no aliases."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """gsn2x needs none."""
+        return True
+
+
+_Text.add_representer(
+    list, lambda dumper, items: dumper.represent_sequence("tag:yaml.org,2002:seq", items, flow_style=True)
+)
+
+
+def argument(
+    rows: Sequence[RequirementRow], claims: Mapping[str, str], address: str, at: float, code: str | None
+) -> str:
+    """The document. claims: the sentence of each run's verdict, by its name; address: of the service; at: now."""
+    nodes: dict[str, JsonObject] = {}
+    names = _names([row.id for row in rows])
+    goals = [_goal(nodes, names[row.id], row, claims, address) for row in rows]
+    when = datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    met = sum(row.status == "met" for row in rows)
+    top: JsonObject = {"text": "The requirements are met, as far as the searches of the runs below can show"}
+    known = "not known" if code is None else f"sha256 {code}"
+    context = f"Exported {when}: {met} of {len(rows)} requirements are met. Code of the workers: {known}"
+    document: dict[str, JsonObject] = {TOP: top | {"inContextOf": ["C-export", "A-search"]}}
+    document["C-export"] = {"text": context, "url": f"{address}/requirements"}
+    document["A-search"] = {"text": "A search is not a proof: a worse case inside the bounds remains possible"}
+    if goals:
+        document[TOP] |= {"supportedBy": [STRATEGY]}
+        document[STRATEGY] = {"text": "Argument over each requirement", "supportedBy": goals}
+    else:
+        document[TOP] |= {"undeveloped": True}
+    return yaml.dump(document | nodes, Dumper=_Text, sort_keys=False, allow_unicode=True, width=110)
+
+
+def _goal(nodes: dict[str, JsonObject], name: str, row: RequirementRow, claims: Mapping[str, str], address: str) -> str:
+    """Add the goal of a requirement, with all that is beneath it; its name."""
+    goal: JsonObject = {
+        "text": f"{row.id}: {row.text or 'no text is known'}",
+        "status": row.status,
+        "why": row.sentence,
+    }
+    nodes[f"G-{name}"] = goal
+    counting = [run for run in row.runs if run.part != "other"]
+    if row.status == "violated":
+        goal |= {"defeated": True, "undeveloped": True}
+        against = [run for run in counting if run.part == "violation"]
+        for run in against:
+            challenge = {"challenges": f"G-{name}"}
+            nodes[f"CSn-{name}-{run.id}"] = _leaf(run, claims, address) | challenge
+        rest = [_context(nodes, name, run, claims, address) for run in counting if run not in against]
+        return _with(goal, f"G-{name}", inContextOf=rest)
+    if not counting:
+        goal |= {"undeveloped": True}
+        return f"G-{name}"
+    subgoals = [_subgoal(nodes, name, run, claims, address) for run in counting]
+    goal |= {"supportedBy": [f"S-{name}"]}
+    nodes[f"S-{name}"] = {
+        "text": f"Argument over each campaign that states {row.id}; the requirement is {row.status}",
+        "supportedBy": subgoals,
+    }
+    return f"G-{name}"
+
+
+def _subgoal(
+    nodes: dict[str, JsonObject], name: str, run: RequirementRun, claims: Mapping[str, str], address: str
+) -> str:
+    """Add the goal that one campaign meets its criterion, supported only by evidence that stands."""
+    key = f"{name}-{run.id}"
+    above = "its threshold" if run.threshold is None else f"{number(run.threshold)} {run.unit}".strip()
+    goal: JsonObject = {"text": f"{run.campaign_name}: {run.quantity or 'the criterion'} stays above {above}"}
+    nodes[f"G-{key}"] = goal
+    if run.verdict == "cleared" and run.signed and not run.suspect:
+        nodes[f"Sn-{key}"] = _leaf(run, claims, address)
+        return _with(goal, f"G-{key}", supportedBy=[f"Sn-{key}"])
+    goal |= {"undeveloped": True}
+    return _with(goal, f"G-{key}", inContextOf=[_context(nodes, name, run, claims, address)])
+
+
+def _context(
+    nodes: dict[str, JsonObject], name: str, run: RequirementRun, claims: Mapping[str, str], address: str
+) -> str:
+    key = f"C-{name}-{run.id}"
+    nodes[key] = _leaf(run, claims, address)
+    return key
+
+
+def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> JsonObject:
+    """A run as evidence: its claim, its digests, its address."""
+    parts = [f"{run.id} is {run.verdict or run.state}"]
+    if run.margin is not None:
+        parts.append(f"worst margin {signed(run.margin)} {run.unit}".strip())
+    current = [one for one in run.signoffs if one.current]
+    parts += [f"signed off by {one.name} ({one.role}){', who launched it' if one.own else ''}" for one in current] or [
+        "not signed off" if not run.signoffs else "the sign-off is of other results"
+    ]
+    if run.suspect:
+        parts.append(f"SUSPECT: {'; '.join(run.changes)}")
+    text = ", ".join(parts[:-1] if run.suspect else parts) + (f". {parts[-1]}" if run.suspect else "")
+    leaf: JsonObject = {"text": text, "claim": claims.get(run.id, ""), "digest": f"sha256 {run.campaign_digest}"}
+    if run.code is not None:
+        leaf["code"] = f"sha256 {run.code}"
+    return leaf | {"url": f"{address}/runs/{run.id}"}
+
+
+def _with(goal: JsonObject, name: str, **lists: Iterable[str]) -> str:
+    for key, values in lists.items():
+        if values:
+            goal[key] = list(values)
+    return name
+
+
+def _names(requirements: Sequence[str]) -> dict[str, str]:
+    """The ids of requirements as parts of names of elements; two never share one."""
+    found: dict[str, str] = {}
+    taken: set[str] = set()
+    for key in requirements:
+        safe = _UNSAFE.sub("_", key)
+        name = safe if safe == key else f"{safe}_{hashlib.sha256(key.encode()).hexdigest()[:8]}"
+        while name in taken:
+            name += "_"
+        taken.add(name)
+        found[key] = name
+    return found

@@ -1,0 +1,275 @@
+"""The matrix of requirements and runs. Start reading at `page`.
+
+Rows are all ids that are registered or that a run states; a requirement without a run is a row. Only the runs that a
+page shows are read in full, by the index of `run_requirements`.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.access import account_of
+from backend.db.digest import results_digest
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement, Signoff
+from backend.http.errors import RefusedError
+from backend.requirements import present
+from backend.requirements.present import CHUNK
+from backend.requirements.schemas import EdgeSignoff, RequirementPage, RequirementRow, RequirementRun
+from backend.requirements.standing import Edge, Model, Standing, standing
+from backend.runs.outcomes import Outcome, outcomes
+from campaigns.results.verdict import VerdictWord
+from campaigns.runs import RunState, run_number
+
+_UNKNOWN = Model(None)
+
+
+@dataclass(frozen=True)
+class Known:
+    """A run that is read in full."""
+
+    outcome: Outcome
+    signoffs: list[EdgeSignoff]
+    changes: tuple[str, ...]
+    launched: float
+
+    @property
+    def signed(self) -> bool:
+        """Whether a sign-off covers its results."""
+        return any(one.current for one in self.signoffs)
+
+
+def page(reader: sa.Connection, q: str, cursor: str | None, limit: int, runs: int) -> RequirementPage:
+    """The rows after a cursor, which is an id; runs: the most of each row, besides those that count."""
+    every = _ids(q).subquery()
+    of = sa.select(every.c.id).order_by(every.c.id)
+    if cursor is not None:
+        of = of.where(every.c.id > _read(cursor))
+    ids = list(reader.scalars(of.limit(limit + 1)))
+    more, ids = len(ids) > limit, ids[:limit]
+    now = present.present(reader, ())
+    return RequirementPage(
+        items=rows(reader, ids, runs),
+        next_cursor=ids[-1].encode().hex() if more else None,
+        total=reader.scalar(sa.select(sa.func.count()).select_from(every)) or 0,
+        compared=now.code is not None and now.catalogue is not None,
+    )
+
+
+def every(reader: sa.Connection, runs: int, size: int = 200) -> Iterator[RequirementRow]:
+    """All rows, in the order of the ids."""
+    cursor = None
+    while True:
+        found = page(reader, "", cursor, size, runs)
+        yield from found.items
+        cursor = found.next_cursor
+        if cursor is None:
+            return
+
+
+def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[RequirementRow]:
+    """The rows of these requirements."""
+    edges = _edges(reader, ids)
+    registered = {row.id: row for row in reader.execute(_registered(ids))}
+    now = present.present(reader, {e.campaign for found in edges.values() for e in found})
+    shown = {key: _shown(standing(found), found, most) for key, found in edges.items()}
+    known = _known(reader, {n for found in shown.values() for n in found}, now)
+    texts = _texts(reader, ids)
+    ignored = _ignored(reader, ids)
+    made = []
+    for key in ids:
+        row = registered.get(key)
+        text = texts.get(key, {})
+        whole = [_whole(e, known.get(e.run_id), row, text.get(e.run_id, "")) for e in edges.get(key, [])]
+        made.append(_row(key, row, text, whole, shown.get(key, []), known, ignored[key]))
+    return made
+
+
+def _ids(q: str) -> sa.CompoundSelect[Any]:
+    stated = sa.select(RunRequirement.requirement.label("id"))
+    written = sa.select(Requirement.id.label("id"))
+    for word in q.split()[:10]:
+        like = {"autoescape": True}
+        written = written.where(
+            sa.or_(Requirement.id.icontains(word, **like), Requirement.text.icontains(word, **like))
+        )
+        stated = stated.where(
+            sa.or_(RunRequirement.requirement.icontains(word, **like), RunRequirement.text.icontains(word, **like))
+        )
+    return sa.union(written, stated)
+
+
+def _read(cursor: str) -> str:
+    try:
+        return bytes.fromhex(cursor).decode()
+    except ValueError:
+        detail = f"the cursor {cursor[:40]!r} is not one of this list: begin without one"
+        raise RefusedError(422, "bad-cursor", detail) from None
+
+
+def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
+    """The runs of each requirement that count, the newest first; models only where a violation may rest on them."""
+    columns = (RunRequirement.requirement, RunRequirement.run_id, RunRequirement.question, Run.state, Run.verdict)
+    of = sa.select(*columns, CampaignRow.name).join(Run, Run.id == RunRequirement.run_id)
+    of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    of = of.where(RunRequirement.requirement.in_(ids), *present.counted()).order_by(RunRequirement.run_id.desc())
+    found: dict[str, list[Edge]] = defaultdict(list)
+    compared: set[int] = set()
+    newest: set[tuple[str, str]] = set()
+    for key, run_id, question, state, word, name in reader.execute(of):
+        verdict = None if word is None or state != RunState.DONE else VerdictWord(word)
+        found[key].append(Edge(run_id, name, question, verdict, _UNKNOWN))
+        if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
+            compared.add(run_id)
+        if verdict is not None:
+            newest.add((key, name))
+    models = _models(reader, sorted(compared))
+    return {
+        key: [replace(e, model=models[e.run_id]) if e.run_id in models else e for e in edges]
+        for key, edges in found.items()
+    }
+
+
+def _models(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, Model]:
+    """What ran these runs."""
+    found: dict[int, Model] = {}
+    for first in range(0, len(run_ids), CHUNK):
+        of = sa.select(Run.id, Run.flown).where(Run.id.in_(run_ids[first : first + CHUNK]))
+        found |= {run_id: present.model(flown) for run_id, flown in reader.execute(of)}
+    return found
+
+
+def _shown(now: Standing, edges: Sequence[Edge], most: int) -> list[int]:
+    """The runs of a row that are read in full: those that count, then the newest others."""
+    count = now.evidence | now.violations
+    others = [e.run_id for e in edges if e.run_id not in count][:most]
+    return sorted(count, reverse=True) + others
+
+
+def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present) -> dict[int, Known]:
+    """These runs in full: outcome, sign-offs against their results, and what has changed."""
+    known: dict[int, Known] = {}
+    ordered = sorted(run_ids)
+    for first in range(0, len(ordered), CHUNK):
+        some = ordered[first : first + CHUNK]
+        signed = _signoffs(reader, some)
+        of = sa.select(Run.id, Run.flown, Run.created, CampaignRow.name, CampaignRow.document)
+        of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(some))
+        stored = {row.id: row for row in reader.execute(of)}
+        for outcome in outcomes(reader, [Run.id.in_(some)]):
+            run_id = run_number(outcome.id) or 0
+            row = stored[run_id]
+            changed = tuple(present.changes(now, run_id, row.name, row.document, row.flown))
+            known[run_id] = Known(outcome, signed.get(run_id, []), changed, row.created)
+    return known
+
+
+def _signoffs(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, list[EdgeSignoff]]:
+    """The sign-offs of these runs that were not withdrawn, compared with the results of now."""
+    columns = (Signoff.run_id, Signoff.name, Signoff.role, Signoff.created, Signoff.digest, Signoff.user, Run.owner)
+    of = sa.select(*columns).join(Run, Run.id == Signoff.run_id)
+    of = of.where(Signoff.run_id.in_(run_ids), Signoff.withdrawn.is_(None)).order_by(Signoff.id)
+    found: dict[int, list[EdgeSignoff]] = defaultdict(list)
+    digests: dict[int, str] = {}
+    for row in reader.execute(of).all():
+        if row.run_id not in digests:
+            digests[row.run_id] = results_digest(reader, row.run_id)
+        one = EdgeSignoff(
+            name=row.name,
+            role=row.role,
+            created=row.created,
+            current=row.digest == digests[row.run_id],
+            own=account_of(reader, row.user) == account_of(reader, row.owner),
+        )
+        found[row.run_id].append(one)
+    return found
+
+
+def _registered(ids: Sequence[str]) -> sa.Select[Any]:
+    of = sa.select(Requirement.__table__, RequirementFile.name.label("file"))
+    return of.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id).where(Requirement.id.in_(ids))
+
+
+def _texts(reader: sa.Connection, ids: Sequence[str]) -> dict[str, dict[int, str]]:
+    """The text that the campaign of each run gives, where it gives one."""
+    of = sa.select(RunRequirement.requirement, RunRequirement.run_id, RunRequirement.text)
+    found: dict[str, dict[int, str]] = defaultdict(dict)
+    for key, run_id, text in reader.execute(of.where(RunRequirement.requirement.in_(ids), RunRequirement.text != "")):
+        found[key][run_id] = text
+    return found
+
+
+def _ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, tuple[int, int]]:
+    """How many removed runs each requirement has, and how many of sweeps."""
+    gone = sa.or_(Run.removed.is_not(None), Run.purged.is_not(None))
+    columns = (RunRequirement.requirement, gone.label("gone"), sa.func.count().label("runs"))
+    of = sa.select(*columns).join(Run, Run.id == RunRequirement.run_id)
+    of = of.where(RunRequirement.requirement.in_(ids), sa.or_(gone, present.in_sweep()))
+    found: dict[str, tuple[int, int]] = defaultdict(lambda: (0, 0))
+    for row in reader.execute(of.group_by(RunRequirement.requirement, gone)):
+        removed, sweeps = found[row.requirement]
+        found[row.requirement] = (removed + row.runs, sweeps) if row.gone else (removed, sweeps + row.runs)
+    return found
+
+
+def _whole(edge: Edge, known: Known | None, row: Any, stated: str) -> Edge:
+    """The edge with sign-off and changes, if its run is one that may count."""
+    if known is None:
+        return edge
+    return replace(edge, signed=known.signed, changes=(*known.changes, *_text_changes(known, row, stated)))
+
+
+def _text_changes(known: Known, row: Any, stated: str) -> Iterator[str]:
+    """What the run is evidence for is the text in its campaign; without one, the registered text at the sign-off."""
+    if row is None:
+        return
+    signed = [one.created for one in known.signoffs if one.current]
+    if stated:
+        if " ".join(stated.split()) != " ".join(row.text.split()):
+            yield "its campaign states another text of the requirement"
+    elif signed and row.changed > max(signed):
+        yield "the text of the requirement was registered or changed after the sign-off"
+
+
+def _row(
+    key: str,
+    row: Any,
+    texts: dict[int, str],
+    edges: Sequence[Edge],
+    shown: Sequence[int],
+    known: dict[int, Known],
+    ignored: tuple[int, int],
+) -> RequirementRow:
+    now, by = standing(edges), {e.run_id: e for e in edges}
+    return RequirementRow(
+        id=key,
+        text=row.text if row is not None else texts[max(texts)] if texts else "",
+        status=now.status,
+        sentence=now.sentence,
+        registered=row is not None,
+        file=None if row is None else row.file,
+        attributes={} if row is None else row.attributes,
+        changed=None if row is None else row.changed,
+        changed_by=None if row is None else row.changed_by,
+        runs=[_run(by[run_id], known[run_id], now) for run_id in shown if run_id in known],
+        total=len(edges),
+        removed=ignored[0],
+        sweeps=ignored[1],
+    )
+
+
+def _run(edge: Edge, known: Known, now: Standing) -> RequirementRun:
+    violates, counts = edge.run_id in now.violations, edge.run_id in now.evidence
+    return RequirementRun(
+        **dict(known.outcome),
+        part="violation" if violates else "evidence" if counts else "other",
+        signoffs=known.signoffs,
+        signed=edge.signed,
+        suspect=edge.signed and bool(edge.changes),
+        changes=list(edge.changes),
+    )

@@ -1,0 +1,95 @@
+"""What runs of now would be of: the newest definition of each campaign, and what the workers have installed.
+
+Start reading at `changes`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.catalog.service import published
+from backend.db import codes
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run, SweepRun
+from backend.requirements.standing import Model
+from campaigns import Catalogue
+from campaigns.asked.requirements import definition
+from campaigns.runs import run_name
+from campaigns.versions import Versions, short
+
+CHUNK = 500
+"""Values that are read in one statement."""
+
+
+@dataclass(frozen=True)
+class Present:
+    """code, catalogue: of the newest worker; newest: run and definition by the name of a campaign."""
+
+    code: str | None
+    catalogue: Catalogue | None
+    newest: Mapping[str, tuple[int, str]]
+
+
+def counted() -> tuple[sa.ColumnElement[bool], ...]:
+    """Runs that count: neither removed nor of a sweep."""
+    return Run.removed.is_(None), Run.purged.is_(None), ~in_sweep()
+
+
+def in_sweep() -> sa.ColumnElement[bool]:
+    """Runs of sweeps."""
+    return sa.exists().where(SweepRun.run_id == Run.id)
+
+
+def present(reader: sa.Connection, names: Collection[str]) -> Present:
+    """What is current, for the campaigns of these names."""
+    newest: dict[str, tuple[int, str]] = {}
+    ordered = sorted(names)
+    for first in range(0, len(ordered), CHUNK):
+        of = sa.select(sa.func.max(Run.id)).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+        last = of.where(CampaignRow.name.in_(ordered[first : first + CHUNK]), *counted()).group_by(CampaignRow.name)
+        found = sa.select(Run.id, CampaignRow.name, CampaignRow.document)
+        found = found.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(last))
+        newest |= {row.name: (int(row.id), definition(row.document)) for row in reader.execute(found)}
+    return Present(codes.published(reader), published(reader), newest)
+
+
+def model(flown: Any) -> Model:
+    """What ran a run, from the versions stored with it."""
+    versions = Versions.of(flown)
+    return Model(versions.code, tuple(sorted(versions.components.items())), versions.simulator)
+
+
+def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], flown: Any) -> Iterator[str]:
+    """What differs between a run and now, as clauses; what is not stored is named, not taken for equal."""
+    newer, defined = now.newest.get(name, (run_id, ""))
+    if defined and defined != definition(document):
+        yield f"its campaign has changed, see {run_name(newer)}"
+    versions = Versions.of(flown)
+    if now.code is None or now.catalogue is None:
+        yield "no worker has published the code to compare it with"
+        return
+    if versions.code is None:
+        yield "its code is not stored, so a change of the model cannot be excluded"
+    elif versions.code != now.code:
+        yield f"the code has changed (sha256 {short(versions.code)}, now {short(now.code)})"
+    for file, digest in versions.components.items():
+        if now.catalogue.own.get(file) != digest:
+            yield f"components/{file} {'has changed' if file in now.catalogue.own else 'is no longer installed'}"
+    yield from _simulator(now.catalogue, versions, document)
+
+
+def _simulator(catalogue: Catalogue, versions: Versions, document: Mapping[str, Any]) -> Iterator[str]:
+    asked = (document.get("simulator") or {}).get("name")
+    if asked is None:
+        return
+    installed = catalogue.digests.get(asked)
+    if versions.simulator is None:
+        yield "the digest of its simulator is not stored, so a change cannot be excluded"
+    elif installed is None:
+        yield f"no worker publishes the digest of the simulator {asked}, so a change cannot be excluded"
+    elif installed != versions.simulator:
+        yield f"the simulator {asked} has changed (sha256 {short(versions.simulator)}, now {short(installed)})"

@@ -1,0 +1,240 @@
+"""Imports, changes and exports requirements; the audit trail has every change. Start reading at `import_file`."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import sqlalchemy as sa
+from pydantic import TypeAdapter, ValidationError
+
+from backend.db import audit
+from backend.db.access import Visitor
+from backend.db.engine import now
+from backend.db.tables import Requirement, RequirementFile
+from backend.http.errors import RefusedError, not_found
+from backend.requirements import matrix, reqif, sheet
+from backend.requirements.present import CHUNK
+from backend.requirements.reqif import CannotRead, Read
+from backend.requirements.schemas import FileKind, Imported, RequirementFileOut, RequirementGiven, RequirementRow
+from campaigns import Problem
+from campaigns.asked.requirements import RequirementId
+from campaigns.asked.values import Notes
+from campaigns.documents import JsonObject
+
+MOST = 20_000
+"""Requirements that are registered."""
+MOST_FILES = 50
+MOST_ATTRIBUTES, LONGEST_ATTRIBUTE = 60, 2000
+"""Of a requirement; the rest is in its file only."""
+NAMED = 20
+"""Ids that a row of the audit trail names."""
+
+_ID: TypeAdapter[str] = TypeAdapter(RequirementId)
+_TEXT: TypeAdapter[str] = TypeAdapter(Notes)
+_READERS = {"csv": sheet.read, "reqif": reqif.read}
+
+
+def read(kind: FileKind, content: bytes, id_name: str, text_name: str) -> tuple[list[Read], int]:
+    """The requirements of a file; 422 with a sentence for a file that is not acceptable."""
+    try:
+        found, skipped = _READERS[kind](content, id_name, text_name)
+        _check(found)
+    except CannotRead as error:
+        raise RefusedError(422, "unreadable", f"{error}", [Problem("file", "", f"{error}")]) from None
+    return found, skipped
+
+
+def _check(found: Sequence[Read]) -> None:
+    twice = next((key for key, count in Counter(one.id for one in found).items() if count > 1), None)
+    if twice is not None:
+        raise CannotRead(f"the id {twice[:80]!r} occurs more than once: name the attribute that holds unique ids")
+    if len(found) > MOST:
+        raise CannotRead(f"{len(found):,} requirements are too many: at most {MOST:,}")
+    for one in found:
+        for adapter, value, what in ((_ID, one.id, "id"), (_TEXT, one.text, "text")):
+            try:
+                adapter.validate_python(value)
+            except ValidationError as error:
+                said = error.errors()[0]["msg"].removeprefix("Value error, ")
+                raise CannotRead(f"the {what} of {one.id[:80]!r} is not acceptable: {said}") from None
+
+
+def import_file(
+    engine: sa.Engine, name: str, kind: FileKind, content: bytes, found: Sequence[Read], skipped: int, visitor: Visitor
+) -> Imported:
+    """Store a file with its requirements, in place of an earlier one of that name; one transaction.
+
+    409 for ids of another file: two modules that both number from 1 must not become one requirement.
+    """
+    try:
+        with engine.begin() as writer:
+            return _imported(writer, name, kind, content, found, skipped, visitor)
+    except sa.exc.IntegrityError:  # another import, at the same time
+        raise _conflict("requirements were imported at the same time: try again") from None
+
+
+def _imported(
+    writer: sa.Connection,
+    name: str,
+    kind: FileKind,
+    content: bytes,
+    found: Sequence[Read],
+    skipped: int,
+    visitor: Visitor,
+) -> Imported:
+    at, digest = now(writer), hashlib.sha256(content).hexdigest()
+    stored = {"kind": kind, "digest": digest, "content": content, "imported": at, "imported_by": visitor.user}
+    file_id = _stored(writer, name, stored)
+    before = {row.id: row for row in writer.execute(sa.select(Requirement.__table__))}
+    ids = {one.id for one in found}
+    _refuse_foreign(writer, file_id, [row for key, row in before.items() if key in ids])
+    gone = sorted(key for key, row in before.items() if row.file_id == file_id and key not in ids)
+    if len(before.keys() | ids) - len(gone) > MOST:
+        raise _conflict(f"there would be more than {MOST:,} requirements: delete some first")
+    added, changed = [], []
+    for one in found:
+        old = before.get(one.id)
+        if old is None:
+            added.append(_row(one, file_id, at, visitor))
+            continue
+        values: JsonObject = {"attributes": _cut(one.attributes), "file_id": file_id}
+        if old.text != one.text:
+            changed.append(one.id)
+            values |= {"text": one.text, "changed": at, "changed_by": visitor.user}
+        writer.execute(sa.update(Requirement).where(Requirement.id == one.id).values(**values))
+    if added:
+        writer.execute(sa.insert(Requirement), added)
+    _forget(writer, gone)
+    new = [str(row["id"]) for row in added]
+    told = {"sha256": digest, "added": _some(new), "changed": _some(changed), "gone": _some(gone)}
+    audit.note(writer, visitor, "requirements.imported", name[:80], told)
+    (file,) = [one for one in files(writer) if one.id == file_id]
+    same = len(found) - len(new) - len(changed)
+    return Imported(file=file, added=new, changed=changed, unchanged=same, gone=gone, skipped=skipped)
+
+
+def _refuse_foreign(reader: sa.Connection, file_id: int, there: Sequence[Any]) -> None:
+    foreign = sorted((row.id, row.file_id) for row in there if row.file_id not in (None, file_id))
+    if foreign:
+        other = reader.scalar(sa.select(RequirementFile.name).where(RequirementFile.id == foreign[0][1]))
+        raise _conflict(
+            f"{len(foreign)} ids are already registered from another file, such as {foreign[0][0]} from {other}: name "
+            "an attribute whose values are unique across files, import under that name, or delete that file"
+        )
+
+
+def _stored(writer: sa.Connection, name: str, stored: JsonObject) -> int:
+    file_id = writer.scalar(sa.select(RequirementFile.id).where(RequirementFile.name == name))
+    if file_id is not None:
+        writer.execute(sa.update(RequirementFile).where(RequirementFile.id == file_id).values(**stored))
+        return int(file_id)
+    if (writer.scalar(sa.select(sa.func.count()).select_from(RequirementFile)) or 0) >= MOST_FILES:
+        raise _conflict(f"there are already {MOST_FILES} files, which is the limit: delete some first")
+    made = sa.insert(RequirementFile).values(name=name, **stored).returning(RequirementFile.id)
+    return int(writer.execute(made).scalar_one())
+
+
+def files(reader: sa.Connection) -> list[RequirementFileOut]:
+    """The imported files, by name."""
+    columns = [getattr(RequirementFile, key) for key in ("id", "name", "kind", "digest", "imported", "imported_by")]
+    size = sa.func.length(RequirementFile.content).label("size")
+    count = sa.select(sa.func.count()).where(Requirement.file_id == RequirementFile.id).scalar_subquery()
+    of = sa.select(*columns, size, count.label("requirements")).order_by(RequirementFile.name)
+    return [RequirementFileOut.model_validate(dict(row)) for row in reader.execute(of).mappings()]
+
+
+def content(reader: sa.Connection, file_id: int) -> tuple[str, FileKind, bytes]:
+    """Name, kind and bytes of a file, as it was imported; 404 if there is none."""
+    of = sa.select(RequirementFile.name, RequirementFile.kind, RequirementFile.content)
+    row = reader.execute(of.where(RequirementFile.id == file_id)).one_or_none()
+    if row is None:
+        raise not_found("file of requirements with the number", str(file_id))
+    return row.name, row.kind, bytes(row.content)
+
+
+def delete_file(engine: sa.Engine, file_id: int, visitor: Visitor) -> None:
+    """Delete a file and its requirements; those that runs state stay rows of the matrix. 404 if there is none."""
+    with engine.begin() as writer:
+        name, _, held = content(writer, file_id)
+        of = sa.select(Requirement.id).where(Requirement.file_id == file_id).order_by(Requirement.id)
+        gone = list(writer.scalars(of))
+        _forget(writer, gone)
+        writer.execute(sa.delete(RequirementFile).where(RequirementFile.id == file_id))
+        told = {"sha256": hashlib.sha256(held).hexdigest(), "gone": _some(gone)}
+        audit.note(writer, visitor, "requirements.deleted", name[:80], told)
+
+
+def write(engine: sa.Engine, given: RequirementGiven, visitor: Visitor) -> RequirementRow:
+    """Add a requirement, or change the text of one that was written here or imported as CSV.
+
+    409 for one of a ReqIF file: it is changed where it was written, and imported again.
+    """
+    with engine.begin() as writer:
+        at, old = now(writer), _one(writer, given.id)
+        if old is None:
+            if (writer.scalar(sa.select(sa.func.count()).select_from(Requirement)) or 0) >= MOST:
+                raise _conflict(f"there are already {MOST:,} requirements, which is the limit: delete some first")
+            writer.execute(sa.insert(Requirement).values(**_row(Read(given.id, given.text, {}), None, at, visitor)))
+            audit.note(writer, visitor, "requirement.added", given.id[:80], {"id": given.id, "text": given.text})
+        elif old.kind == "reqif":
+            raise _conflict(
+                f"{given.id} is from {old.file}: change it in the tool that wrote the file, and import it again"
+            )
+        elif old.text != given.text:
+            values = {"text": given.text, "changed": at, "changed_by": visitor.user}
+            writer.execute(sa.update(Requirement).where(Requirement.id == given.id).values(**values))
+            told = {"id": given.id, "before": old.text, "text": given.text}
+            audit.note(writer, visitor, "requirement.changed", given.id[:80], told)
+        return matrix.rows(writer, [given.id], 5)[0]
+
+
+def delete(engine: sa.Engine, key: str, visitor: Visitor) -> None:
+    """Delete a requirement that was written here or imported as CSV; one that runs state stays a row. 404, 409."""
+    with engine.begin() as writer:
+        old = _one(writer, key)
+        if old is None:
+            raise not_found("registered requirement", key)
+        if old.kind == "reqif":
+            raise _conflict(f"{key} is from {old.file}: delete it there and import the file again, or delete the file")
+        _forget(writer, [key])
+        audit.note(writer, visitor, "requirement.deleted", key[:80], {"id": key, "text": old.text})
+
+
+def whole(reader: sa.Connection, runs: int = 0) -> Iterator[RequirementRow]:
+    """All rows for an export."""
+    return matrix.every(reader, runs)
+
+
+def _one(reader: sa.Connection, key: str) -> Any:
+    of = sa.select(Requirement.text, RequirementFile.kind, RequirementFile.name.label("file"))
+    of = of.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id)
+    return reader.execute(of.where(Requirement.id == key)).one_or_none()
+
+
+def _row(one: Read, file_id: int | None, at: float, visitor: Visitor) -> JsonObject:
+    values: JsonObject = {"id": one.id, "text": one.text, "attributes": _cut(one.attributes), "file_id": file_id}
+    return values | {"created": at, "changed": at, "changed_by": visitor.user}
+
+
+def _cut(attributes: dict[str, str]) -> dict[str, str]:
+    """What the page shows of them; null characters cannot be stored."""
+    some = list(attributes.items())[:MOST_ATTRIBUTES]
+    return {key[:200].replace("\0", ""): value[:LONGEST_ATTRIBUTE].replace("\0", "") for key, value in some}
+
+
+def _forget(writer: sa.Connection, ids: Sequence[str]) -> None:
+    for first in range(0, len(ids), CHUNK):
+        some = ids[first : first + CHUNK]
+        writer.execute(sa.delete(Requirement).where(Requirement.id.in_(some)))
+
+
+def _some(ids: Sequence[str]) -> JsonObject:
+    """How many there are, and the first of them."""
+    return {"count": len(ids), "ids": list(ids[:NAMED])}
+
+
+def _conflict(detail: str) -> RefusedError:
+    return RefusedError(409, "requirement-conflict", detail)

@@ -1,0 +1,123 @@
+"""Requirements and the matrix as CSV (RFC 4180). Start reading at `read`."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator
+from datetime import UTC, datetime
+
+from backend.requirements.reqif import CannotRead, Read
+from backend.requirements.schemas import RequirementRow, RequirementRun
+
+IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
+TEXTS = ("text", "description", "statement", "object text", "reqif.text")
+"""Headers of the columns, in any case."""
+LONGEST_FIELD = 131_072
+"""Characters; the limit of Python's reader."""
+
+_MATRIX = (
+    "requirement", "text", "status", "why", "run", "counts", "campaign", "verdict", "quantity", "unit", "threshold",
+    "worst", "margin", "p_violation_bound", "campaign_sha256", "code_sha256", "date", "signed", "signed_by", "suspect",
+    "changes",
+)  # fmt: skip
+
+
+def read(content: bytes, id_name: str = "", text_name: str = "") -> tuple[list[Read], int]:
+    """The requirements of a file, in its order, and how many lines without a text were skipped; raises `CannotRead`.
+
+    Separated by commas or semicolons, with a header.
+    """
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise CannotRead(f"the file is not UTF-8 text (byte {error.start}): save it as CSV UTF-8") from None
+    if "\0" in text:
+        raise CannotRead("the file contains null characters: save it as CSV UTF-8")
+    header = text.split("\n", 1)[0]
+    lines = csv.reader(
+        io.StringIO(text, newline=""), delimiter=";" if header.count(";") > header.count(",") else ",", strict=True
+    )
+    try:
+        return _requirements(lines, id_name, text_name)
+    except csv.Error as error:
+        raise CannotRead(f"line {lines.line_num} is not readable as CSV: {error}") from None
+
+
+def _requirements(lines: Iterator[list[str]], id_name: str, text_name: str) -> tuple[list[Read], int]:
+    header = [name.strip() for name in next(lines, [])]
+    key = _column(header, (id_name,) if id_name else IDS, "id")
+    text = _column(header, (text_name,) if text_name else TEXTS, "text")
+    found, skipped = [], 0
+    for number, line in enumerate(lines, 2):
+        if not any(cell.strip() for cell in line):
+            continue
+        if len(line) != len(header):
+            raise CannotRead(f"row {number} has {len(line)} columns, the header has {len(header)}")
+        if not line[text].strip():
+            skipped += 1
+            continue
+        rest = {header[i]: cell for i, cell in enumerate(line) if i not in (key, text) and header[i] and cell.strip()}
+        found.append(Read(line[key].strip(), line[text].strip(), rest))
+    if not found:
+        raise CannotRead("the file has no row with a text")
+    return found, skipped
+
+
+def _column(header: list[str], names: Iterable[str], what: str) -> int:
+    wanted = [name.lower() for name in names]
+    for name in wanted:
+        for i, given in enumerate(header):
+            if given.lower() == name:
+                return i
+    raise CannotRead(
+        f"no column for the {what}: the header has {', '.join(header)[:200] or 'nothing'}; it needs {wanted[0]!r}, or "
+        "name the column"
+    )
+
+
+def requirements(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
+    """All requirements with id, text and status, and the other attributes of their files."""
+    listed = list(rows)
+    fixed = ("id", "text", "status", "why", "file")
+    more = sorted({name for row in listed for name in row.attributes} - {*fixed})
+    yield _line([*fixed, *more])
+    for row in listed:
+        values = (row.id, row.text, row.status, row.sentence, row.file or "")
+        yield _line([*values, *(row.attributes.get(name, "") for name in more)])
+
+
+def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
+    """A line for each requirement and run, the runs that count first; one line for a requirement without a run."""
+    yield _line(_MATRIX)
+    for row in rows:
+        before = [row.id, row.text, row.status, row.sentence]
+        if not row.runs:
+            yield _line([*before, *[""] * (len(_MATRIX) - len(before))])
+        for run in row.runs:
+            yield _line([*before, *_run(run)])
+
+
+def _run(run: RequirementRun) -> list[object]:
+    numbers = (run.threshold, run.worst_cost, run.margin, run.upper_bound)
+    signed = "; ".join(f"{s.name} ({s.role}), {_date(s.created)}{_said(s.current, s.own)}" for s in run.signoffs)
+    return [
+        run.id, run.part, run.campaign_name, run.verdict or run.state, run.quantity, run.unit,
+        *("" if number is None else repr(number) for number in numbers), run.campaign_digest, run.code or "",
+        _date(run.finished or run.created), "yes" if run.signed else "no", signed, "yes" if run.suspect else "no",
+        "; ".join(run.changes),
+    ]  # fmt: skip
+
+
+def _said(current: bool, own: bool) -> str:
+    return ("" if current else ", of other results") + (", launched by the same user" if own else "")
+
+
+def _date(at: float) -> str:
+    return datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def _line(cells: Iterable[object]) -> bytes:
+    out = io.StringIO(newline="")
+    csv.writer(out, lineterminator="\r\n").writerow(cells)
+    return out.getvalue().encode()

@@ -1,0 +1,135 @@
+"""Whether a requirement is met, from all runs whose campaigns state it. Pure functions; start reading at `standing`.
+
+A requirement stands as its worst evidence does. Every campaign that states it, by name, must have evidence of its own;
+the evidence of a campaign is its newest run with a verdict, and every violation that nothing has changed since.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from campaigns.results.verdict import VerdictWord
+from campaigns.runs import run_name
+
+Status = Literal["violated", "inconclusive", "no verdict", "suspect", "unsigned", "no evidence", "met"]
+
+ORDER: tuple[Status, ...] = ("violated", "inconclusive", "no verdict", "suspect", "unsigned", "no evidence", "met")
+"""The worst first."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """What ran a run, as digests: the code, the operator's own components, the simulator; None: not stored."""
+
+    code: str | None
+    own: tuple[tuple[str, str], ...] = ()
+    simulator: str | None = None
+
+    def may_equal(self, other: Model) -> bool:
+        """False only if both are known and differ."""
+        codes = None in (self.code, other.code) or self.code == other.code
+        simulators = None in (self.simulator, other.simulator) or self.simulator == other.simulator
+        return codes and simulators and self.own == other.own
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One run of a requirement. question: see `campaigns.asked.requirements`; signed: whether a valid sign-off covers
+    its results; changes: what has changed since it ran, as clauses."""
+
+    run_id: int
+    campaign: str
+    question: str
+    verdict: VerdictWord | None
+    model: Model
+    signed: bool = False
+    changes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Standing:
+    """The status of a requirement, why, and the runs that it rests on."""
+
+    status: Status
+    sentence: str
+    evidence: frozenset[int] = frozenset()
+    """The newest run with a verdict of each campaign; the newest one, if none has a verdict."""
+    violations: frozenset[int] = frozenset()
+    """Runs that violate, and that nothing has changed since."""
+
+
+def standing(edges: Sequence[Edge]) -> Standing:
+    """The standing of a requirement with these runs, without removed ones and those of sweeps."""
+    if not edges:
+        return Standing("no evidence", "No run states this requirement.")
+    found = [_of_campaign(name, [e for e in edges if e.campaign == name]) for name in _names(edges)]
+    worst = min((one.status for one in found), key=ORDER.index)
+    sentences = [one.sentence for one in found if one.status == worst]
+    others = len(found) - len(sentences)
+    rest = f" In {others} other campaign{'s' if others > 1 else ''} it stands no worse."
+    return Standing(
+        worst,
+        " ".join(sentences) + (rest if others else ""),
+        frozenset().union(*(one.evidence for one in found)),
+        frozenset().union(*(one.violations for one in found)),
+    )
+
+
+def _names(edges: Sequence[Edge]) -> list[str]:
+    return list(dict.fromkeys(e.campaign for e in edges))
+
+
+def _of_campaign(name: str, edges: Sequence[Edge]) -> Standing:
+    """The standing of the runs of one campaign."""
+    judged = sorted((e for e in edges if e.verdict is not None), key=lambda e: -e.run_id)
+    if not judged:
+        text = f"{name}: no run has a verdict."
+        return Standing("no verdict", text, frozenset({max(e.run_id for e in edges)}))
+    newest = judged[0]
+    evidence = frozenset({newest.run_id})
+    violations = [e for e in judged if _stands(e, newest)]
+    if violations:
+        runs = frozenset(e.run_id for e in violations)
+        return Standing("violated", _violated(name, violations, newest), evidence, runs)
+    run, before = run_name(newest.run_id), _before(judged)
+    if newest.verdict != VerdictWord.CLEARED:
+        text = f"{name}: {run}, the newest with a verdict, is {newest.verdict}.{before}"
+        return Standing("inconclusive", text, evidence)
+    if not newest.signed:
+        text = f"{name}: {run} is cleared, and no valid sign-off covers its results.{before}"
+        return Standing("unsigned", text, evidence)
+    if newest.changes:
+        text = f"{name}: {run} is signed off, but {'; '.join(newest.changes)}.{before}"
+        return Standing("suspect", text, evidence)
+    text = f"{name}: {run} is cleared and signed off, and no change is known since.{before}"
+    return Standing("met", text, evidence)
+
+
+def _before(judged: Sequence[Edge]) -> str:
+    """The violations of another question or model, which do not count, as a sentence."""
+    runs = [run_name(e.run_id) for e in judged[1:] if e.verdict == VerdictWord.VIOLATED]
+    return f" Before, another campaign of that name or another model violated it: {', '.join(runs)}." if runs else ""
+
+
+def _stands(edge: Edge, newest: Edge) -> bool:
+    """Whether a run violates, and no newer run of the campaign asks another question or has another model.
+
+    A newer cleared run of the same question on the same model has missed a case that exists.
+    """
+    if edge.verdict != VerdictWord.VIOLATED:
+        return False
+    return edge is newest or (edge.question == newest.question and edge.model.may_equal(newest.model))
+
+
+def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:
+    runs = ", ".join(run_name(e.run_id) for e in violations)
+    verb = "violates" if len(violations) == 1 else "violate"
+    if newest.verdict == VerdictWord.VIOLATED:
+        return f"{name}: {runs} {verb} it."
+    later = run_name(newest.run_id)
+    return (
+        f"{name}: {runs} {verb} it. The newer {later} is {newest.verdict}, but asks the same of the same model: it "
+        "missed a case that exists."
+    )

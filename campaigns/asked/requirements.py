@@ -1,0 +1,81 @@
+"""The requirements that a criterion is evidence for, and the digest of the question that a campaign asks of them.
+
+An id names a requirement in the tool that it was written in. Start reading at `RequirementRef`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import operator
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from campaigns.asked.values import Notes, Strict
+from campaigns.documents import JsonObject
+
+MOST = 200
+"""Requirements of one criterion."""
+LONGEST_ID = 120
+"""Characters."""
+
+_ASKED = ("scenario", "simulator", "uncertain", "correlations", "criterion")
+"""What a violation depends on. Seed, methods and budgets decide whether it is found, not whether it is there."""
+
+
+def _no_default(schema: JsonObject) -> None:
+    schema.pop("default", None)
+
+
+def _id(text: str) -> str:
+    if text != text.strip() or not text.isprintable():
+        raise ValueError("expected the id of a requirement: one line of readable text without spaces at its ends")
+    return text
+
+
+def _named(given: Any) -> Any:
+    """`REQ-1` is short for `{id: REQ-1}`."""
+    return {"id": given} if isinstance(given, str) else given
+
+
+def _once(given: list[RequirementRef]) -> list[RequirementRef]:
+    ids = [one.id for one in given]
+    twice = next((one for i, one in enumerate(ids) if one in ids[:i]), None)
+    if twice is not None:
+        raise ValueError(f"{twice} is given twice; name a requirement once")
+    return given
+
+
+RequirementId = Annotated[str, Field(min_length=1, max_length=LONGEST_ID), AfterValidator(_id)]
+
+
+class RequirementRef(Strict):
+    """A requirement, by the id that it has where it was written."""
+
+    id: RequirementId
+    text: Annotated[Notes, Field(exclude_if=operator.not_, json_schema_extra=_no_default)] = ""
+    """Its text when the campaign was written; omitted from the canonical form if not given."""
+
+
+Requirements = Annotated[
+    list[Annotated[RequirementRef, BeforeValidator(_named, json_schema_input_type=RequirementRef | RequirementId)]],
+    Field(max_length=MOST),
+    AfterValidator(_once),
+]
+
+
+def question(document: Mapping[str, Any]) -> str:
+    """SHA-256 of what a stored campaign asks: system, bounds and criterion, without seed, methods and budgets."""
+    asked = {key: document[key] for key in _ASKED if document.get(key)}
+    asked["criterion"] = {k: v for k, v in (document.get("criterion") or {}).items() if k != "requirements"}
+    canonical = json.dumps(asked, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def definition(document: Mapping[str, Any]) -> str:
+    """SHA-256 of a stored campaign without the baseline, which is added at launch: equal for every launch of a file."""
+    rest = {key: value for key, value in document.items() if key != "baseline"}
+    canonical = json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()

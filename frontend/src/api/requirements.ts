@@ -1,0 +1,62 @@
+// The requests of the page of requirements.
+import { infiniteQueryOptions, queryOptions } from '@tanstack/react-query'
+import type { Imported, RequirementFileOut, RequirementPage, RequirementRow } from '../client'
+import * as sdk from '../client'
+import { client } from '../client/client.gen'
+import { answer } from './calls'
+
+const AT = '/api/v1/requirements'
+
+/** The exported files, made when they are opened. */
+export const EXPORTS = [
+  { href: `${AT}/export/matrix.csv`, title: 'Matrix, CSV', text: 'A line for each requirement and run' },
+  { href: `${AT}/export/argument.gsn.yaml`, title: 'Argument, GSN (YAML)', text: 'For gsn2x: goals, evidence with claim, digest and link' },
+  { href: `${AT}/export/requirements.reqif`, title: 'Requirements, ReqIF', text: 'All of them, with their status' },
+  { href: `${AT}/export/requirements.csv`, title: 'Requirements, CSV', text: 'All of them, with their status' },
+] as const
+
+export const contentOf = (file: RequirementFileOut): string => `${AT}/files/${file.id}/content`
+
+export const requirementsQuery = (q: string) =>
+  infiniteQueryOptions({
+    queryKey: ['requirements', q],
+    queryFn: ({ pageParam }): Promise<RequirementPage> =>
+      answer(sdk.listRequirements({ query: { q, ...(pageParam ? { cursor: pageParam } : {}) } })),
+    initialPageParam: null as string | null,
+    getNextPageParam: (page) => page.next_cursor,
+    placeholderData: (before) => before,
+    staleTime: 0,
+  })
+
+export const importsQuery = queryOptions({
+  queryKey: ['requirement-files'],
+  queryFn: (): Promise<RequirementFileOut[]> => answer(sdk.listImports()),
+  staleTime: 0,
+})
+
+export interface GivenFile {
+  file: File
+  idAttribute: string
+  textAttribute: string
+}
+
+/** Sends a file as it is. */
+export const importFile = ({ file, idAttribute, textAttribute }: GivenFile): Promise<Imported> =>
+  answer(
+    client.post({
+      url: `${AT}/files`,
+      query: { name: file.name, kind: kindOf(file.name), id_attribute: idAttribute, text_attribute: textAttribute },
+      body: file,
+      bodySerializer: null,
+      headers: { 'Content-Type': 'application/octet-stream' },
+    }) as Promise<{ data?: Imported; error?: unknown; response?: Response }>,
+  )
+
+/** What a file is, by its name. */
+export const kindOf = (name: string): 'csv' | 'reqif' => (/\.(reqifz?|xml)$/i.test(name) ? 'reqif' : 'csv')
+
+export const deleteImport = (file: number): Promise<unknown> => answer(sdk.deleteImport({ path: { file } }))
+export const writeRequirement = (id: string, text: string): Promise<RequirementRow> =>
+  answer(sdk.writeRequirement({ body: { id, text } }))
+export const deleteRequirement = (requirement: string): Promise<unknown> =>
+  answer(sdk.deleteRequirement({ query: { requirement } }))

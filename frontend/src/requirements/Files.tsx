@@ -1,0 +1,98 @@
+// The imported files, as they were and to be deleted.
+import { Modal } from '@mantine/core'
+import { IconDownload } from '@tabler/icons-react'
+import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { clsx } from 'clsx'
+import { useState } from 'react'
+import { contentOf, deleteImport, importsQuery } from '../api/requirements'
+import type { RequirementFileOut } from '../client'
+import { count } from '../format/numbers'
+import { moment, when } from '../format/time'
+import { Card } from '../ui/Card'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
+
+export function Files({ mayChange }: { mayChange: boolean }) {
+  const cache = useQueryClient()
+  const { data, error } = useQuery(importsQuery)
+  const [leaving, setLeaving] = useState<RequirementFileOut | null>(null)
+  const remove = useMutation({
+    mutationFn: deleteImport,
+    onSuccess: () =>
+      Promise.all(['requirements', 'requirement-files'].map((key) => cache.invalidateQueries({ queryKey: [key] }))).then(() => setLeaving(null)),
+  })
+  if (error && !data) return <p className={fields.ferr}>{error.message}</p>
+  if (!data?.length) return null
+  return (
+    <div style={{ marginTop: 'var(--gap)' }}>
+      <Card title="Imported files" note="Written back byte by byte as they were" flush>
+        <table className={tables.table}>
+          <thead>
+            <tr>
+              <th>File</th>
+              <th className="num">Requirements</th>
+              <th>Imported</th>
+              <th className={layout.hideS}>sha256</th>
+              <th>
+                <span className="sr">Actions</span>
+              </th>
+            </tr>
+          </thead>
+          <tbody>
+            {data.map((file) => (
+              <tr key={file.id}>
+                <td className={layout.wrapAny}>{file.name}</td>
+                <td className="num">{count(file.requirements)}</td>
+                <td className="sec nw" title={moment(file.imported)}>
+                  {when(file.imported)}, by {file.imported_by}
+                </td>
+                <td className={layout.hideS}>
+                  <span className="mono" title={file.digest}>
+                    {file.digest.slice(0, 16)}
+                  </span>
+                </td>
+                <td className="num">
+                  <span className={clsx(layout.row, 'nw')} style={{ gap: 6, justifyContent: 'flex-end' }}>
+                    <a className={clsx(buttons.btn, buttons.s)} href={contentOf(file)} download aria-label={`Download ${file.name}`}>
+                      <IconDownload className="i s" aria-hidden />
+                    </a>
+                    {mayChange && (
+                      <button type="button" className={clsx(buttons.btn, buttons.s, buttons.danger)} aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
+                        Delete …
+                      </button>
+                    )}
+                  </span>
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </Card>
+      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title="Delete a file of requirements" centered lockScroll={false}>
+        {leaving && (
+          <div className={fields.panel}>
+            <p>
+              {leaving.name} and its {count(leaving.requirements)} requirements are deleted. Those that a run states stay in the matrix, as stated by
+              campaigns only. The audit trail keeps the digest of the file, not the file.
+            </p>
+            {remove.isError && (
+              <p className={fields.ferr} role="alert">
+                {remove.error.message}
+              </p>
+            )}
+            <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+              <button type="button" className={buttons.btn} onClick={() => setLeaving(null)}>
+                Not now
+              </button>
+              <button type="button" className={clsx(buttons.btn, buttons.danger)} disabled={remove.isPending} onClick={() => remove.mutate(leaving.id)}>
+                Delete the file
+              </button>
+            </div>
+          </div>
+        )}
+      </Modal>
+    </div>
+  )
+}

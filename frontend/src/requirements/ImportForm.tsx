@@ -1,0 +1,94 @@
+// Importing a file of requirements: the file, the attributes with id and text, and what has changed.
+import { useMutation, useQueryClient } from '@tanstack/react-query'
+import { clsx } from 'clsx'
+import { useState } from 'react'
+import { importFile } from '../api/requirements'
+import type { Imported } from '../client'
+import { count } from '../format/numbers'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+
+export function ImportForm({ onDone }: { onDone: () => void }) {
+  const cache = useQueryClient()
+  const [file, setFile] = useState<File | null>(null)
+  const [idAttribute, setId] = useState('')
+  const [textAttribute, setText] = useState('')
+  const send = useMutation({
+    mutationFn: importFile,
+    onSuccess: () =>
+      Promise.all(['requirements', 'requirement-files'].map((key) => cache.invalidateQueries({ queryKey: [key] }))),
+  })
+  if (send.data) return <Done imported={send.data} onDone={onDone} />
+  return (
+    <form
+      className={fields.panel}
+      onSubmit={(event) => {
+        event.preventDefault()
+        if (file) send.mutate({ file, idAttribute, textAttribute })
+      }}
+    >
+      <label className={fields.lbl}>
+        File
+        <input
+          type="file"
+          accept=".csv,.reqif,.xml"
+          required
+          onChange={({ target }) => {
+            setFile(target.files?.[0] ?? null)
+            send.reset()
+          }}
+        />
+        <span className="small mut">
+          ReqIF, or CSV with the columns id and text; at most 8 MB. A file of the same name replaces the earlier one.
+        </span>
+      </label>
+      <details>
+        <summary className="small">Other names of attributes or columns</summary>
+        <label className={fields.lbl}>
+          Id
+          <input className={fields.inp} value={idAttribute} maxLength={120} placeholder="ReqIF.ForeignID" onChange={({ target }) => setId(target.value)} />
+        </label>
+        <label className={fields.lbl}>
+          Text
+          <input className={fields.inp} value={textAttribute} maxLength={120} placeholder="ReqIF.Text" onChange={({ target }) => setText(target.value)} />
+        </label>
+      </details>
+      {send.isError && (
+        <p className={fields.ferr} role="alert">
+          {send.error.message}
+        </p>
+      )}
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
+          Not now
+        </button>
+        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={!file || send.isPending}>
+          {send.isPending ? 'Importing …' : 'Import'}
+        </button>
+      </div>
+    </form>
+  )
+}
+
+function Done({ imported: { file, added, changed, unchanged, gone, skipped }, onDone }: { imported: Imported; onDone: () => void }) {
+  const lines = [
+    `${count(added.length)} added, ${count(changed.length)} changed, ${count(unchanged)} unchanged.`,
+    gone.length > 0 && `No longer in the file: ${gone.slice(0, 20).join(', ')}${gone.length > 20 ? ' …' : ''}.`,
+    changed.length > 0 && `Another text: ${changed.slice(0, 20).join(', ')}${changed.length > 20 ? ' …' : ''}. Evidence for the earlier text is suspect.`,
+    skipped > 0 && `${count(skipped)} without a text, such as headings, were skipped.`,
+  ].filter(Boolean)
+  return (
+    <div className={fields.panel} role="status">
+      <p className="b">{file.name} is imported.</p>
+      {lines.map((line) => (
+        <p key={String(line)}>{line}</p>
+      ))}
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={onDone}>
+          Done
+        </button>
+      </div>
+    </div>
+  )
+}

@@ -1,0 +1,159 @@
+// The table of requirements and runs.
+import { IconAlertTriangle, IconCircleCheck, IconCircleX, IconClock, IconHelpCircle, IconSignature } from '@tabler/icons-react'
+import { Link } from '@tanstack/react-router'
+import { clsx } from 'clsx'
+import type { RequirementRow, RequirementRun } from '../client'
+import { NONE } from '../format/numbers'
+import { moment } from '../format/time'
+import { DateCell, marginOf, OutcomeBadge } from '../trends/cells'
+import { leftOut, type Status, STATUSES } from './status'
+import badges from '../ui/badges.module.css'
+import buttons from '../ui/buttons.module.css'
+import layout from '../ui/layout.module.css'
+import tables from '../ui/tables.module.css'
+import styles from './requirements.module.css'
+
+const ICONS: Record<Status, typeof IconClock> = {
+  violated: IconCircleX,
+  inconclusive: IconHelpCircle,
+  'no verdict': IconClock,
+  suspect: IconAlertTriangle,
+  unsigned: IconSignature,
+  'no evidence': IconHelpCircle,
+  met: IconCircleCheck,
+}
+
+interface MatrixProps {
+  rows: readonly RequirementRow[]
+  /** Absent for users who may not change requirements. */
+  onChange: ((row: RequirementRow) => void) | undefined
+}
+
+export function Matrix({ rows, onChange }: MatrixProps) {
+  return (
+    <table className={clsx(tables.table, styles.matrix)}>
+      <thead>
+        <tr>
+          <th>Requirement</th>
+          <th>Status</th>
+          <th>Run</th>
+          <th>Verdict</th>
+          <th className="num">Worst margin</th>
+          <th>Campaign, sha256</th>
+          <th>Date</th>
+          <th>Sign-off</th>
+        </tr>
+      </thead>
+      {rows.map((row) => (
+        <tbody key={row.id} data-requirement={row.id}>
+          <tr>
+            <td rowSpan={Math.max(1, row.runs.length)} className={styles.what}>
+              <What row={row} onChange={onChange} />
+            </td>
+            <td rowSpan={Math.max(1, row.runs.length)} className={styles.why}>
+              <StatusBadge status={row.status} />
+              <p className="small sec">{row.sentence}</p>
+            </td>
+            {row.runs.length === 0 ? (
+              <td colSpan={6} className="mut">
+                {leftOut(row) || 'No run'}
+              </td>
+            ) : (
+              <Cells run={row.runs[0] as RequirementRun} />
+            )}
+          </tr>
+          {row.runs.slice(1).map((run) => (
+            <tr key={run.id}>
+              <Cells run={run} />
+            </tr>
+          ))}
+        </tbody>
+      ))}
+    </table>
+  )
+}
+
+export function StatusBadge({ status }: { status: Status }) {
+  const { word, tone } = STATUSES[status]
+  const Icon = ICONS[status]
+  return (
+    <span className={badges.vd} data-tone={tone}>
+      <Icon className="i" aria-hidden />
+      {word}
+    </span>
+  )
+}
+
+function What({ row, onChange }: { row: RequirementRow; onChange: MatrixProps['onChange'] }) {
+  const more = row.runs.length > 0 && leftOut(row)
+  return (
+    <>
+      <span className={clsx(layout.row, 'b')}>
+        <span className={layout.wrapAny}>{row.id}</span>
+        {onChange && !row.file?.match(/\.(reqif|xml)$/i) && (
+          <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Change ${row.id}`} onClick={() => onChange(row)}>
+            {row.registered ? 'Change …' : 'Register …'}
+          </button>
+        )}
+      </span>
+      <p className={styles.text}>{row.text || <span className="mut">no text</span>}</p>
+      <p className="small mut">
+        {row.file ? `from ${row.file}` : row.registered ? 'written here' : 'stated by campaigns only'}
+        {more && `; ${more}`}
+      </p>
+    </>
+  )
+}
+
+const PARTS: Record<RequirementRun['part'], string> = { evidence: '', violation: 'still violates', other: 'does not count' }
+
+function Cells({ run }: { run: RequirementRun }) {
+  return (
+    <>
+      <td>
+        <span className={tables.rn}>
+          <Link to="/runs/$id" params={{ id: run.id }}>
+            {run.id}
+          </Link>
+          <small>{run.campaign_name}</small>
+          {PARTS[run.part] && <small>{PARTS[run.part]}</small>}
+        </span>
+      </td>
+      <td>
+        <OutcomeBadge outcome={run} />
+      </td>
+      <td className={clsx('num nw', run.margin !== null && run.margin <= 0 && 'bad-t')}>{marginOf(run)}</td>
+      <td>
+        <Link to="/trends" search={{ name: run.campaign_name }} className="mono" title={run.campaign_digest}>
+          {run.campaign_digest.slice(0, 12)}
+        </Link>
+      </td>
+      <td>
+        <DateCell outcome={run} />
+      </td>
+      <td className={styles.signed}>
+        <Signed run={run} />
+      </td>
+    </>
+  )
+}
+
+function Signed({ run }: { run: RequirementRun }) {
+  if (run.signoffs.length === 0) return <span className="mut">{run.verdict ? 'none' : NONE}</span>
+  return (
+    <span className={tables.rn}>
+      {run.signoffs.map((one) => (
+        <span key={`${one.name} ${one.created}`} className={one.current ? 'ok-t' : 'bad-t'} title={moment(one.created)}>
+          {one.name}
+          {!one.current && ', of other results'}
+          {one.own && ', who launched it'}
+        </span>
+      ))}
+      {run.suspect && (
+        <span className="unk-t">
+          <b>Suspect:</b> {run.changes.join('; ')}
+        </span>
+      )}
+    </span>
+  )
+}

@@ -1,0 +1,154 @@
+// Requirements and the runs that are evidence for them: a group of rows for each requirement, a row for each run.
+import { Menu, Modal } from '@mantine/core'
+import { IconDownload, IconPlus, IconUpload } from '@tabler/icons-react'
+import { useInfiniteQuery, useQuery } from '@tanstack/react-query'
+import { Link, useNavigate, useSearch } from '@tanstack/react-router'
+import { clsx } from 'clsx'
+import { useCallback, useState } from 'react'
+import { hasRole } from '../api/access'
+import { sessionQuery } from '../api/queries'
+import { EXPORTS, requirementsQuery } from '../api/requirements'
+import type { RequirementRow } from '../client'
+import { count } from '../format/numbers'
+import { Loading, Trouble } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
+import { Card } from '../ui/Card'
+import { SearchBox } from '../ui/SearchBox'
+import { usePolling } from '../ui/usePolling'
+import { Files } from './Files'
+import { ImportForm } from './ImportForm'
+import { Matrix } from './Matrix'
+import { countsOf, isStatus, STATUSES, type Status } from './status'
+import { WriteForm } from './WriteForm'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+import styles from './requirements.module.css'
+
+type Asked = 'import' | 'add' | RequirementRow | null
+
+export function RequirementsPage() {
+  useTitle('Requirements')
+  const { q = '', status } = useSearch({ from: '/requirements' })
+  const navigate = useNavigate({ from: '/requirements' })
+  const search = useCallback(
+    (text: string) => void navigate({ search: (old) => ({ ...old, q: text || undefined }), replace: true }),
+    [navigate],
+  )
+  const only = (next: Status | undefined) => void navigate({ search: (old) => ({ ...old, status: next }), replace: true })
+  const [asked, setAsked] = useState<Asked>(null)
+  const query = useInfiniteQuery(requirementsQuery(q))
+  const mayChange = hasRole(useQuery(sessionQuery).data?.role, 'engineer')
+  const items = query.data?.pages.flatMap((page) => page.items) ?? []
+  const active = items.some(({ runs }) => runs.some(({ state }) => ['queued', 'running', 'cancelling'].includes(state)))
+  usePolling(() => void query.refetch(), 10_000, active)
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what="requirements" />
+  const total = query.data.pages[0]?.total ?? items.length
+  const shown = status ? items.filter((row) => row.status === status) : items
+  const done = () => setAsked(null)
+  return (
+    <>
+      <div className={clsx(layout.ph, styles.head)}>
+        <div className={layout.t}>
+          <h1>Requirements</h1>
+        </div>
+        <div className={clsx(layout.acts, styles.acts)}>
+          <ExportFiles disabled={total === 0} />
+          {mayChange && (
+            <>
+              <button type="button" className={buttons.btn} onClick={() => setAsked('add')}>
+                <IconPlus className="i s" aria-hidden /> Add
+              </button>
+              <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={() => setAsked('import')}>
+                <IconUpload className="i s" aria-hidden /> Import
+              </button>
+            </>
+          )}
+        </div>
+      </div>
+      <div className={layout.filters}>
+        <SearchBox label="Search requirements" hint="Id or text" value={q} onChange={search} />
+        <select
+          className={fields.select}
+          aria-label="Status"
+          value={status ?? ''}
+          onChange={({ target }) => only(isStatus(target.value) ? target.value : undefined)}
+        >
+          <option value="">Every status</option>
+          {Object.entries(STATUSES).map(([key, { word }]) => (
+            <option key={key} value={key}>
+              {word}
+            </option>
+          ))}
+        </select>
+        <span className="small mut" aria-live="polite">
+          {said(items, total)}
+        </span>
+      </div>
+      <Card
+        title="Matrix"
+        note="A requirement stands as its worst evidence does"
+        flush={shown.length > 0}
+        footer={
+          query.hasNextPage && (
+            <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
+              {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
+            </button>
+          )
+        }
+      >
+        {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setAsked : undefined} /> : <Nothing narrowed={Boolean(q || status)} />}
+      </Card>
+      <Files mayChange={mayChange} />
+      <Modal opened={asked === 'import'} onClose={done} title="Import requirements" centered lockScroll={false}>
+        <ImportForm onDone={done} />
+      </Modal>
+      <Modal opened={asked !== null && asked !== 'import'} onClose={done} title={asked === 'add' ? 'Add a requirement' : 'Change a requirement'} centered lockScroll={false}>
+        {asked !== null && asked !== 'import' && <WriteForm row={asked === 'add' ? null : asked} onDone={done} />}
+      </Modal>
+    </>
+  )
+}
+
+/** How many there are of each status among those that are loaded. */
+function said(items: readonly RequirementRow[], total: number): string {
+  const parts = countsOf(items).map(([status, number]) => `${count(number)} ${STATUSES[status].word.toLowerCase()}`)
+  const some = items.length < total ? `The first ${count(items.length)} of ${count(total)}` : `${count(total)} ${total === 1 ? 'requirement' : 'requirements'}`
+  return [some, ...(parts.length ? [parts.join(', ')] : [])].join(': ')
+}
+
+function Nothing({ narrowed }: { narrowed: boolean }) {
+  if (narrowed) return <p className="sec">No requirement matches.</p>
+  return (
+    <p className="sec">
+      There are no requirements yet. Import a CSV or ReqIF file, or name them in the criterion of a campaign; see{' '}
+      <Link to="/help/guides/$name" params={{ name: 'requirements' }}>
+        the guide
+      </Link>
+      .
+    </p>
+  )
+}
+
+function ExportFiles({ disabled }: { disabled: boolean }) {
+  return (
+    <Menu position="bottom-end" width={320} disabled={disabled}>
+      <Menu.Target>
+        <button type="button" className={buttons.btn} disabled={disabled}>
+          <IconDownload className="i s" aria-hidden /> Export
+        </button>
+      </Menu.Target>
+      <Menu.Dropdown>
+        {EXPORTS.map(({ href, title, text }) => (
+          <Menu.Item key={href} component="a" href={href} download>
+            <span className="b">{title}</span>
+            <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }}>
+              {text}
+            </span>
+          </Menu.Item>
+        ))}
+      </Menu.Dropdown>
+    </Menu>
+  )
+}

@@ -1,0 +1,301 @@
+"""The matrix of requirements and runs: what is evidence, what makes it suspect; import and export; who may."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+import yaml
+
+from backend.db.tables import Audit, CatalogueDocument, Finding, Run
+from tests.api.answers import problem
+from tests.api.catalogue import campaign
+from tests.api.changing import changed
+from tests.api.databases import BOTH
+from tests.api.joined import joined
+from tests.api.reported import finish_fully
+from tests.api.server import Service
+from tests.api.submitting import submit
+
+AT = "/api/v1/requirements"
+WRITTEN = (Path(__file__).parent / "requirements" / "written.reqif").read_bytes()
+PUBLIC = os.environ.get("CLEARANCE_REQIF_EXAMPLES", "")
+"""A folder of public ReqIF files, see `tests.unit.test_requirement_files`."""
+TEXT = "Keep 0.5 m."
+
+
+def stating(*requirements: Any, threshold: float = 0.5) -> dict[str, Any]:
+    return {"threshold": threshold, "requirements": list(requirements)}
+
+
+def row(client: httpx.Client, key: str) -> dict[str, Any]:
+    (found,) = [one for one in client.get(AT).json()["items"] if one["id"] == key]
+    return dict(found)
+
+
+def sent(client: httpx.Client, content: bytes, name: str = "a.csv", kind: str = "csv", **more: str) -> httpx.Response:
+    return client.post(f"{AT}/files", params={"name": name, "kind": kind, **more}, content=content)
+
+
+def ran(service: Service, client: httpx.Client, *requirements: Any, verdict: str = "cleared", **changes: Any) -> str:
+    run = submit(client, **{"criterion": stating(*requirements), **changes})
+    finish_fully(service, verdict)
+    return run
+
+
+def sign(client: httpx.Client, run: str) -> None:
+    digest = client.get(f"/api/v1/runs/{run}/signoffs").json()["digest"]
+    body = {"name": "Grace Hopper", "role": "Independent review", "comment": "", "digest": digest}
+    assert client.post(f"/api/v1/runs/{run}/signoffs", json=body).status_code == 201
+
+
+@BOTH
+def test_a_requirement_is_met_by_signed_evidence_until_something_changes(
+    service: Service, client: httpx.Client
+) -> None:
+    assert client.get(AT).json() == {"items": [], "next_cursor": None, "total": 0, "compared": True}
+    assert sent(client, f"id,text\nREQ-1,{TEXT}\nREQ-2,Arrive.\n".encode()).status_code == 201
+    assert [(one["id"], one["status"], one["runs"]) for one in client.get(AT).json()["items"]] == [
+        ("REQ-1", "no evidence", []),
+        ("REQ-2", "no evidence", []),
+    ]
+    run = submit(client, criterion=stating({"id": "REQ-1", "text": TEXT}))
+    assert row(client, "REQ-1")["status"] == "no verdict"
+    finish_fully(service)
+    assert row(client, "REQ-1")["status"] == "unsigned"
+    sign(client, run)
+    met = row(client, "REQ-1")
+    assert met["status"] == "met", met["sentence"]
+    (edge,) = met["runs"]
+    assert (edge["id"], edge["verdict"], edge["part"], edge["signed"], edge["suspect"]) == (
+        run, "cleared", "evidence", True, False,
+    )  # fmt: skip
+    assert edge["margin"] == pytest.approx(0.8)
+    assert (edge["signoffs"][0]["name"], edge["signoffs"][0]["own"]) == ("Grace Hopper", True)
+    assert edge["campaign_digest"] == client.get(f"/api/v1/runs/{run}").json()["campaign_digest"]
+    with changed(service.engine, sa.update(CatalogueDocument).values(code="beef" * 16)):
+        suspect = row(client, "REQ-1")
+        assert (suspect["status"], suspect["runs"][0]["suspect"]) == ("suspect", True)
+        assert "the code has changed (sha256 c0dec0dec0de, now beefbeefbeef)" in suspect["sentence"]
+    assert row(client, "REQ-1")["status"] == "met"
+    with changed(service.engine, sa.update(Finding).values(cost=1.2999999999999998)):
+        assert row(client, "REQ-1")["status"] == "unsigned", "the sign-off is of other results"
+    with changed(service.engine, sa.update(Run).values(flown=None)):
+        assert "a change of the model cannot be excluded" in row(client, "REQ-1")["sentence"]
+    assert client.put(AT, json={"id": "REQ-1", "text": "Keep 0.6 m."}).status_code == 200
+    assert row(client, "REQ-1")["runs"][0]["changes"] == ["its campaign states another text of the requirement"]
+
+
+def test_a_newer_campaign_makes_a_sign_off_suspect_and_its_verdict_counts(
+    service: Service, client: httpx.Client
+) -> None:
+    sign(client, ran(service, client, "REQ-1"))
+    assert row(client, "REQ-1")["status"] == "met"
+    submit(client, criterion=stating("REQ-1", threshold=0.4))
+    assert row(client, "REQ-1")["runs"][0]["changes"] == ["its campaign has changed, see R-0002"]
+    finish_fully(service, "violated")
+    found = row(client, "REQ-1")
+    assert (found["status"], [one["part"] for one in found["runs"]]) == ("violated", ["violation", "other"])
+    sign(client, ran(service, client, "REQ-1"))
+    found = row(client, "REQ-1")
+    assert found["status"] == "met"
+    assert "violated it: R-0002" in found["sentence"]
+
+
+def test_a_violation_is_neither_outrun_nor_hidden(service: Service, client: httpx.Client) -> None:
+    ran(service, client, "REQ-1", verdict="violated")
+    for changes in ({"seed": 2}, {"stages": {"search": [{"method": "direct", "evaluations": 10}]}}):
+        sign(client, ran(service, client, "REQ-1", **changes))
+        assert row(client, "REQ-1")["status"] == "violated"
+    sign(client, ran(service, client, "REQ-1", name="Another"))
+    found = row(client, "REQ-1")
+    assert (found["status"], [one["part"] for one in found["runs"]]) == (
+        "violated", ["evidence", "evidence", "violation", "other"],
+    )  # fmt: skip
+    client.delete("/api/v1/runs/R-0001", params={"reason": "wrong bounds"})
+    found = row(client, "REQ-1")
+    assert (found["status"], found["removed"], found["total"]) == ("met", 1, 3)
+
+
+def test_a_trend_names_the_requirements_of_each_run(client: httpx.Client) -> None:
+    submit(client)
+    submit(client, criterion=stating("REQ-2", "REQ-1"))
+    runs = client.get("/api/v1/trends", params={"name": campaign()["name"]}).json()["runs"]
+    assert [one["requirements"] for one in runs] == [[], ["REQ-1", "REQ-2"]]
+
+
+def test_report_and_run_name_their_requirements(service: Service, client: httpx.Client) -> None:
+    run = ran(service, client, {"id": "REQ-1", "text": "Keep <0.5> m."}, "REQ-2")
+    text = client.get(f"/api/v1/runs/{run}/report.html").text
+    assert "Requirements that this run is evidence for" in text
+    assert '<td class="b">REQ-1</td><td>Keep &lt;0.5&gt; m.</td>' in text
+    assert "not given" in text
+    assert client.get(f"/api/v1/runs/{run}").json()["campaign"]["criterion"]["requirements"][1] == {"id": "REQ-2"}
+    without = ran(service, client)
+    assert "is evidence for" not in client.get(f"/api/v1/runs/{without}/report.html").text
+
+
+def test_a_run_of_a_sweep_is_no_evidence_and_changes_nothing(service: Service, client: httpx.Client) -> None:
+    sign(client, ran(service, client, "REQ-1"))
+    asked = campaign(criterion=stating("REQ-1"))
+    body = {"campaign": asked, "path": "avoider.d_0", "values": [1.0, 2.0]}
+    assert client.post("/api/v1/sweeps", json=body).status_code == 201
+    finish_fully(service, "violated")
+    found = row(client, "REQ-1")
+    assert (found["status"], found["sweeps"], found["total"]) == ("met", 2, 1)
+
+
+def test_a_requirement_without_text_in_its_campaign_is_that_of_the_sign_off(
+    service: Service, client: httpx.Client
+) -> None:
+    sent(client, b"id,text\nREQ-1,Keep clear.\n")
+    sign(client, ran(service, client, "REQ-1"))
+    assert row(client, "REQ-1")["status"] == "met"
+    sent(client, b"id,text\nREQ-1,Keep clear.\n")
+    assert row(client, "REQ-1")["status"] == "met", "imported again with the same text"
+    sent(client, b"id,text\nREQ-1,Keep very clear.\n")
+    assert row(client, "REQ-1")["status"] == "suspect"
+
+
+@BOTH
+def test_a_reqif_file_is_written_back_byte_by_byte(client: httpx.Client) -> None:
+    files = {"written.reqif": WRITTEN}
+    files |= {
+        str(i): file.read_bytes() for i, file in enumerate(sorted(Path(PUBLIC).rglob("*.reqif")) if PUBLIC else [])
+    }
+    taken = 0
+    for name, content in list(files.items())[:40]:
+        answer = sent(client, content, name, "reqif")
+        if answer.status_code == 201:
+            file = answer.json()["file"]
+            again = client.get(f"{AT}/files/{file['id']}/content")
+            assert again.content == content
+            assert name in again.headers["content-disposition"]
+            taken += 1
+            assert client.delete(f"{AT}/files/{file['id']}").status_code == 204
+        else:
+            problem(answer, 422)
+    assert taken > (5 if PUBLIC else 0)
+
+
+def test_an_import_states_what_it_has_done_and_replaces_its_earlier_file(
+    service: Service, client: httpx.Client
+) -> None:
+    first = sent(client, WRITTEN, "sys.reqif", "reqif").json()
+    assert (first["added"], first["changed"], first["gone"], first["skipped"]) == (["SYS-1", "SYS-2"], [], [], 1)
+    second = sent(
+        client, WRITTEN.replace(b"60 s", b"50 s").replace(b'"SYS-1"', b'"SYS-3"'), "sys.reqif", "reqif"
+    ).json()
+    assert (second["added"], second["changed"], second["gone"]) == (["SYS-3"], ["SYS-2"], ["SYS-1"])
+    (file,) = client.get(f"{AT}/files").json()
+    assert (file["id"], file["requirements"], file["kind"]) == (first["file"]["id"], 2, "reqif")
+    assert [one["id"] for one in client.get(AT).json()["items"]] == ["SYS-2", "SYS-3"]
+    assert row(client, "SYS-3")["attributes"] == {"Level": "DAL A, DAL B"}
+    for refused in (
+        client.put(AT, json={"id": "SYS-2", "text": "x"}),
+        client.delete(AT, params={"requirement": "SYS-2"}),
+    ):
+        assert "sys.reqif" in str(problem(refused, 409)["detail"])
+    assert client.delete(f"{AT}/files/{file['id']}").status_code == 204
+    problem(client.get(f"{AT}/files/{file['id']}/content"), 404)
+    assert client.get(AT).json()["total"] == 0
+    with service.engine.connect() as reader:
+        actions = reader.execute(sa.select(Audit.action, Audit.detail).where(Audit.action.startswith("req"))).all()
+    assert [action for action, _ in actions] == ["requirements.imported"] * 2 + ["requirements.deleted"]
+    assert actions[1].detail["gone"] == {"count": 1, "ids": ["SYS-1"]}
+
+
+def test_a_deleted_requirement_that_a_run_violates_stays_a_row(service: Service, client: httpx.Client) -> None:
+    assert client.put(AT, json={"id": "REQ-1", "text": TEXT}).json()["registered"] is True
+    ran(service, client, {"id": "REQ-1", "text": "Keep 0.4 m."}, verdict="violated")
+    assert client.delete(AT, params={"requirement": "REQ-1"}).status_code == 204
+    problem(client.delete(AT, params={"requirement": "REQ-1"}), 404)
+    left = row(client, "REQ-1")
+    assert (left["status"], left["registered"], left["text"]) == ("violated", False, "Keep 0.4 m.")
+
+
+@pytest.mark.parametrize(
+    ("content", "kind", "said"),
+    [
+        (b"id,text\nA,x\nA,y\n", "csv", "the id 'A' occurs more than once"),
+        (b"id,text\n" + b"a" * 121 + b",x\n", "csv", "at most 120 characters"),
+        (b"id,text\nA," + b"x" * 20_001 + b"\n", "csv", "at most 20000 characters"),
+        (b"id,text\nA,x\x07\n", "csv", "without control characters"),
+        (b"<!DOCTYPE x><REQ-IF/>", "reqif", "document type declaration"),
+        (WRITTEN, "csv", "no column for the id"),
+    ],
+)
+def test_a_file_that_is_not_acceptable_changes_nothing(
+    guest: httpx.Client, content: bytes, kind: str, said: str
+) -> None:
+    assert said in str(problem(sent(guest, content, kind=kind), 422)["detail"])
+    assert guest.get(f"{AT}/files").json() == []
+
+
+def test_a_file_that_is_too_large_is_refused(guest: httpx.Client) -> None:
+    refused = problem(sent(guest, b"x" * 8_000_001), 413)
+    assert "at most 8,000,000 bytes" in str(refused["detail"])
+    problem(guest.post("/api/v1/campaigns/check", content=b"x" * 2_000_001), 413)
+
+
+def test_exports_have_every_requirement_and_run(service: Service, client: httpx.Client) -> None:
+    sent(client, WRITTEN, "sys.reqif", "reqif")
+    sign(client, ran(service, client, "SYS-1", "OTHER"))
+    ran(service, client, "OTHER", name="Second", verdict="violated")
+    answer = client.get(f"{AT}/export/matrix.csv")
+    assert answer.headers["content-disposition"] == 'attachment; filename="matrix.csv"'
+    lines = list(csv.DictReader(io.StringIO(answer.text)))
+    assert [(line["requirement"], line["status"], line["run"], line["verdict"], line["signed"]) for line in lines] == [
+        ("OTHER", "violated", "R-0002", "violated", "no"),
+        ("OTHER", "violated", "R-0001", "cleared", "yes"),
+        ("SYS-1", "met", "R-0001", "cleared", "yes"),
+        ("SYS-2", "no evidence", "", "", ""),
+    ]
+    assert lines[0]["campaign_sha256"] == client.get("/api/v1/runs/R-0002").json()["campaign_digest"]
+    listed = list(csv.DictReader(io.StringIO(client.get(f"{AT}/export/requirements.csv").text)))
+    assert [line["id"] for line in listed] == ["OTHER", "SYS-1", "SYS-2"]
+    assert listed[1]["Level"] == "DAL A, DAL B"
+    argument = yaml.safe_load(client.get(f"{AT}/export/argument.gsn.yaml").text)
+    goals = [argument[name] for name in argument["S-all-requirements"]["supportedBy"]]
+    assert [goal["status"] for goal in goals] == ["violated", "met", "no evidence"]
+    (solution,) = [node for name, node in argument.items() if name.startswith("Sn-")]
+    run = client.get("/api/v1/runs/R-0001").json()
+    assert (solution["claim"], solution["digest"]) == (run["reason"], f"sha256 {run['campaign_digest']}")
+    assert client.get(solution["url"].replace("/runs/", "/api/v1/runs/")).status_code == 200
+    again = client.get(f"{AT}/export/requirements.reqif").content
+    refused = problem(sent(client, again, "again.reqif", "reqif"), 409)
+    assert "such as SYS-1 from sys.reqif" in str(refused["detail"])
+    assert sent(client, again, "sys.reqif", "reqif").json()["unchanged"] == 2
+
+
+def test_pages_by_id_and_words(client: httpx.Client) -> None:
+    lines = "".join(f"R%{i},Text {i} é\n" for i in range(7))
+    sent(client, f"id,text\n{lines}".encode())
+    found, cursor = [], None
+    while True:
+        page = client.get(AT, params={"limit": 3} | ({"cursor": cursor} if cursor else {})).json()
+        assert page["total"] == 7
+        found += [one["id"] for one in page["items"]]
+        cursor = page["next_cursor"]
+        if cursor is None:
+            break
+    assert found == [f"R%{i}" for i in range(7)]
+    assert [one["id"] for one in client.get(AT, params={"q": "text R%3"}).json()["items"]] == ["R%3"]
+    problem(client.get(AT, params={"cursor": "zz"}), 422)
+
+
+def test_viewers_read_and_engineers_change(still: Service, guest: httpx.Client) -> None:
+    with joined(still, guest, "viewer") as (_, viewer), joined(still, guest, "engineer") as (_, engineer):
+        assert viewer.get(AT).status_code == 200
+        assert viewer.get(f"{AT}/export/matrix.csv").status_code == 200
+        problem(sent(viewer, b"id,text\nA,x\n"), 403)
+        problem(viewer.put(AT, json={"id": "A", "text": "x"}), 403)
+        file = sent(engineer, b"id,text\nA,x\n").json()["file"]
+        problem(viewer.delete(f"{AT}/files/{file['id']}"), 403)
+        assert engineer.delete(f"{AT}/files/{file['id']}").status_code == 204

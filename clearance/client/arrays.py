@@ -37,10 +37,10 @@ class Evaluations:
 
     names (n,): paths of the parameters; units: by path or criterion. points (m, n): parameters in their units,
     bit-identical to those that were simulated. criteria (k,): names; values (m, k): in their units, NaN unless the
-    status is "ok"; costs (m,): of the deciding criterion, the first. status (m,): "ok", "failed", "timeout", "excluded".
-    stage (m,): position; kind (m,): "nominal", "search", ...; method (m,): empty for other stages than searches. index
-    (m,): in its stage. seconds (m,): working time of the stage when each was completed [s]. reasons: why there is no
-    value, by row.
+    status is "ok"; costs (m,): of the deciding criterion, the first. status (m,): "ok", "failed", "timeout" or
+    "excluded". stage (m,): position; kind (m,): "nominal", "search", ...; method (m,): empty for other stages than
+    searches. index (m,): in its stage. seconds (m,): working time of the stage when each was completed [s]. reasons:
+    why there is no value, by row.
     """
 
     names: tuple[str, ...]

@@ -214,6 +214,8 @@ class Outcome(Answer):
     verdict: str | None
     margin: float | None
     upper_bound: float | None
+    """Of P(violation), with this confidence."""
+    confidence: float | None
     unit: str
     error: str | None
 

@@ -9,6 +9,7 @@ import time
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
+from urllib.parse import urlsplit
 
 import anyio
 import httpx
@@ -30,8 +31,8 @@ def settings(address: str, token: str) -> dict[str, Any]:
             "invalid API token: it must be one ASCII word; `clearance token create ci` prints one"
         )
     try:
-        url = httpx.URL(f"{address}/api/v1/")
-        known = url.scheme in ("http", "https") and bool(url.host)
+        base, url = urlsplit(address), httpx.URL(f"{address}/api/v1/")
+        known = base.scheme in ("http", "https") and bool(base.hostname) and not (base.query or base.fragment)
     except (httpx.InvalidURL, UnicodeEncodeError, ValueError):
         known = False
     if not known:

@@ -369,6 +369,16 @@ def export(session: Session, run: Named, folder: str | Path, files: Iterable[str
     return written
 
 
+def picture(session: Session, run: Named, file: str | Path) -> Script[Path]:
+    """Write the worst case from above as SVG; returns the file's path. `NotFoundError` if no flight is stored."""
+    return (yield from download(session, calls.picture(run), Path(file)))
+
+
+def campaign_text(session: Session, run: Named) -> Script[str]:
+    """The campaign of a run as it was submitted, with its comments."""
+    return (yield from ask(session, calls.campaign_file(run))).decode("utf-8", "replace")
+
+
 def report(session: Session, run: Named, file: str | Path) -> Script[Path]:
     """Write the safety-case report, as PDF if the file's name ends with .pdf, else as HTML; returns its path."""
     path = Path(file)

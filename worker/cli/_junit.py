@@ -1,4 +1,4 @@
-"""A run as JUnit XML, for the test report of a CI service: a case for the verdict, and one for each finding compared.
+"""A run as JUnit XML, for a CI service: cases for the verdict, the criterion, each check and each finding compared.
 
 The format has no standard; this is the form that Jenkins, GitLab and GitHub's reporters read. Start reading at `junit`.
 """
@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
+from campaigns.claims.numbers import signed
 from campaigns.results.regression import FindingChange, Standing
-from worker.cli._ended import EndedRun
+from worker.cli._ended import Case, EndedRun, exit_sentence
 
 if TYPE_CHECKING:
     from campaigns.results import Verdict
+    from campaigns.results.verdicts import DescribedCheck
 
 _FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML 1.0 cannot contain."""
@@ -35,6 +37,10 @@ def junit(ended: EndedRun) -> str:
         if value:
             Xml.SubElement(properties, "property", name=name, value=_clean(value))
     _verdict(suite, ended)
+    if ended.verdict is not None:
+        _criterion(suite, ended, ended.verdict)
+        for check in ended.checks:
+            _check(suite, ended, check)
     regression = ended.regression
     if regression is not None:
         for case in regression.cases:
@@ -65,6 +71,46 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
         text.append(f"{ended.replay} {verdict.worst.finding}")
     failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
     failure.text = _clean("\n".join(filter(None, text)))
+
+
+def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
+    """It fails with every finding that violates; without one, it passes only if the verdict is cleared."""
+    case = _added(suite, ended, f"criterion: {ended.quantity or verdict.quantity or 'value'}")
+    told = "\n".join(filter(None, ["\n\n".join(_told(ended, found) for found in ended.violating), ended.link]))
+    if ended.violating and ended.accepted:
+        Xml.SubElement(case, "system-out").text = _clean(f"{told}\n{exit_sentence(verdict)}")
+    elif ended.violating:
+        labels = ", ".join(found.label for found in ended.violating)
+        message = f"{labels} violate the criterion" if len(ended.violating) > 1 else f"{labels} violates the criterion"
+        Xml.SubElement(case, "failure", message=_clean(message), type="violation").text = _clean(told)
+    elif verdict.verdict == "cleared":
+        Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
+    else:
+        Xml.SubElement(
+            case, "skipped", message=_clean(f"no finding violates it, and it is not cleared: {verdict.reason}")
+        )
+
+
+def _told(ended: EndedRun, found: Case) -> str:
+    """A violating finding: its value, parameters and replay command."""
+    unit = f" {ended.unit}" if ended.unit else ""
+    head = f"{found.label}: {found.cost:.6g}{unit}, margin {signed(found.margin)}{unit}"
+    replay = f"{ended.replay} {found.label}" if ended.replay else ""
+    return "\n".join(filter(None, [head, *(f"{path} = {v!r}" for path, v in found.parameters.items()), replay]))
+
+
+def _check(suite: Xml.Element, ended: EndedRun, check: DescribedCheck) -> None:
+    """A check that does not hold fails, unless the policy of the campaign accepts the violations of the run."""
+    case, text = _added(suite, ended, f"check: {check.title}"), _clean(check.text)
+    if check.standing == "holds":
+        Xml.SubElement(case, "system-out").text = text
+    elif check.standing == "open":
+        Xml.SubElement(case, "skipped", message=_clean(f"{check.text}; {check.but}"))
+    elif ended.accepted:
+        Xml.SubElement(case, "skipped", message=f"does not hold, and the policy accepts it: {text}")
+    else:
+        failure = Xml.SubElement(case, "failure", message=text, type=_clean(str(check.code)))
+        failure.text = _clean("\n".join(filter(None, [check.text, ended.link])))
 
 
 def _worst(verdict: Verdict) -> list[str]:

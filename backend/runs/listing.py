@@ -68,6 +68,7 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
             counts.of(row, excluded.get(row.id, 0))
             | {"stage": working.get(row.id), "waits": waits.get(row.id), "doing": doing.get(row.id)}
             | {"labels": labelled.get(row.id, {})}
+            | {"group": None, "superseded_by": None}
             | grouped.get(row.id, {}),
         )
         for row in rows

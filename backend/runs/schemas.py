@@ -165,9 +165,9 @@ class RunSummary(Schema):
     """Time of removal from all lists; None if it is listed."""
     removed_by: str | None
     removed_reason: str | None
-    group: str | None = None
+    group: str | None
     """Its concurrency group: a newer run of the same group and owner cancels it."""
-    superseded_by: str | None = None
+    superseded_by: str | None
     """The run of its group that cancelled it, R-0001."""
 
 

@@ -6,7 +6,7 @@ Both do the same, effect by effect; what they share is here as functions. Start 
 from __future__ import annotations
 
 import time
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 from urllib.parse import urlsplit
@@ -24,8 +24,8 @@ TIMEOUT = 30.0
 _BROKEN = (httpx.TransportError, httpx.StreamError)
 
 
-def settings(address: str, token: str) -> dict[str, Any]:
-    """The arguments of httpx's clients; raises `InvalidAddressError`."""
+def settings(address: str, token: str, how: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of httpx's clients, with further ones; raises `InvalidAddressError`."""
     if not token or not token.isascii() or not token.isprintable() or " " in token:
         raise InvalidAddressError(
             "invalid API token: it must be one ASCII word; `clearance token create ci` prints one"
@@ -39,7 +39,8 @@ def settings(address: str, token: str) -> dict[str, Any]:
         raise InvalidAddressError(
             f"{address!r} is not the address of a service; give one such as http://127.0.0.1:8000"
         )
-    return {"base_url": url, "headers": {"Authorization": f"Bearer {token}"}, "timeout": TIMEOUT}
+    headers = {**(how.get("headers") or {}), "Authorization": f"Bearer {token}"}
+    return {"timeout": TIMEOUT, **how, "base_url": url, "headers": headers}
 
 
 def _request(client: httpx.Client | httpx.AsyncClient, call: Call[Any], timeout: float | None = None) -> httpx.Request:
@@ -89,7 +90,7 @@ class Blocking:
     """Runs scripts to their end in the caller's thread."""
 
     def __init__(self, address: str, token: str, **how: Any) -> None:
-        self._client = httpx.Client(**settings(address, token), **how)
+        self._client = httpx.Client(**settings(address, token, how))
 
     def close(self) -> None:
         """Close its connections."""
@@ -165,7 +166,7 @@ class Awaiting:
     """The same with `await`; writing to files blocks for the time of the write."""
 
     def __init__(self, address: str, token: str, **how: Any) -> None:
-        self._client = httpx.AsyncClient(**settings(address, token), **how)
+        self._client = httpx.AsyncClient(**settings(address, token, how))
 
     async def close(self) -> None:
         """Close its connections."""

@@ -1,7 +1,8 @@
 """What the service answers, as types. Times are `datetime` in UTC; costs and margins are in the run's unit.
 
-A field that this version does not describe is ignored, and is still in `document`, the JSON as it was sent: a client
-works with services of later versions. A test compares every field with the OpenAPI document. Start reading at `Run`.
+A field that this version does not describe is ignored, and is still in `document`, the JSON as it was sent; what
+earlier versions did not send has a default. So a client works with services of other versions. A test compares every
+field with the OpenAPI document. Start reading at `Run`.
 """
 
 from __future__ import annotations
@@ -84,7 +85,7 @@ class Run(Answer):
     name: str
     owner: str
     tags: list[str]
-    labels: dict[str, str]
+    labels: dict[str, str] = {}
     state: str
     """queued, running, cancelling, cancelled, failed, done"""
     verdict: str | None
@@ -102,7 +103,7 @@ class Run(Answer):
     worst_cost: float | None
     margin: float | None
     """Of the worst case to the threshold."""
-    upper_bound: float | None
+    upper_bound: float | None = None
     """Of P(violation), from the independent sample."""
     evaluations: int
     planned: int
@@ -111,9 +112,9 @@ class Run(Answer):
     started: AwareDatetime | None
     finished: AwareDatetime | None
     stage: StageProgress | None
-    waits: str | None
+    waits: str | None = None
     """Why a queued run has not started."""
-    pinned: bool
+    pinned: bool = False
     group: str | None = None
     """Its concurrency group; a newer run of the same group and owner cancels it."""
     superseded_by: str | None = None
@@ -147,11 +148,11 @@ class RunDetail(Run):
 
     notes: str
     campaign: JsonObject
-    baseline: Baseline | None
+    baseline: Baseline | None = None
     stages: list[StageProgress]
     summary: VerdictParts | None
     """None until there is a verdict."""
-    remaining: float | None
+    remaining: float | None = None
     """Estimated time left [s]."""
 
 

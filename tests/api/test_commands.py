@@ -82,8 +82,20 @@ def test_runs_are_cancelled(violated: str, command: Command, capsys: pytest.Capt
     assert command("cancel", "R-0003", violated) == 0
     assert said(capsys).splitlines() == ["R-0003 cancelled", "R-0001 done: violated"]
     assert command("cancel", "R-0002", "../x") == WRONG_INPUT
-    with_state = command("runs", "--state", "queued", "--json"), said(capsys)
-    assert [run["id"] for run in json.loads(with_state[1])] == ["R-0002"], "nothing is sent before all are read"
+    capsys.readouterr()
+    assert command("runs", "--state", "queued", "--json") == 0
+    assert [run["id"] for run in json.loads(said(capsys))] == ["R-0002"], "nothing is sent before all are read"
+
+
+def test_a_name_cannot_write_to_the_terminal(
+    service: Service, command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with service.signed_in() as client:
+        answer = client.post("/api/v1/runs", json={"campaign": campaign(), "name": "a\x1b[2J\rb"})
+        assert answer.status_code == 201, answer.text
+    for words in (("runs",), ("show", "R-0001")):
+        assert command(*words) == 0
+        assert "a\ufffd[2J\ufffdb" in said(capsys)
 
 
 def test_files_are_exported(
@@ -143,9 +155,9 @@ def test_a_submission_of_a_group_says_what_it_supersedes(
     out, err = capsys.readouterr()
     assert (out, err) == ("R-0004\nR-0005\n", "R-0004 of the group p/main superseded\n")
     assert command("show", "R-0004") == 0
-    assert "R-0005, a newer run of the group p/main, superseded it." in said(capsys)
+    assert "R-0005 superseded it in the group p/main" in said(capsys)
     assert command("follow", "R-0004") == 130
-    assert "R-0005, a newer run of the group p/main, superseded it" in said(capsys)
+    assert "R-0005 superseded it in the group p/main" in said(capsys)
     assert command("submit", file, "--sweep", "avoider.d_0=1,2", "--group", "g") == WRONG_INPUT
 
 

@@ -26,7 +26,7 @@ from tests.unit.cases import campaign as case
 
 
 def launched(client: httpx.Client, **fields: Any) -> httpx.Response:
-    return client.post("/api/v1/runs", json={"campaign": campaign(), **fields})
+    return client.post("/api/v1/runs", json={"campaign": campaign()} | fields)
 
 
 def listed(client: httpx.Client, *labels: str) -> list[str]:
@@ -182,3 +182,12 @@ def test_a_group_is_one_line(guest: httpx.Client, group: str) -> None:
         guest.post("/api/v1/runs", params={"group": group}, json={"campaign": campaign()}),
     ):
         problem(answer, 422)
+
+
+def test_a_reused_verdict_supersedes_what_has_not_ended(service: Service, client: httpx.Client) -> None:
+    launched(client)
+    finish_fully(service)
+    grouped(client, "g", campaign=campaign(seed=2))
+    reused = grouped(client, "g", reuse=True)
+    assert (reused["id"], reused["superseded"], reused["group"]) == ("R-0001", ["R-0002"], None)
+    assert client.get("/api/v1/runs/R-0002").json()["superseded_by"] == "R-0001"

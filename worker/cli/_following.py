@@ -99,7 +99,7 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
         campaign=found.campaign_name,
         state=found.state,
         verdict=Verdict.model_validate(stated) if stated else None,
-        error=found.error or _superseded(found),
+        error=found.error or superseded(found),
         link=service.link(found),
         replay=f"clearance replay {found.id}",
         labels=found.labels,
@@ -112,10 +112,16 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
     )
 
 
-def _superseded(found: Run) -> str:
+def plain(text: str) -> str:
+    """The text without what a terminal would obey: names and reasons may contain any character."""
+    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def superseded(found: Run) -> str:
+    """Why a run of a group was cancelled; empty if it was not."""
     if not found.superseded_by:
         return ""
-    return f"{found.superseded_by}, a newer run of the group {found.group}, superseded it"
+    return f"{found.superseded_by} superseded it in the group {found.group}"
 
 
 def _complete(service: Client, ended: EndedRun, given: Launch, out: Path | None, source: Source | None) -> EndedRun:
@@ -190,9 +196,9 @@ def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
     if found.state == "done":
         lines = [(found.verdict or "").capitalize(), found.reason or "", counts(found)]
     elif found.state == "cancelled":
-        lines = ["Cancelled: no verdict", *filter(None, [_superseded(found)])]
+        lines = ["Cancelled: no verdict", *filter(None, [superseded(found)])]
     else:
-        lines = ["Failed: no verdict", found.error or "no reason is recorded"]
+        lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]
     lines += ended.notes
     if ended.verdict is not None:
         lines += changes(ended.verdict)

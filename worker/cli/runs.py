@@ -54,11 +54,18 @@ def runs(
 
 
 def _row(run: Run) -> list[str]:
+    from worker.cli._following import plain
+
     margin = "" if run.margin is None else f"{run.margin:+.6g} {run.unit}".rstrip()
     labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
-    # Names may contain what a terminal would obey; the service stores one line of any text.
-    name = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in run.name)
-    return [run.id, run.verdict or run.state, margin, run.created.strftime("%Y-%m-%dT%H:%M:%SZ"), name, labels]
+    return [
+        run.id,
+        run.verdict or run.state,
+        margin,
+        run.created.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        plain(run.name),
+        labels,
+    ]
 
 
 def _aligned(rows: list[list[str]]) -> list[str]:

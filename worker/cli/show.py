@@ -35,13 +35,11 @@ def show(
 
 
 def _head(found: RunDetail) -> list[str]:
-    from worker.cli._following import counts
+    from worker.cli._following import counts, plain, superseded
 
     state = found.verdict or found.state
-    lines = [f"{found.id} {state.capitalize()}: {found.name}"]
-    lines += filter(None, [found.reason, found.error, found.waits])
-    if found.superseded_by:
-        lines.append(f"{found.superseded_by}, a newer run of the group {found.group}, superseded it.")
+    lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
+    lines += [plain(text) for text in (found.reason, found.error, found.waits, superseded(found)) if text]
     if found.stage is not None:
         lines.append(f"Running: {found.stage.kind} {found.stage.method or ''}".rstrip())
     lines += [counts(found), f"Campaign: {found.campaign_name}, sha256 {found.campaign_digest[:16]}"]

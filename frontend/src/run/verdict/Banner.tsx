@@ -111,7 +111,7 @@ const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${tex
 
 /** Why a run of a concurrency group was cancelled. */
 const successor = (run: RunDetail): string =>
-  run.superseded_by && run.group ? ` ${run.superseded_by}, a newer run of the group ${run.group}, superseded it.` : ''
+  run.superseded_by && run.group ? ` ${run.superseded_by} superseded it in the group ${run.group}.` : ''
 
 function reasonOf(run: RunDetail, outcome: Outcome): string {
   if (outcome === 'cancelled' && run.evaluations === 0)

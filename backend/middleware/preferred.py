@@ -16,7 +16,6 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from backend.http.errors import MEDIA_TYPE
-from campaigns.documents import JsonObject
 
 TIMES, LISTS = "times=rfc3339", "lists=envelope"
 NAMES = frozenset(
@@ -35,7 +34,7 @@ class Preferred:
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
-        self._operations: list[tuple[str, re.Pattern[str], JsonObject]] = []
+        self._operations: list[tuple[str, re.Pattern[str], dict[str, Any]]] = []
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         wanted = preferences(Headers(scope=scope)) if scope["type"] == "http" else frozenset()
@@ -44,7 +43,7 @@ class Preferred:
             return
         await self.app(scope, receive, _Answer(self, scope, send, wanted))
 
-    def schema(self, scope: Scope) -> JsonObject | None:
+    def schema(self, scope: Scope) -> dict[str, Any] | None:
         """The schema of the JSON that this request is answered with."""
         if not self._operations:
             paths = scope["app"].openapi()["paths"]
@@ -105,7 +104,7 @@ def preferences(headers: Headers) -> frozenset[str]:
     return frozenset(found & {TIMES, LISTS})
 
 
-def _described(operation: Mapping[str, Any]) -> JsonObject | None:
+def _described(operation: Mapping[str, Any]) -> dict[str, Any] | None:
     for status, answer in operation["responses"].items():
         schema = answer.get("content", {}).get("application/json", {}).get("schema")
         if status.startswith("2") and schema and MEDIA_TYPE not in answer["content"]:

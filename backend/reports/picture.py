@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import sqlalchemy as sa
 from markupsafe import Markup
 
@@ -11,8 +13,10 @@ from backend.reports.held import Held, load
 from backend.reports.plot import INK, INK2
 from campaigns.claims.numbers import signed
 
-PAD, HEAD, FOOT = 12, 44, 26
-"""Around the figure [px]."""
+PAD, HEAD, LINE = 12, 44, 14
+"""Around the figure, and the height of a line of its caption [px]."""
+LONGEST = 110
+"""Characters of a line of the caption."""
 FONT = "system-ui, sans-serif"
 
 
@@ -24,15 +28,17 @@ def picture(reader: sa.Connection, run_id: int) -> bytes:
         detail = f"{held.run.id} has no picture of a worst case: no flight of it is stored"
         raise RefusedError(404, "not-found", detail)
     figure, caption, height = drawn
-    width, whole = figures.WIDE + 2 * PAD, height + HEAD + FOOT
+    lines = textwrap.wrap(caption, LONGEST)
+    width, whole = figures.WIDE + 2 * PAD, height + HEAD + LINE * len(lines) + PAD
+    row = Markup('<text x="{}" y="{}" fill="{}">{}</text>')
+    told = Markup("").join(row.format(PAD, height + HEAD + LINE * k, INK2, line) for k, line in enumerate(lines, 1))
     form = (
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" font-family="{2}" '
         'font-size="9.5"><title>{3}</title><rect width="{0}" height="{1}" fill="#fff"/>'
         '<text x="{4}" y="20" fill="{5}" font-size="13" font-weight="600">{3}</text>'
-        '<text x="{4}" y="36" fill="{6}">{7}</text><g transform="translate({4} {8})">{9}</g>'
-        '<text x="{4}" y="{10}" fill="{6}">{11}</text></svg>\n'
+        '<text x="{4}" y="36" fill="{6}">{7}</text><g transform="translate({4} {8})">{9}</g>{10}</svg>\n'
     )
-    values = (width, whole, FONT, _title(held), PAD, INK, INK2, held.run.name, HEAD, figure, whole - 9, caption)
+    values = (width, whole, FONT, _title(held), PAD, INK, INK2, _plain(held.run.name), HEAD, figure, told)
     return str(Markup(form).format(*values)).encode()
 
 
@@ -47,6 +53,11 @@ def _drawn(held: Held) -> tuple[Markup, str, float] | None:
     if not timed:
         return None
     return figures.separation(timed, held.of), f"{held.of.symbol} over time.", figures.SEPARATION_HEIGHT
+
+
+def _plain(text: str) -> str:
+    """The text without what XML cannot contain."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
 def _title(held: Held) -> str:

@@ -87,15 +87,18 @@ def test_runs_are_cancelled(violated: str, command: Command, capsys: pytest.Capt
     assert [run["id"] for run in json.loads(said(capsys))] == ["R-0002"], "nothing is sent before all are read"
 
 
-def test_a_name_cannot_write_to_the_terminal(
-    service: Service, command: Command, capsys: pytest.CaptureFixture[str]
+def test_a_name_cannot_write_to_the_terminal_or_break_the_picture(
+    service: Service, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with service.signed_in() as client:
-        answer = client.post("/api/v1/runs", json={"campaign": campaign(), "name": "a\x1b[2J\rb"})
+        answer = client.post("/api/v1/runs", json={"campaign": campaign(), "name": "a\x1b[2J\r<b>"})
         assert answer.status_code == 201, answer.text
     for words in (("runs",), ("show", "R-0001")):
         assert command(*words) == 0
-        assert "a\ufffd[2J\ufffdb" in said(capsys)
+        assert "a\ufffd[2J\ufffd<b>" in said(capsys)
+    finish_fully(service)
+    assert command("export", "R-0001", "--out", tmp_path, "--file", "worst-case.svg") == 0
+    assert "a\ufffd[2J\ufffd<b>" in "".join(Xml.parse(tmp_path / "worst-case.svg").getroot().itertext())
 
 
 def test_files_are_exported(

@@ -20,6 +20,7 @@ from backend.db.queue import submit as queued
 from backend.db.tables import RunBaseline, RunLabel
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
+from tests.api.databases import BOTH
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.unit.cases import campaign as case
@@ -116,6 +117,7 @@ def grouped(client: httpx.Client, group: str, **fields: Any) -> dict[str, Any]:
     return dict(answer.json())
 
 
+@BOTH
 def test_a_newer_run_of_a_group_cancels_those_that_have_not_ended(service: Service, client: httpx.Client) -> None:
     assert grouped(client, "p/main")["superseded"] == []
     finish_fully(service)

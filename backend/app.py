@@ -30,6 +30,7 @@ from backend.http.capacity import Capacities
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
 from backend.middleware.heads import Heads
+from backend.middleware.preferred import Preferred
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.proposals import endpoints as proposals
@@ -95,6 +96,7 @@ def create(settings: Settings) -> FastAPI:
             Middleware(Heads),
             Middleware(GZipMiddleware, compresslevel=PACKED, exclude_content_types=UNPACKED),
             Middleware(Guard, door=door, most=settings.max_requests_each),
+            Middleware(Preferred),
         ],
         openapi_url=f"{API}/openapi.json",
         docs_url=None,

@@ -38,6 +38,16 @@ Labels = Annotated[dict[str, str], Field(max_length=MOST), AfterValidator(checke
 """By key, in alphabetical order."""
 
 
+def _group(name: str) -> str:
+    if not name.strip() or not name.isprintable():
+        raise ValueError(f"invalid group {name[:60]!r}: one line of readable text, such as project/branch")
+    return name
+
+
+Group = Annotated[str, Field(min_length=1, max_length=LONGEST_VALUE), AfterValidator(_group)]
+"""The name of a concurrency group."""
+
+
 def pair(text: str) -> tuple[str, str]:
     """Key and value of one label, KEY=VALUE; raises `ValueError`."""
     key, sign, value = text.partition("=")

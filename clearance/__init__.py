@@ -6,21 +6,25 @@
     print(result)
 
 `search` runs a whole campaign in this process; `simulator` declares a function that campaigns can name. Everything
-heavy is loaded by the first search. The guide is docs/python.md.
+heavy is loaded by the first search. The guide is docs/python.md. `Client` and `AsyncClient` use a service instead;
+their guide is docs/client.md.
 """
 
 from __future__ import annotations
 
+import importlib
 from typing import TYPE_CHECKING, Any
-
-from worker.catalogue.columns import Column
-from worker.catalogue.function import Output, Parameter, simulator
 
 if TYPE_CHECKING:
     from clearance.asked import search
+    from clearance.client import AsyncClient, Client
     from clearance.result import Evaluations, Finding, Interrupted, Nominal, Result, Verdict
+    from worker.catalogue.columns import Column
+    from worker.catalogue.function import Output, Parameter, simulator
 
 __all__ = [
+    "AsyncClient",
+    "Client",
     "Column",
     "Evaluations",
     "Finding",
@@ -33,19 +37,23 @@ __all__ = [
     "search",
     "simulator",
 ]
+_HOMES = {
+    "AsyncClient": "clearance.client",
+    "Client": "clearance.client",
+    "Column": "worker.catalogue.columns",
+    "Output": "worker.catalogue.function",
+    "Parameter": "worker.catalogue.function",
+    "search": "clearance.asked",
+    "simulator": "worker.catalogue.function",
+}
+"""The module of each name that is not in `clearance.result`."""
 
 
 def __getattr__(name: str) -> Any:
-    """Load the search and its results when they are first used."""
+    """Load a name with its module when it is first used."""
     if name not in __all__:
         raise AttributeError(f"module 'clearance' has no attribute {name!r}; it has {', '.join(__all__)}")
-    if name == "search":
-        from clearance.asked import search as found
-
-        return found
-    from clearance import result
-
-    return getattr(result, name)
+    return getattr(importlib.import_module(_HOMES.get(name, "clearance.result")), name)
 
 
 def __dir__() -> list[str]:

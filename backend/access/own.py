@@ -8,12 +8,17 @@ from backend.db.access import Visitor, account_of
 from backend.http.errors import RefusedError
 
 
+def owns(reader: sa.Connection, visitor: Visitor, owner: str) -> bool:
+    """Whether the visitor may change what this user or token owns."""
+    return visitor.sees_all or account_of(reader, owner) == visitor.account
+
+
 def require_own(reader: sa.Connection, visitor: Visitor, owner: str | None, what: str) -> None:
     """Raise 403 unless the visitor's account owns it, itself or by a token, or the visitor is an administrator.
 
     owner: None where there is no such thing, which the caller reports.
     """
-    if owner is None or visitor.sees_all or account_of(reader, owner) == visitor.account:
+    if owner is None or owns(reader, visitor, owner):
         return
     detail = (
         f"{what} belongs to {owner or 'another user'}, and you are {visitor.account}: only its owner and an "

@@ -49,13 +49,13 @@ _RUN = f"{API}/runs/{{run}}"
 _READING = (
     f"{API}/openapi.json",
     *(f"{API}/{name}" for name in ("workers", "components", "events", "reports", "trends", "session")),
-    *(f"{API}/campaigns{rest}" for rest in ("", "/schema", "/{name}")),
+    *(f"{API}/campaigns{rest}" for rest in ("", "/{name}")),
     *(f"{API}/drafts", f"{API}/drafts/{{draft}}"),
     *(f"{API}/runs", f"{API}/runs/facets", _RUN),
     *(f"{_RUN}/{name}" for name in ("campaign.yaml", "stages", "components", "code", "history", "related")),
     *(f"{_RUN}/{name}" for name in ("evaluations", "findings", "traces", "traces/{name}", "cases", "signoffs")),
     *(f"{_RUN}/exports{rest}" for rest in ("", "/run.json", "/evaluations.csv", "/findings.csv", "/traces.csv")),
-    *(f"{_RUN}/exports/{file}" for file in ("traces.mat", "flight-{flight}.html")),
+    *(f"{_RUN}/exports/{file}" for file in ("traces.mat", "worst-case.svg", "flight-{flight}.html")),
     *(f"{_RUN}/report.html", f"{_RUN}/report.pdf", f"{_RUN}/views/{{key}}"),
     f"{API}/simulators/{{name}}/proposal",
     *(f"{API}/requirements{rest}" for rest in ("", "/files", "/files/{file}/content")),
@@ -70,6 +70,8 @@ _READING = (
 
 RULES: dict[tuple[Method, str], Rule] = {
     ("GET", f"{API}/health"): OPEN,
+    # For editors, which read it without a token; it is the same in every installation of a version.
+    ("GET", f"{API}/campaigns/schema"): OPEN,
     ("GET", "/login"): OPEN,
     ("POST", "/login"): OPEN,
     ("GET", "/invite"): OPEN,

@@ -8,6 +8,9 @@ import sqlalchemy as sa
 
 from backend.db.tables import Run, RunLabel
 
+GIVEN = RunLabel.key.not_like("@%")
+"""Labels that users gave; the other rows are those of `backend.db.groups`."""
+
 
 def store(writer: sa.Connection, run_id: int, labels: Mapping[str, str]) -> None:
     """Store the labels of a new run."""
@@ -20,7 +23,7 @@ def of_runs(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, dict[s
     """The labels of these runs by key, in alphabetical order; runs without any are omitted."""
     found: dict[int, dict[str, str]] = {}
     if run_ids:
-        rows = sa.select(RunLabel.run_id, RunLabel.key, RunLabel.value).where(RunLabel.run_id.in_(run_ids))
+        rows = sa.select(RunLabel.run_id, RunLabel.key, RunLabel.value).where(RunLabel.run_id.in_(run_ids), GIVEN)
         for run_id, key, value in reader.execute(rows.order_by(RunLabel.key)):
             found.setdefault(run_id, {})[key] = value
     return found

@@ -9,7 +9,7 @@ from backend.db.base import Base
 
 
 class RunLabel(Base):
-    """One label of a run, see `campaigns.labels`."""
+    """One label of a run, see `campaigns.labels`; keys that begin with @ are those of `backend.db.groups`."""
 
     __tablename__ = "run_labels"
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)

@@ -17,13 +17,14 @@ from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import problems
 from backend.http.naming import named
 from backend.http.schema import FlightName, RunName
+from backend.reports import picture
 from backend.runs.service import number, summary
 from backend.scenes.recordings import pages as recordings
 from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["exports"])
 Theme = Annotated[Literal["light", "dark"], Query(description="The colour theme.")]
-_KINDS = {kind.file: kind for kind in service.FILES}
+_KINDS = {kind.file: kind for kind in (*service.FILES, service.PICTURE)}
 
 STREAMED = frozenset({"run.json", "evaluations.csv"})
 """Files that are generated while they are sent, because they may be large."""
@@ -121,6 +122,22 @@ async def export_mat(run: RunName, request: Request, engine: Engine) -> Response
             return service.traces_mat(reader, run_id)
 
     return await _answer(request, engine, run_id, "traces.mat", made)
+
+
+@router.get(
+    "/runs/{run}/exports/worst-case.svg",
+    response_class=Response,
+    responses=_described("worst-case.svg") | problems("not-found", "other-version", "purged"),
+)
+async def export_picture(run: RunName, request: Request, engine: Engine) -> Response:
+    """The worst case and the nominal flight from above as a picture, for a summary of a CI job."""
+    run_id = number(run)
+
+    def made() -> bytes:
+        with read(engine) as reader:
+            return picture.picture(reader, run_id)
+
+    return await _answer(request, engine, run_id, "worst-case.svg", made)
 
 
 @router.get(

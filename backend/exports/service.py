@@ -84,6 +84,13 @@ FILES = (
         flights=True,
     ),
 )
+PICTURE = Kind(
+    "worst-case.svg",
+    "Worst case, SVG",
+    "Flights from above around the closest approach of the worst one",
+    "image/svg+xml",
+    flights=True,
+)
 
 SIMULATED = {
     kind.file: kind
@@ -121,7 +128,7 @@ def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
     flights = [row.name for row in stored]
     found = reader.scalar(sa.select(sa.func.count()).where(Finding.run_id == run_id))
     if runs.campaign(reader, run_id).scenario is not None:
-        kinds: tuple[Kind, ...] = (*REPORTS, *FILES, _recording(flights, "flight"))
+        kinds: tuple[Kind, ...] = (*REPORTS, *FILES, PICTURE, _recording(flights, "flight"))
         return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in kinds]
     drawn = [row.name for row in stored if row.meta.get("scene")]
     recorded = [_recording(drawn, "case")] if drawn else []

@@ -21,6 +21,7 @@ from campaigns.symbols import OF, is_path
 
 WIDE = 654
 """Text width of a page, 173 mm [px at 96 dpi]."""
+SEPARATION_HEIGHT = 240
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def separation(cases: Sequence[Case], of: Quantity) -> Markup:
     near = [t for curve in curves for t, y in curve if y <= reach] or [t for curve in curves for t, _ in curve]
     span = (min(near), max(near)) if len(near) > 2 else (0.0, 1.0)
     highest = max((y for curve in curves for t, y in curve if span[0] <= t <= span[1]), default=1.0)
-    axes = Axes(WIDE, 240, span, (min(0.0, lowest), 1.04 * highest))
+    axes = Axes(WIDE, SEPARATION_HEIGHT, span, (min(0.0, lowest), 1.04 * highest))
     if of.threshold is not None:
         axes.tint(of.threshold)
     axes.frame("Time since start, s", 8)

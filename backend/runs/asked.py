@@ -1,4 +1,4 @@
-"""What the address of a submission adds to its body: labels, a baseline, reuse. A YAML body has no place for them.
+"""What the address of a submission adds to its body: labels, baseline, reuse. A YAML body has no place for them.
 
 Start reading at `Asked`.
 """
@@ -51,14 +51,19 @@ def asked(
     reuse: Annotated[
         bool, Query(description="Answer with an earlier run of the same campaign and code that has a verdict.")
     ] = False,
+    group: Annotated[
+        str | None, Query(description="A concurrency group: runs of the same group that have not ended are cancelled.")
+    ] = None,
+    priority: Annotated[int | None, Query(ge=-10, le=10, description="Runs with a higher one start first.")] = None,
 ) -> Asked:
-    """Labels, baseline and reuse in the address; 422 with a sentence for what is not allowed."""
+    """Labels, baseline, reuse, group and priority in the address; 422 with a sentence for what is not allowed."""
     try:
         parts: JsonObject = {"labels": parsed(label)} if label else {}
     except ValueError as error:
         raise _refused([Problem("label", "", f"{error}")]) from None
     parts |= {} if baseline is None else {"baseline": baseline}
     parts |= {"reuse": True} if reuse else {}
+    parts |= {name: given for name, given in (("group", group), ("priority", priority)) if given is not None}
     try:
         RunSubmit.model_validate({"campaign": {}} | parts)
     except ValidationError as error:

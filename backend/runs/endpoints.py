@@ -191,10 +191,15 @@ def get_run(run: RunName, reader: Reader) -> RunDetail:
 @router.get(
     "/runs/{run}/campaign.yaml", response_class=Response, responses=CAMPAIGN_FILE | problems("not-found", "purged")
 )
-def get_run_campaign(run: RunName, reader: Reader) -> Response:
-    """The campaign of a run as a file: the original text if it was submitted as text, else YAML."""
+def get_run_campaign(run: RunName, request: Request, reader: Reader) -> Response:
+    """The campaign of a run as a file: the original text if it was submitted as text, else YAML.
+
+    YAML begins with a comment that names the schema of this service, by which editors complete and check it.
+    """
     headers = {"Content-Disposition": f'attachment; filename="{run_name(service.number(run))}-campaign.yaml"'}
-    return Response(texts.text(reader, service.number(run)), headers=headers, media_type="application/yaml")
+    address = request.app.state.settings.public_url.rstrip("/") or str(request.base_url).rstrip("/")
+    text = texts.with_schema(texts.text(reader, service.number(run)), address)
+    return Response(text, headers=headers, media_type="application/yaml")
 
 
 @router.post("/runs/{run}/cancel", responses=problems("not-found", "purged"))

@@ -8,6 +8,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.db import labels
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunLabel
 from backend.runs.schemas import Facet, RunFacets
@@ -42,7 +43,7 @@ def _counted(reader: sa.Connection, column: Any) -> Counter[str]:
 
 def _labels(reader: sa.Connection) -> Counter[str]:
     of = sa.select(RunLabel.key, RunLabel.value, sa.func.count()).join(Run, Run.id == RunLabel.run_id)
-    rows = reader.execute(of.where(Run.removed.is_(None)).group_by(RunLabel.key, RunLabel.value))
+    rows = reader.execute(of.where(Run.removed.is_(None), labels.GIVEN).group_by(RunLabel.key, RunLabel.value))
     return Counter({f"{key}={value}": number for key, value, number in rows})
 
 

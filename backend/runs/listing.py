@@ -11,7 +11,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.catalog.service import published
-from backend.db import labels
+from backend.db import groups, labels
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from backend.runs import counts, waiting
@@ -58,6 +58,7 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     units = _units(reader) if any(row.unit is None for row in rows) else {}
     excluded = counts.excluded(reader, [row.id for row in rows])
     labelled = labels.of_runs(reader, [row.id for row in rows])
+    grouped = groups.of_runs(reader, [row.id for row in rows])
     waits = waiting.reasons(reader, [row.id for row in rows if row.state == "queued"])
     doing = waiting.doing(reader, [row.id for row in rows if row.state == "running"])
     return [
@@ -66,7 +67,9 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
             units,
             counts.of(row, excluded.get(row.id, 0))
             | {"stage": working.get(row.id), "waits": waits.get(row.id), "doing": doing.get(row.id)}
-            | {"labels": labelled.get(row.id, {})},
+            | {"labels": labelled.get(row.id, {})}
+            | {"group": None, "superseded_by": None}
+            | grouped.get(row.id, {}),
         )
         for row in rows
     ]

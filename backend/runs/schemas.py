@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import computed_field
+from pydantic import Field, computed_field
 
 from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Schema
@@ -165,6 +165,10 @@ class RunSummary(Schema):
     """Time of removal from all lists; None if it is listed."""
     removed_by: str | None
     removed_reason: str | None
+    group: str | None
+    """Its concurrency group: a newer run of the same group and owner cancels it."""
+    superseded_by: str | None
+    """The run of its group that cancelled it, R-0001."""
 
 
 class RunSubmitted(RunSummary):
@@ -174,6 +178,8 @@ class RunSubmitted(RunSummary):
     """Why it is an earlier run; null if it was queued."""
     baseline: RunBaseline | None = None
     """The baseline that was asked for; null without one."""
+    superseded: list[str] = Field(default_factory=list)
+    """The runs of the same group that this one cancelled, R-0001."""
 
 
 class RunVerdict(Verdict):

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
+from backend.access.own import owns
 from backend.catalog.service import required
-from backend.db import audit, baselines, queue
+from backend.db import audit, baselines, groups, queue
 from backend.db.access import Visitor
 from backend.db.baselines import Resolved
 from backend.db.engine import now, read
@@ -22,7 +23,7 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
 from campaigns.documents import JsonObject
 from campaigns.results.baselines import CannotCompare
-from campaigns.runs import run_name
+from campaigns.runs import RunState, run_name
 from campaigns.stages.plan import plan
 
 
@@ -41,6 +42,7 @@ class Submission:
     labels: dict[str, str]
     baseline: str | None
     reuse: bool
+    group: str | None
 
 
 def from_yaml(body: bytes, asked: Asked) -> Submission:
@@ -64,7 +66,7 @@ def _submission(campaign: Campaign, given: RunSubmit, digest: str) -> Submission
         text = "a baseline is added at launch: leave it out, and give the run next to the campaign, as baseline: R-0001"
         raise CampaignError("request", [Problem("campaign.baseline", campaign.baseline.run, text)])
     name = given.name or campaign.name
-    labelled = (given.labels, given.baseline, given.reuse)
+    labelled = (given.labels, given.baseline, given.reuse, given.group)
     return Submission(campaign, name, tags, given.priority, digest, given.text, *labelled)
 
 
@@ -81,6 +83,8 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         asked = _compared(reader, submission)
         reused = reuse.reusable(reader, asked.campaign) if submission.reuse else None
     with engine.begin() as writer:
+        if submission.group is not None:
+            groups.lock(writer, submission.group)
         repeated = _repeated(writer, submission, visitor, key)
         if repeated is not None:
             run_id, at = repeated
@@ -91,8 +95,12 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         if key is not None and repeated is None:
             values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id, "created": at}
             writer.execute(sa.insert(IdempotencyKey).values(**values))
+        cancelled = _supersede(writer, submission, visitor, run_id) if repeated is None else []
         if repeated is None and reused is None:
             audit.note(writer, visitor, "run.submitted", run_name(run_id), _noted(submission, asked))
+        for other, state in cancelled:
+            noted = {"state": state, "group": submission.group, "superseded_by": run_name(run_id)}
+            audit.note(writer, visitor, "run.cancelled", run_name(other), noted)
     with read(engine) as reader:
         return _answer(reader, run_id, at, asked)
 
@@ -126,12 +134,29 @@ def _queue(
         writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
     if submission.baseline is not None:
         baselines.store(writer, run_id, submission.baseline, asked.run_id)
+    if submission.group is not None:
+        groups.store(writer, run_id, submission.group)
     return run_id
+
+
+def _supersede(writer: sa.Connection, submission: Submission, visitor: Visitor, run_id: int) -> list[tuple[int, str]]:
+    """Cancel the other runs of the group that have not ended and that the visitor may cancel; their new states."""
+    if submission.group is None:
+        return []
+    found = []
+    for other, owner in groups.active(writer, submission.group, run_id):
+        if owns(writer, visitor, owner):
+            state = queue.request_cancel(writer, other)
+            if state in (RunState.CANCELLING, RunState.CANCELLED):
+                groups.supersede(writer, other, run_id)
+                found.append((other, state))
+    return found
 
 
 def _noted(submission: Submission, asked: Resolved) -> JsonObject:
     told: JsonObject = {"campaign": asked.campaign.digest, "name": submission.name}
     told |= {"labels": submission.labels} if submission.labels else {}
+    told |= {} if submission.group is None else {"group": submission.group}
     return told | ({} if submission.baseline is None else {"baseline": submission.baseline})
 
 
@@ -143,7 +168,8 @@ def _answer(reader: sa.Connection, run_id: int, at: float, asked: Resolved | Non
     compared = baseline(reader, run_id)
     if compared is None and asked is not None and asked.given:  # the run that is reused was launched without it
         compared = RunBaseline(asked=asked.given, run=None, sentence=asked.sentence)
-    return RunSubmitted(**dict(found), reused=reused, baseline=compared)
+    others = [run_name(other) for other in groups.superseded(reader, run_id)]
+    return RunSubmitted(**dict(found), reused=reused, baseline=compared, superseded=others)
 
 
 def _repeated(

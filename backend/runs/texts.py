@@ -6,6 +6,7 @@ The baseline is not part of it: it is added at launch.
 from __future__ import annotations
 
 import json
+import re
 
 import sqlalchemy as sa
 
@@ -16,6 +17,22 @@ from campaigns import CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
 from campaigns.runs import run_name
+
+MODELINE = "# yaml-language-server: $schema="
+SCHEMA = "/api/v1/campaigns/schema"
+_OURS = re.compile(rf"{re.escape(MODELINE)}\S*{re.escape(SCHEMA)}\r?\n")
+
+
+def with_schema(text: str, service: str) -> str:
+    """YAML that names the schema with which editors complete and check it; JSON, and another schema, stay as they are.
+
+    service: its address. A comment changes no digest.
+    """
+    own = _OURS.match(text)
+    rest = text[own.end() :] if own else text
+    if rest.lstrip("\ufeff \t\r\n").startswith("{") or (not own and rest.startswith("# yaml-language-server:")):
+        return text
+    return f"{MODELINE}{service}{SCHEMA}\n{rest}"
 
 
 def text(reader: sa.Connection, run_id: int) -> str:

@@ -17,14 +17,16 @@ from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
 from tests.faults.processes import REPOSITORY
+from worker.cli import WRONG_INPUT, invoke
 
 PAGE = (REPOSITORY / "docs" / "ci.md").read_text(encoding="utf-8")
-POLICY, ACTION, GITLAB = (yaml.safe_load(text) for text in re.findall(r"^```yaml\n(.*?)^```$", PAGE, re.M | re.S))
+POLICY, HOOK, ACTION, GITLAB = (yaml.safe_load(text) for text in re.findall(r"^```yaml\n(.*?)^```$", PAGE, re.M | re.S))
 GIVEN = {"campaign": "campaign.yaml", "baseline": ACTION["inputs"]["baseline"]["default"]}
 WHERE = {
     "GITHUB_HEAD_REF": "", "GITHUB_REF_NAME": "feature/wider turn", "GITHUB_SHA": "4f2a91c", "GITHUB_RUN_NUMBER": "42",
     "GITHUB_STEP_SUMMARY": "step.md", "CI_DEFAULT_BRANCH": "main", "CI_COMMIT_REF_NAME": "feature/wider turn",
     "CI_COMMIT_SHORT_SHA": "4f2a91c", "CI_PIPELINE_IID": "42",
+    "GITHUB_REPOSITORY": "us/robot", "GITHUB_REF": "refs/heads/feature/wider turn", "CI_PROJECT_PATH": "us/robot",
 }  # fmt: skip
 """The variables of the CI services."""
 
@@ -66,9 +68,35 @@ def test_the_commands_of_a_template_run(service: Service, tmp_path: Path, templa
         run: dict[str, Any] = client.get("/api/v1/runs/R-0001").json()
     assert run["labels"] == {"branch": "feature/wider turn", "build": "42", "commit": "4f2a91c"}
     assert run["baseline"]["asked"] == "label:branch=main"
+    assert run["group"].startswith("us/robot/")
     assert "violated" in (folder / summary).read_text()
     assert (folder / "clearance" / "report.html").exists()
     assert (folder / GITLAB["clearance"]["artifacts"]["reports"]["junit"]).exists()
+
+
+def test_the_hook_checks_campaign_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (hook,) = yaml.safe_load((REPOSITORY / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
+    assert {"id", "name", "entry", "language", "files"} <= hook.keys()
+    (repo,) = HOOK["repos"]
+    (used,) = repo["hooks"]
+    assert used["id"] == hook["id"]
+    for file, checked in (
+        ("campaigns/a.yaml", True),
+        ("x/campaigns/sub/a.yml", True),
+        ("campaign.yaml", True),
+        ("robot-campaign.yaml", True),
+        ("docker-compose.yml", False),
+        ("campaigns/a.py", False),
+    ):
+        assert bool(re.search(hook["files"], file)) is checked, file
+    program, *words = hook["entry"].split()
+    assert program == "clearance"
+    right = REPOSITORY / "campaigns" / "library" / "unicycle_static.yaml"
+    wrong = tmp_path / "campaign.yaml"
+    wrong.write_text("name: x\n")
+    assert invoke([*words, str(right)]) == 0
+    assert invoke([*words, str(right), str(wrong)]) == WRONG_INPUT
+    assert "1 of 2 campaigns cannot be used" in capsys.readouterr().err
 
 
 def test_the_policy_of_the_page_is_one() -> None:

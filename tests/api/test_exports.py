@@ -51,6 +51,7 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str) ->
         "findings.csv",
         "traces.csv",
         "traces.mat",
+        "worst-case.svg",
         "flight-F1.html",
     )
     assert [file["name"] for file in listed] == [f"R-0001-unicycle-past-a-pillar-{file}" for file in kinds]

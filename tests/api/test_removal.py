@@ -129,7 +129,7 @@ def test_what_is_not_there_is_not_found(client: httpx.Client, run: str) -> None:
 READ = (
     "", "/campaign.yaml", "/stages", "/findings", "/traces", "/traces/F1", "/evaluations", "/components", "/signoffs",
     "/report.html", "/exports", "/exports/run.json", "/exports/evaluations.csv", "/exports/traces.mat",
-    "/exports/flight-F1.html",
+    "/exports/flight-F1.html", "/exports/worst-case.svg",
 )  # fmt: skip
 
 

@@ -190,9 +190,16 @@ def test_the_roles_are_those_that_were_decided(key: routes.Key, role: Role) -> N
     assert RULES[key].role == role
 
 
-def test_only_health_and_signing_in_are_open() -> None:
+def test_only_health_the_schema_and_signing_in_are_open() -> None:
     assert {f"{method} {path}" for (method, path), rule in RULES.items() if rule.role is None} == {
-        *("GET /api/v1/health", "GET /login", "POST /login", "GET /invite", "POST /invite"),
+        *(
+            "GET /api/v1/health",
+            "GET /api/v1/campaigns/schema",
+            "GET /login",
+            "POST /login",
+            "GET /invite",
+            "POST /invite",
+        ),
     }
 
 

@@ -169,6 +169,7 @@ KEY = "0b6c1e0e-4f5a-4a3b-9d1c-2f8e7a6b5c4d"
 WITHOUT_A_TRACE = {
     "/api/v1/runs/{run}/traces/{name}": "no stored flight",
     "/api/v1/runs/{run}/exports/flight-{flight}.html": "no stored flight",
+    "/api/v1/runs/{run}/exports/worst-case.svg": "no flight of it is stored",
     "/api/v1/runs/{run}/views/{key}": "it has no 3D view",
     "/view/{run}/": "it has no 3D view",
     "/view/{run}/F1/recorded/": "no stored flight",

@@ -66,12 +66,17 @@ def test_the_files_are_those_of_the_service(service: Service, command: Command, 
     assert command("follow", "R-0001", "--out", out).result(30) == 0
     made = ["campaign.yaml", "evaluations.csv", "findings.csv", "report.html", "run.json"]
     assert sorted(f.name for f in out.iterdir()) == made
-    assert (out / "campaign.yaml").read_text() == file.read_text()
+    modeline = f"# yaml-language-server: $schema={service.url}/api/v1/campaigns/schema\n"
+    assert (out / "campaign.yaml").read_text() == modeline + file.read_text()
     with service.signed_in() as client:
         for name in ("evaluations.csv", "findings.csv"):
             assert (out / name).read_bytes() == client.get(f"/api/v1/runs/R-0001/exports/{name}").content
     assert json.loads((out / "run.json").read_text())["run"]["id"] == "R-0001"
     assert "Verification of obstacle avoidance" in (out / "report.html").read_text()
+    with service.visitor() as editor:  # without a token
+        schema = editor.get(modeline.partition("=")[2].strip())
+    assert schema.json()["title"] == "Campaign"
+    assert command("validate", out / "campaign.yaml", "--service", service.url).result(30) == 0
 
 
 def test_for_programs_it_prints_the_run_and_nothing_else(

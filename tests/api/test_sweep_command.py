@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,10 +13,11 @@ import pytest
 import yaml
 
 from backend.db.queue import Queue
+from clearance.client import drivers
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, _remote, invoke
+from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
 
 Submit = Callable[..., int]
 
@@ -35,8 +35,7 @@ def submit(service: Service, file: Path, monkeypatch: pytest.MonkeyPatch) -> Sub
     monkeypatch.setenv("CLEARANCE_TOKEN", service.token())
 
     def run(*arguments: str, work: Iterator[object] | None = None) -> int:
-        paused = SimpleNamespace(sleep=lambda _: next(work or iter(())), monotonic=time.monotonic)
-        monkeypatch.setattr(_remote, "time", paused)
+        monkeypatch.setattr(drivers, "time", SimpleNamespace(sleep=lambda _: next(work or iter(()))))
         return invoke(["submit", str(file), "--service", service.url, *arguments])
 
     return run

@@ -107,9 +107,11 @@ MAY: dict[str, tuple[str, ...]] = {
         *("worker.search", "worker.catalogue", "campaigns"),
     ),
     # The command line is on top: it may import every room, and no room may import it.
-    "worker.cli": ("worker", "backend.db", "campaigns"),
+    "worker.cli": ("worker", "backend.db", "campaigns", "clearance.client"),
     # The same for programs in Python; it alone writes a report without a service.
     "clearance": ("worker", "campaigns"),
+    # It talks to a service: nothing of ours but the vocabulary, so that a script starts quickly.
+    "clearance.client": ("campaigns",),
     "clearance.saving": ("clearance.result", "worker", "backend.db", "backend.reports", "campaigns"),
 }
 KINDS = sorted(
@@ -221,8 +223,15 @@ def test_every_room_has_a_rule() -> None:
     assert sorted(name for name in MAY if not exists(name)) == []
 
 
+APART = ("clearance.client", "worker.cli")
+"""The lowest and the highest part of their packages: the client imports nothing of the rest, the command line all."""
+
+
 def siblings(name: str, other: str) -> tuple[str, str]:
     """The sibling packages that contain two modules: `backend.runs` and `backend.db`, `worker` and `backend`."""
+    part, beside = (next((whole for whole in APART if within(one, (whole,))), "") for one in (name, other))
+    if part != beside and "clearance.client" in (part, beside):
+        return part or name.split(".")[0], beside or other.split(".")[0]
     a, b = name.split("."), other.split(".")
     same = next((at for at, (one, two) in enumerate(zip(a, b, strict=False)) if one != two), min(len(a), len(b)))
     return ".".join(a[: same + 1]), ".".join(b[: same + 1])
@@ -278,11 +287,16 @@ def test_the_arrows_are_held() -> None:
         ("campaigns.units", "backend.db.engine"),
         ("worker.runs.runner", "clearance.result"),
         ("clearance.result", "backend.reports.service"),
+        ("clearance.client.calls", "clearance.result"),
+        ("clearance.client.calls", "worker.catalogue.function"),
+        ("worker.runs.runner", "clearance.client.calls"),
     ):
         assert refused(name, [other]), f"{name} may import {other}"
     assert refused("worker.processes.child", ["backend.db.queue", "worker.runs.runner", "numba", "campaigns"]) == []
     assert siblings("backend.runs.service", "backend.db.queue") == ("backend.runs", "backend.db")
     assert siblings("worker.runs.runner", "backend.db.queue") == ("worker", "backend")
+    assert siblings("worker.cli.submit", "clearance.client.calls") == ("worker.cli", "clearance.client")
+    assert siblings("clearance.client.calls", "clearance.result") == ("clearance.client", "clearance")
     assert circles({"a": ["b"], "b": ["c"], "c": ["b", "d"], "d": []}) == {frozenset("bc")}
 
 
@@ -308,6 +322,7 @@ RUNNER = "import worker.runs.runner; from worker.catalogue.installed import cata
         # One after the other in one process: what is absent after several is absent after each alone.
         [
             ("import clearance", {"numpy", "numba", "scipy", "pydantic", "sqlalchemy", "fastapi"}),
+            ("from clearance import Client", {"worker", "backend", "numpy", "numba", "scipy", "sqlalchemy", "fastapi"}),
             (
                 "import worker.audit.judge",
                 {"numba", "scipy", "fastapi", "backend", "worker.runs.runner", "worker.catalogue.installed"},

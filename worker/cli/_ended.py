@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,26 @@ from worker.cli import CODES, INTERNAL, INTERRUPTED, VIOLATED
 if TYPE_CHECKING:
     from campaigns.results import Verdict
     from campaigns.results.regression import FindingChange, Regression
+    from campaigns.results.verdicts import DescribedCheck
     from worker.cli._launch import Launch
+
+
+@dataclass(frozen=True)
+class Case:
+    """One finding: cost and margin [unit of the criterion], parameters by path."""
+
+    label: str
+    cost: float
+    margin: float
+    parameters: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Source:
+    """The campaign as text: its file, or its address in a service."""
+
+    address: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -30,10 +50,41 @@ class EndedRun:
     seconds: float = 0.0
     compared: bool = True
     """False if a baseline was asked for and there is none."""
-    criterion: str = ""
-    """The component or the result that decides; empty if it is not known."""
     requirements: tuple[str, ...] = ()
-    """The ids of the requirements that it states."""
+    """The ids of the requirements that its criterion states."""
+    quantity: str = ""
+    unit: str = ""
+    threshold: float | None = None
+    findings: tuple[Case, ...] = ()
+    """The worst first."""
+    source: Source | None = None
+    picture: str = ""
+    """Name of the picture of the worst case, next to the summary; empty if there is none."""
+
+    @property
+    def violating(self) -> tuple[Case, ...]:
+        """The findings that violate the criterion."""
+        worst = None if self.verdict is None else self.verdict.worst
+        if not self.findings and worst is not None:
+            found: tuple[Case, ...] = (Case(worst.finding, worst.cost, worst.margin, worst.parameters),)
+        else:
+            found = self.findings
+        return tuple(case for case in found if case.margin <= 0)
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the policy of the campaign accepts its violations, so that they fail nothing."""
+        return self.verdict is not None and self.verdict.verdict == "violated" and self.code == 0
+
+    @property
+    def checks(self) -> list[DescribedCheck]:
+        """The checks of the verdict; empty without one."""
+        from campaigns.results.verdicts import described
+
+        if self.verdict is None:
+            return []
+        counted = self.verdict.evaluations
+        return described(self.verdict.checks, 0 if counted is None else counted.failed)
 
     @property
     def regression(self) -> Regression | None:
@@ -66,6 +117,10 @@ def write_files(ended: EndedRun, given: Launch) -> None:
         from worker.cli import _markdown
 
         _markdown.write(given.summary, ended)
+    if given.sarif is not None:
+        from worker.cli import _sarif
+
+        _sarif.write(given.sarif, ended)
 
 
 def code(verdict: Verdict) -> int:

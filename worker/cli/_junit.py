@@ -1,5 +1,5 @@
-"""A run as JUnit XML, for the test report of a CI service: a case for the verdict, and one for the criterion, for each
-requirement, check and finding compared.
+"""A run as JUnit XML, for a CI service: cases for the verdict, the criterion, each requirement, each check and each
+finding compared.
 
 The format has no standard; this is the form that Jenkins, GitLab and GitHub's reporters read. Start reading at `junit`.
 """
@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
-from campaigns.results import verdicts
+from campaigns.claims.numbers import signed
 from campaigns.results.regression import FindingChange, Standing
-from worker.cli._ended import EndedRun
+from worker.cli._ended import Case, EndedRun, exit_sentence
 
 if TYPE_CHECKING:
     from campaigns.results import Verdict
+    from campaigns.results.verdicts import DescribedCheck
 
 _FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML 1.0 cannot contain."""
@@ -37,9 +38,12 @@ def junit(ended: EndedRun) -> str:
         if value:
             Xml.SubElement(properties, "property", name=name, value=_clean(value))
     _verdict(suite, ended)
-    _criterion(suite, ended)
-    _requirements(suite, ended)
-    _checks(suite, ended)
+    if ended.verdict is not None:
+        _criterion(suite, ended, ended.verdict)
+    for requirement in ended.requirements:
+        _requirement(suite, ended, requirement)
+    for check in ended.checks:
+        _check(suite, ended, check)
     regression = ended.regression
     if regression is not None:
         for case in regression.cases:
@@ -61,7 +65,7 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
         message = f"no verdict: {ended.state}" + (f": {ended.error}" if ended.error else "")
         Xml.SubElement(case, "error", message=_clean(message), type=ended.state).text = _clean(ended.link)
         return
-    if verdict.verdict == "cleared" or _accepted(verdict):
+    if verdict.verdict == "cleared" or ended.accepted:
         Xml.SubElement(case, "system-out").text = _clean("\n".join([verdict.reason, *ended.notes]))
         return
     text = [verdict.reason, *ended.notes, *_worst(verdict), ended.link]
@@ -71,59 +75,61 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
     failure.text = _clean("\n".join(filter(None, text)))
 
 
-def _accepted(verdict: Verdict) -> bool:
-    """Whether the policy of the campaign accepts its violations."""
-    return verdict.regression is not None and verdict.regression.accepted and verdict.verdict == "violated"
-
-
-def _criterion(suite: Xml.Element, ended: EndedRun) -> None:
-    """A violation fails it; inconclusive is neither."""
-    verdict = ended.verdict
-    if not ended.criterion or verdict is None:
-        return
-    case = _added(suite, ended, f"criterion {ended.criterion}")
-    if verdict.verdict == "cleared":
+def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
+    """It fails with every finding that violates; without one, it passes only if the verdict is cleared."""
+    case = _added(suite, ended, f"criterion: {ended.quantity or verdict.quantity or 'value'}")
+    told = "\n".join(filter(None, ["\n\n".join(_told(ended, found) for found in ended.violating), ended.link]))
+    violated = bool(ended.violating) or verdict.verdict == "violated"
+    if violated and ended.accepted:
+        # no failure of the job, and not met either
+        skipped = Xml.SubElement(case, "skipped", message=_clean(exit_sentence(verdict)))
+        skipped.text = _clean(told)
+    elif violated:
+        labels = ", ".join(found.label for found in ended.violating) or "a stored evaluation"
+        message = f"{labels} violate the criterion" if len(ended.violating) > 1 else f"{labels} violates the criterion"
+        Xml.SubElement(case, "failure", message=_clean(message), type="violation").text = _clean(told)
+    elif verdict.verdict == "cleared":
         Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
     else:
-        _failed(case, verdict, "failure" if verdict.verdict == "violated" else "skipped")
+        Xml.SubElement(
+            case, "skipped", message=_clean(f"no finding violates it, and it is not cleared: {verdict.reason}")
+        )
 
 
-def _requirements(suite: Xml.Element, ended: EndedRun) -> None:
-    """Evidence of this run alone: other campaigns may state a requirement, and nobody has signed off yet."""
-    for requirement in ended.requirements:
-        case = _added(suite, ended, f"requirement {requirement}")
-        if ended.verdict is None:
-            Xml.SubElement(case, "error", message=_clean(f"no evidence: {ended.state}"), type=ended.state)
-        elif ended.verdict.verdict == "cleared":
-            text = f"{ended.verdict.sentence}\nEvidence of this run alone; the matrix of requirements has all runs."
-            Xml.SubElement(case, "system-out").text = _clean(text)
-        else:
-            _failed(case, ended.verdict, "failure")
-
-
-def _checks(suite: Xml.Element, ended: EndedRun) -> None:
-    if ended.verdict is None:
-        return
-    failed = 0 if ended.verdict.evaluations is None else ended.verdict.evaluations.failed
-    for check in verdicts.described(ended.verdict.checks, failed):
-        case = _added(suite, ended, f"check {check.title}")
-        text = f"{check.text}; {check.but}" if check.but else check.text
-        if check.standing == "holds":
-            Xml.SubElement(case, "system-out").text = _clean(text)
-        elif check.standing == "open" or _accepted(ended.verdict):
-            Xml.SubElement(case, "skipped", message=_clean(text))
-        else:
-            Xml.SubElement(case, "failure", message=_clean(text), type=str(check.code))
-
-
-def _failed(case: Xml.Element, verdict: Verdict, tag: str) -> None:
-    """What the policy accepts is no failure of the job, and not met either."""
-    accepted = _accepted(verdict)
-    message = f"{verdict.sentence}{' Accepted by the policy of the campaign.' if accepted else ''}"
-    if accepted or tag == "skipped":
-        Xml.SubElement(case, "skipped", message=_clean(message))
+def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
+    """Evidence of this run alone: other campaigns may state the requirement, and the run is not signed off yet."""
+    case, verdict = _added(suite, ended, f"requirement: {requirement}"), ended.verdict
+    if verdict is None:
+        Xml.SubElement(case, "error", message=_clean(f"no evidence: {ended.state}"), type=ended.state)
+    elif verdict.verdict == "cleared":
+        text = f"{verdict.sentence}\nEvidence of this run alone; the matrix of requirements has all runs."
+        Xml.SubElement(case, "system-out").text = _clean(text)
+    elif ended.accepted:
+        Xml.SubElement(case, "skipped", message=_clean(f"{verdict.sentence} {exit_sentence(verdict)}"))
     else:
-        Xml.SubElement(case, tag, message=_clean(message), type=str(verdict.verdict))
+        Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
+
+
+def _told(ended: EndedRun, found: Case) -> str:
+    """A violating finding: its value, parameters and replay command."""
+    unit = f" {ended.unit}" if ended.unit else ""
+    head = f"{found.label}: {found.cost:.6g}{unit}, margin {signed(found.margin)}{unit}"
+    replay = f"{ended.replay} {found.label}" if ended.replay else ""
+    return "\n".join(filter(None, [head, *(f"{path} = {v!r}" for path, v in found.parameters.items()), replay]))
+
+
+def _check(suite: Xml.Element, ended: EndedRun, check: DescribedCheck) -> None:
+    """A check that does not hold fails, unless the policy of the campaign accepts the violations of the run."""
+    case, text = _added(suite, ended, f"check: {check.title}"), _clean(check.text)
+    if check.standing == "holds":
+        Xml.SubElement(case, "system-out").text = text
+    elif check.standing == "open":
+        Xml.SubElement(case, "skipped", message=_clean(f"{check.text}; {check.but}"))
+    elif ended.accepted:
+        Xml.SubElement(case, "skipped", message=f"does not hold, and the policy accepts it: {text}")
+    else:
+        failure = Xml.SubElement(case, "failure", message=text, type=_clean(str(check.code)))
+        failure.text = _clean("\n".join(filter(None, [check.text, ended.link])))
 
 
 def _worst(verdict: Verdict) -> list[str]:

@@ -35,6 +35,12 @@ Summary: TypeAlias = Annotated[
 ]
 
 
+Sarif: TypeAlias = Annotated[
+    Path | None, typer.Option("--sarif", metavar="FILE", help="Write violations and failed checks as SARIF 2.1.0.",
+                              dir_okay=False)
+]  # fmt: skip
+
+
 class Launch(NamedTuple):
     """The labels, the baseline, and the files to be written at the end."""
 
@@ -42,9 +48,17 @@ class Launch(NamedTuple):
     baseline: str
     junit: Path | None
     summary: Path | None
+    sarif: Path | None = None
+
+    @property
+    def wanted(self) -> bool:
+        """Whether there is a file to write."""
+        return (self.junit or self.summary or self.sarif) is not None
 
     @staticmethod
-    def read(label: list[str] | None, baseline: str, junit: Path | None, summary: Path | None) -> Launch:
+    def read(
+        label: list[str] | None, baseline: str, junit: Path | None, summary: Path | None, sarif: Path | None = None
+    ) -> Launch:
         """The options as given; raises `WrongInputError` for a bad label or a file that cannot be written."""
         from campaigns.labels import parsed
 
@@ -52,9 +66,9 @@ class Launch(NamedTuple):
             labels = parsed(label or ())
         except ValueError as error:
             raise WrongInputError(f"{error}") from None
-        for file in (junit, summary):
+        for file in (junit, summary, sarif):
             _writable(file)
-        return Launch(labels, baseline.strip(), junit, summary)
+        return Launch(labels, baseline.strip(), junit, summary, sarif)
 
 
 def _writable(file: Path | None) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from urllib.parse import quote
 
 from campaigns.claims.numbers import NONE, signed
 from campaigns.results.regression import FindingChange, Regression
@@ -33,6 +34,8 @@ def markdown(ended: EndedRun) -> str:
     lines += [_text(note) for note in ended.notes]
     if ended.labels:
         lines.append("Labels: " + ", ".join(f"{_text(key)} = {_text(value)}" for key, value in ended.labels.items()))
+    if ended.picture:
+        lines.append(f"![The worst case, seen from above]({quote(ended.picture)})")
     if verdict is not None and verdict.regression is not None:
         lines += [f"### Since {_text(verdict.regression.run)}", _text(verdict.regression.text)]
         lines.append("\n".join(_table(ended, verdict.regression)))

@@ -6,7 +6,9 @@ from typing import Annotated
 
 import typer
 
-from worker.cli._following import PATIENCE, SERVICE, AsJson, Out, Patience, Service, Token
+from worker.cli import _launch as launch
+from worker.cli._following import AsJson, Out
+from worker.cli._service import PATIENCE, SERVICE, Patience, Service, Token
 
 
 def follow(
@@ -16,16 +18,17 @@ def follow(
     out: Out = None,
     as_json: AsJson = False,
     patience: Patience = PATIENCE,
+    junit: launch.Junit = None,
+    summary: launch.Summary = None,
+    sarif: launch.Sarif = None,
 ) -> None:
     """Wait for the verdict of a run of a service, which is the exit code."""
-    from campaigns.runs import run_number
-    from worker.cli import WrongInputError
-    from worker.cli._following import follow_to_the_end, token_of
+    from worker.cli._following import follow_to_the_end
     from worker.cli._out import writable
-    from worker.cli._remote import Remote
+    from worker.cli._service import numbered, opened
 
-    if run_number(run) is None:
-        raise WrongInputError(f"invalid run number {run!r}: give one such as R-0001")
+    numbered(run)
     writable(out)
-    with Remote(service, token_of(token_file), patience) as remote:
-        raise typer.Exit(follow_to_the_end(remote, remote.run(run)["id"], out, as_json))
+    given = launch.Launch.read(None, "", junit, summary, sarif)
+    with opened(service, token_file, patience) as client:
+        raise typer.Exit(follow_to_the_end(client, client.run(run).id, out, as_json, given))

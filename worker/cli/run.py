@@ -20,7 +20,7 @@ from worker.cli import _code as code
 from worker.cli import _evaluator as evaluators
 from worker.cli import _interrupt as interrupt
 from worker.cli import _launch as launch
-from worker.cli._ended import EndedRun, write_files
+from worker.cli._ended import Case, EndedRun, Source, write_files
 from worker.cli._out import writable
 from worker.cli._where import DATA, Data, Database
 
@@ -63,13 +63,14 @@ def run(
     baseline: launch.Baseline = "",
     junit: launch.Junit = None,
     markdown: launch.Summary = None,
+    sarif: launch.Sarif = None,
 ) -> None:  # fmt: skip
     """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.runs import sources as sources  # first: it records the files before they are loaded
 
     _asked_right(file, onward, budget, bool(label or baseline))
     writable(out)
-    given = launch.Launch.read(label, baseline, junit, markdown)
+    given = launch.Launch.read(label, baseline, junit, markdown, sarif)
     evaluators.use(evaluator)
     execute = _executing(threads or None, quiet=as_json, evaluator=evaluator)
     note = ""
@@ -97,14 +98,15 @@ def run(
         from worker.cli._report import print_report
 
         print_report(campaign, store, verdict, out, cites, note)
-    ended = _ended(campaign, store, verdict, out, given, note)
+    ended = _ended(campaign, store, verdict, out, given, note, file)
     write_files(ended, given)
     raise typer.Exit(ended.code)
 
 
 def _ended(
-    campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, given: launch.Launch, note: str
-) -> EndedRun:
+    campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, given: launch.Launch, note: str,
+    file: Path | None,
+) -> EndedRun:  # fmt: skip
     return EndedRun(
         run="" if out is None else str(out),
         campaign=campaign.name,
@@ -115,9 +117,23 @@ def _ended(
         notes=(note,) if note else (),
         seconds=sum(stage.seconds for stage in store.stages),
         compared=campaign.baseline is not None or not given.baseline,
-        criterion=campaign.criterion.result or campaign.criterion.component,
+        quantity=verdict.quantity,
+        unit=verdict.unit,
+        threshold=campaign.criterion.threshold,
+        findings=tuple(Case(f.label, f.cost, f.margin, f.parameters) for f in store.found()),
+        source=_source(file, given),
         requirements=tuple(one.id for one in campaign.criterion.requirements),
     )
+
+
+def _source(file: Path | None, given: launch.Launch) -> Source | None:
+    """The campaign file, for a report that points at its lines."""
+    if file is None or given.sarif is None:
+        return None
+    from campaigns.asked.load import read_text
+    from worker.cli._campaign import found
+
+    return Source(str(found(file)), read_text(found(file)))
 
 
 def _asked_right(file: Path | None, onward: str, budget: str, launched: bool) -> None:

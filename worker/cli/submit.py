@@ -5,17 +5,20 @@ The exit code is that of `clearance run`.
 
 from __future__ import annotations
 
-import uuid
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from campaigns.documents import JsonObject
 from worker.cli import WrongInputError
 from worker.cli import _launch as launch
-from worker.cli._following import PATIENCE, SERVICE, AsJson, Out, Patience, Service, Token
+from worker.cli._following import AsJson, Out
+from worker.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+
+if TYPE_CHECKING:
+    from clearance.client.answers import Submitted
 
 
 def submit(
@@ -46,6 +49,14 @@ def submit(
     ] = False,
     junit: launch.Junit = None,
     summary: launch.Summary = None,
+    sarif: launch.Sarif = None,
+    group: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", show_default=False,
+            help="Concurrency group, such as project/branch: cancels your runs of the same group that have not ended.",
+        ),
+    ] = "",
     cancel_on_exit: Annotated[
         bool, typer.Option("--cancel-on-exit", help="Cancel the run when this command is ended (SIGTERM, Ctrl-C).")
     ] = False,
@@ -53,46 +64,59 @@ def submit(
     """Submit a campaign to a service and wait for its verdict, which is the exit code."""
     from campaigns.asked.load import load_text, read_text
     from worker.cli._campaign import found
-    from worker.cli._following import follow_to_the_end, token_of
+    from worker.cli._ended import Source
+    from worker.cli._following import follow_to_the_end
     from worker.cli._interrupt import terminated
     from worker.cli._out import writable
-    from worker.cli._remote import Remote
+    from worker.cli._service import opened
     from worker.cli._sweep import parsed
     from worker.cli._sweep import sweep as launched
 
     writable(out)
-    given = launch.Launch.read(label, baseline, junit, summary)
-    _asked_right(given, sweep, wait, reuse, cancel_on_exit)
+    given = launch.Launch.read(label, baseline, junit, summary, sarif)
+    _asked_right(given, sweep, wait, reuse, cancel_on_exit, group)
     if sweep:
         parsed(sweep)  # before anything is sent
-    text = read_text(found(file))
-    body: JsonObject = {"campaign": load_text(text, str(file)).document(), "text": text, "priority": priority}
-    body |= {"name": name} if name else {}
-    body |= {"tags": tag} if tag else {}
-    body |= {"labels": given.labels} if given.labels else {}
-    body |= {"baseline": given.baseline} if given.baseline else {}
-    body |= {"reuse": True} if reuse else {}
-    with Remote(service, token_of(token_file), patience) as remote:
+    path = found(file)
+    text = read_text(path)
+    document = load_text(text, str(file)).document()
+    asked: JsonObject = {"name": name or None, "tags": tag or None, "labels": given.labels, "priority": priority}
+    how: JsonObject = {"baseline": given.baseline or None, "reuse": reuse, "group": group or None}
+    with opened(service, token_file, patience, str(file)) as client:
         if sweep:
-            raise typer.Exit(launched(remote, body, str(file), sweep, wait, out, as_json))
+            raise typer.Exit(launched(client, document, sweep, wait, out, as_json, **asked))
         with terminated() if cancel_on_exit else nullcontext():
-            queued = remote.submit(body, str(file), str(uuid.uuid4()))
-            run, reused = queued["id"], queued.get("reused")
+            queued = client.submit(document, text=text, **asked, **how)
             if not wait:
-                compared = queued.get("baseline") or {}
-                for note in filter(None, [reused, compared.get("sentence")]):
-                    typer.echo(note, err=True)
-                typer.echo(run)
+                _print_submitted(queued)
                 return
-            typer.echo(f"{run} is at {remote.address}/runs/{run}", err=True)
-            raise typer.Exit(follow_to_the_end(remote, run, out, as_json, given, reused, cancel_on_exit and not reused))
+            run, reused = queued.id, queued.reused
+            _print_superseded(queued)
+            typer.echo(f"{run} is at {client.link(run)}", err=True)
+            source, cancel = Source(str(path), text), cancel_on_exit and not reused
+            raise typer.Exit(follow_to_the_end(client, run, out, as_json, given, reused, cancel, source))
 
 
-def _asked_right(given: launch.Launch, sweep: str, wait: bool, reuse: bool, cancel: bool) -> None:
+def _print_superseded(queued: Submitted) -> None:
+    if queued.superseded:
+        typer.echo(f"{', '.join(queued.superseded)} of the group {queued.group} superseded", err=True)
+
+
+def _print_submitted(queued: Submitted) -> None:
+    """Only the number on standard output, for programs."""
+    for note in filter(None, [queued.reused, "" if queued.baseline is None else queued.baseline.sentence]):
+        typer.echo(note, err=True)
+    _print_superseded(queued)
+    typer.echo(queued.id)
+
+
+def _asked_right(given: launch.Launch, sweep: str, wait: bool, reuse: bool, cancel: bool, group: str) -> None:
     """Raises `WrongInputError` for options that do not belong together."""
-    if sweep and (given.baseline or given.junit or given.summary or reuse or cancel):
-        raise WrongInputError("--sweep takes none of --baseline, --junit, --summary, --reuse and --cancel-on-exit")
-    if not wait and (given.junit or given.summary or cancel):
+    if sweep and (given.baseline or given.wanted or reuse or cancel or group):
         raise WrongInputError(
-            "--no-wait does not wait for the verdict: --junit, --summary and --cancel-on-exit need it"
+            "--sweep takes none of --baseline, --junit, --summary, --sarif, --reuse, --group and --cancel-on-exit"
+        )
+    if not wait and (given.wanted or cancel):
+        raise WrongInputError(
+            "--no-wait does not wait for the verdict: --junit, --summary, --sarif and --cancel-on-exit need it"
         )

@@ -73,7 +73,7 @@ export const run = (more: Partial<RunDetail> = {}): RunDetail => ({
   worst_cost: null, margin: null, worst_method: null, evaluations: 0, planned: 0, failed_evaluations: 0,
   excluded_evaluations: 0, created: 0, started: null, finished: null, stage: null, attempts: 1, worker: null,
   continues: null, pinned: false, best_so_far: [], upper_bound: null, removed: null, removed_by: null,
-  removed_reason: null, notes: '',
+  removed_reason: null, group: null, superseded_by: null, notes: '',
   campaign: {
     version: 1, name: 'a campaign', summary: '', notes: '', tags: [],
     scenario: {

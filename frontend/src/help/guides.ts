@@ -6,6 +6,7 @@ export const GUIDES = [
   { name: 'your-own-component', title: 'Your own component' },
   { name: 'your-own-simulator', title: 'Your own simulator' },
   { name: 'python', title: 'From Python and notebooks' },
+  { name: 'client', title: 'Python client of a service' },
   { name: 'recipes-px4-nav2', title: 'Recipes: PX4 and Nav2' },
   { name: 'cluster', title: 'Cluster' },
   { name: 'methods', title: 'Methods' },

@@ -109,11 +109,15 @@ export function Standing({ check }: { check: Pick<DescribedCheck, 'standing'> })
 /** Converts stored text or spans to a sentence. */
 const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1).replace(/[.\s]+$/, '')}.`
 
+/** Why a run of a concurrency group was cancelled. */
+const successor = (run: RunDetail): string =>
+  run.superseded_by && run.group ? ` ${run.superseded_by} superseded it in the group ${run.group}.` : ''
+
 function reasonOf(run: RunDetail, outcome: Outcome): string {
   if (outcome === 'cancelled' && run.evaluations === 0)
-    return 'The run was cancelled before its first evaluation ended. There are no results.'
+    return `The run was cancelled before its first evaluation ended.${successor(run)} There are no results.`
   if (outcome === 'cancelled')
-    return `The run was cancelled after ${count(run.evaluations)} evaluations, ${withoutValue(run)}; the budgets of all stages are ${count(run.planned)}. Completed evaluations are shown below; they support no claim about the avoidance system.`
+    return `The run was cancelled after ${count(run.evaluations)} evaluations, ${withoutValue(run)}; the budgets of all stages are ${count(run.planned)}.${successor(run)} Completed evaluations are shown below; they support no claim about the avoidance system.`
   // The reason of a run that failed after several attempts already states how many.
   const attempts = run.attempts > 1 && !run.error?.includes('attempt') ? ` It was tried ${run.attempts} times.` : ''
   return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This is not a result about the avoidance system.`

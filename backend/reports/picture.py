@@ -1,0 +1,70 @@
+"""The picture of the worst case as an SVG file: flights from above, or separation over time. Read `picture`."""
+
+from __future__ import annotations
+
+import textwrap
+
+import sqlalchemy as sa
+from markupsafe import Markup
+
+from backend.http.errors import RefusedError
+from backend.reports import figures, plan_view
+from backend.reports.held import Held, load
+from backend.reports.plot import INK, INK2
+from campaigns.claims.numbers import signed
+
+PAD, HEAD, LINE = 12, 44, 14
+"""Around the figure, and the height of a line of its caption [px]."""
+LONGEST = 110
+"""Characters of a line of the caption."""
+FONT = "system-ui, sans-serif"
+
+
+def picture(reader: sa.Connection, run_id: int) -> bytes:
+    """The SVG; 404 if there is no such run, or no flight of it is stored; 410 if it was purged."""
+    held = load(reader, run_id)
+    drawn = _drawn(held)
+    if drawn is None:
+        detail = f"{held.run.id} has no picture of a worst case: no flight of it is stored"
+        raise RefusedError(404, "not-found", detail)
+    figure, caption, height = drawn
+    lines = textwrap.wrap(caption, LONGEST)
+    width, whole = figures.WIDE + 2 * PAD, height + HEAD + LINE * len(lines) + PAD
+    row = Markup('<text x="{}" y="{}" fill="{}">{}</text>')
+    told = Markup("").join(row.format(PAD, height + HEAD + LINE * k, INK2, line) for k, line in enumerate(lines, 1))
+    form = (
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" font-family="{2}" '
+        'font-size="9.5"><title>{3}</title><rect width="{0}" height="{1}" fill="#fff"/>'
+        '<text x="{4}" y="20" fill="{5}" font-size="13" font-weight="600">{3}</text>'
+        '<text x="{4}" y="36" fill="{6}">{7}</text><g transform="translate({4} {8})">{9}</g>{10}</svg>\n'
+    )
+    values = (width, whole, FONT, _title(held), PAD, INK, INK2, _plain(held.run.name), HEAD, figure, told)
+    return str(Markup(form).format(*values)).encode()
+
+
+def _drawn(held: Held) -> tuple[Markup, str, float] | None:
+    """Figure, caption and height."""
+    if not held.cases:
+        return None
+    plan = plan_view.plan_view(held.cases, held.of)
+    if plan is not None:
+        return plan, plan_view.caption(held.cases, held.of), plan_view.HEIGHT
+    timed = [case for case in held.cases if case.points("t", "separation")]
+    if not timed:
+        return None
+    return figures.separation(timed, held.of), f"{held.of.symbol} over time.", figures.SEPARATION_HEIGHT
+
+
+def _plain(text: str) -> str:
+    """The text without what XML cannot contain."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def _title(held: Held) -> str:
+    """R-0001: violated, worst case F1 with a margin of -0.02 m."""
+    word = held.run.verdict or held.run.state
+    if not held.findings:
+        return f"{held.run.id}: {word}"
+    worst = held.findings[0]
+    margin = f"{signed(worst.margin)} {held.of.unit}".rstrip()
+    return f"{held.run.id}: {word}, worst case {worst.label} with a margin of {margin}"

@@ -1,0 +1,41 @@
+"""A client for a Clearance service: `Client`, `AsyncClient`, their errors. The guide is docs/client.md.
+
+It imports nothing of the physics, so that a script that only talks to a service starts quickly.
+"""
+
+from __future__ import annotations
+
+from clearance.client.client import AsyncClient, Client
+from clearance.client.errors import (
+    ClearanceError,
+    ConflictError,
+    ForbiddenError,
+    InvalidAddressError,
+    InvalidCampaignError,
+    InvalidRequestError,
+    NotAClearanceServiceError,
+    NotFoundError,
+    NotSignedInError,
+    PurgedError,
+    RefusedError,
+    RunFailedError,
+    UnreachableError,
+)
+
+__all__ = [
+    "AsyncClient",
+    "ClearanceError",
+    "Client",
+    "ConflictError",
+    "ForbiddenError",
+    "InvalidAddressError",
+    "InvalidCampaignError",
+    "InvalidRequestError",
+    "NotAClearanceServiceError",
+    "NotFoundError",
+    "NotSignedInError",
+    "PurgedError",
+    "RefusedError",
+    "RunFailedError",
+    "UnreachableError",
+]

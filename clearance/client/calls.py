@@ -1,0 +1,296 @@
+"""Every request that the client makes, as a value: method, path, parameters, body, and the type of the answer.
+
+A test compares each with the OpenAPI document, so that a renamed route or parameter breaks it. Nothing here sends
+anything: that is in `clearance.client.scripts` and `clearance.client.drivers`. Start reading at `Call`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import uuid
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from pydantic import TypeAdapter
+
+from campaigns.documents import JsonObject
+from clearance.client import answers
+
+T = TypeVar("T")
+Named = str | answers.Run
+"""A run: its name, R-0001, or an answer about it."""
+Given = Mapping[str, Any] | str | os.PathLike[str]
+"""A campaign: a document, the path of a file, the name of one in the library, or YAML text of several lines."""
+Query = Mapping[str, str | int | float | bool | list[str]]
+LONGEST = 300.0
+"""For a file that the service has to make first, such as a report [s]."""
+
+
+@dataclass(frozen=True)
+class Call(Generic[T]):
+    """One request. path: as in the OpenAPI document, with the values of `place` filled in when it is sent."""
+
+    method: str
+    path: str
+    answer: Any
+    """The type of the JSON that is answered; `bytes` for a file."""
+    place: Mapping[str, str] = field(default_factory=dict)
+    query: Query = field(default_factory=dict)
+    body: JsonObject | None = None
+    key: str | None = None
+    """The Idempotency-Key: a repeated request with it returns what the first one did."""
+    timeout: float | None = None
+
+    @property
+    def address(self) -> str:
+        """The path with its values, below /api/v1/; names that would leave it are not accepted by the service."""
+        from urllib.parse import quote
+
+        return self.path.format(**{name: quote(value, safe="") for name, value in self.place.items()}).lstrip("/")
+
+    def read(self, content: bytes) -> T:
+        """The answer; raises ValueError if it is not of the described type."""
+        if self.answer is bytes:
+            return content  # type: ignore[return-value]
+        found: T = TypeAdapter(self.answer).validate_python(json.loads(content))
+        return found
+
+
+def name_of(run: Named) -> str:
+    """R-0001 of either."""
+    return run if isinstance(run, str) else run.id
+
+
+def _of(run: Named, **more: str) -> dict[str, str]:
+    return {"run": name_of(run), **more}
+
+
+def _set(**given: Any) -> dict[str, Any]:
+    """The arguments that were given."""
+    return {name: value for name, value in given.items() if value not in (None, [], {}, "")}
+
+
+def document(campaign: Given) -> JsonObject:
+    """A campaign as a body has it: the document, and the original text where there is one; raises `CampaignError`."""
+    if isinstance(campaign, Mapping):
+        return {"campaign": dict(campaign)}
+    from campaigns.asked.load import library, load_text, read_text
+
+    source = str(campaign)
+    if isinstance(campaign, str) and "\n" in campaign:
+        source, text = "campaign", campaign
+    else:
+        path = Path(campaign)
+        text = read_text(library().get(source, path) if not path.exists() else path)
+    return {"campaign": load_text(text, source).document(), "text": text}
+
+
+def submit(
+    campaign: Given,
+    *,
+    name: str | None = None,
+    tags: Iterable[str] | None = None,
+    labels: Mapping[str, str] | None = None,
+    baseline: str | None = None,
+    priority: int = 0,
+    group: str | None = None,
+    reuse: bool = False,
+    text: str | None = None,
+    key: str | None = None,
+) -> Call[answers.Submitted]:
+    """Queue a run of a campaign; raises `CampaignError` or `InvalidCampaignError` with its problems.
+
+    campaign: a document, the path of a file, the name of one in the library, or YAML text. baseline: R-0001, or
+    label:branch=main. priority: -10 to 10, higher starts first. group: cancels the runs of the same group and owner
+    that have not ended. reuse: answer with an earlier run of the same campaign and code that has a verdict. text:
+    original text of a document, which is stored with its comments. key: a repeated submission with the same key returns
+    the same run; by default each call has its own.
+    """
+    body = (
+        document(campaign)
+        | _set(text=text)
+        | _set(name=name, tags=None if tags is None else list(tags), labels=dict(labels or {}))
+    )
+    body |= _set(baseline=baseline, group=group) | ({"priority": priority} if priority else {})
+    body |= {"reuse": True} if reuse else {}
+    return Call("POST", "/runs", answers.Submitted, body=body, key=key or str(uuid.uuid4()))
+
+
+def run(run: Named) -> Call[answers.RunDetail]:
+    """A run with its campaign, stages and verdict as it is now."""
+    return Call("GET", "/runs/{run}", answers.RunDetail, _of(run))
+
+
+def run_page(
+    *,
+    q: str = "",
+    state: Iterable[str] = (),
+    verdict: Iterable[str] = (),
+    tag: Iterable[str] = (),
+    campaign: Iterable[str] = (),
+    owner: Iterable[str] = (),
+    label: Iterable[str] = (),
+    sort: str = "",
+    cursor: str | None = None,
+    limit: int = 50,
+) -> Call[answers.RunPage]:
+    """One page of the list of runs."""
+    several = {"state": state, "verdict": verdict, "tag": tag, "campaign": campaign, "owner": owner, "label": label}
+    query = _set(q=q, sort=sort, cursor=cursor, limit=limit, **{name: _list(given) for name, given in several.items()})
+    return Call("GET", "/runs", answers.RunPage, query=query)
+
+
+def _list(given: Iterable[str]) -> list[str]:
+    return [given] if isinstance(given, str) else list(given)
+
+
+def cancel(run: Named) -> Call[answers.Run]:
+    """Cancel a run; one that has ended is unchanged."""
+    return Call("POST", "/runs/{run}/cancel", answers.Run, _of(run))
+
+
+def findings(run: Named) -> Call[list[answers.Finding]]:
+    """The distinct worst cases, the worst first."""
+    return Call("GET", "/runs/{run}/findings", list[answers.Finding], _of(run))
+
+
+def traces(run: Named) -> Call[list[answers.TraceInfo]]:
+    """What traces are stored: nominal, F1, F2, ..."""
+    return Call("GET", "/runs/{run}/traces", list[answers.TraceInfo], _of(run))
+
+
+def trace_data(run: Named, name: str, max_points: int) -> Call[answers.TraceData]:
+    """One trace; its rows are thinned to `max_points`, at most 100,000."""
+    return Call(
+        "GET", "/runs/{run}/traces/{name}", answers.TraceData, _of(run, name=name), query={"max_points": max_points}
+    )
+
+
+def exports(run: Named) -> Call[list[answers.ExportFile]]:
+    """The files of a run."""
+    return Call("GET", "/runs/{run}/exports", list[answers.ExportFile], _of(run))
+
+
+def events(run: Named) -> Call[bytes]:
+    """The stream of a run's changes."""
+    return Call("GET", "/events", bytes, query={"run": name_of(run)})
+
+
+def check(campaign: Given) -> Call[answers.Checked]:
+    """Whether the service can run a campaign, and its problems; stores nothing."""
+    body = {"campaign": dict(campaign) if isinstance(campaign, Mapping) else document(campaign)["campaign"]}
+    return Call("POST", "/campaigns/check", answers.Checked, body=body)
+
+
+def schema() -> Call[JsonObject]:
+    """The JSON Schema of a campaign, as this service reads it."""
+    return Call("GET", "/campaigns/schema", JsonObject)
+
+
+def health() -> Call[answers.Health]:
+    """Whether the service responds; needs no token."""
+    return Call("GET", "/health", answers.Health)
+
+
+def sweep(
+    campaign: Given,
+    path: str,
+    values: Iterable[float],
+    *,
+    name: str | None = None,
+    tags: Iterable[str] | None = None,
+    labels: Mapping[str, str] | None = None,
+    priority: int = 0,
+    key: str | None = None,
+) -> Call[answers.Sweep]:
+    """Queue a run for each value of a fixed parameter; all of them, or none if one is refused."""
+    body = {"campaign": document(campaign)["campaign"], "path": path, "values": [float(value) for value in values]}
+    body |= _set(name=name, tags=None if tags is None else list(tags), labels=dict(labels or {}))
+    body |= {"priority": priority} if priority else {}
+    return Call("POST", "/sweeps", answers.Sweep, body=body, key=key or str(uuid.uuid4()))
+
+
+def read_sweep(sweep: str) -> Call[answers.Sweep]:
+    """A sweep as it is now."""
+    return Call("GET", "/sweeps/{sweep}", answers.Sweep, {"sweep": sweep})
+
+
+def cancel_sweep(sweep: str) -> Call[answers.Sweep]:
+    """Cancel every run of a sweep; those that have ended are unchanged."""
+    return Call("POST", "/sweeps/{sweep}/cancel", answers.Sweep, {"sweep": sweep})
+
+
+def sweep_table(sweep: str) -> Call[bytes]:
+    """The sweep as CSV."""
+    return Call("GET", "/sweeps/{sweep}/table.csv", bytes, {"sweep": sweep}, timeout=LONGEST)
+
+
+def campaign_file(run: Named) -> Call[bytes]:
+    """The campaign as it was submitted, with its comments."""
+    return Call("GET", "/runs/{run}/campaign.yaml", bytes, _of(run))
+
+
+def run_json(run: Named) -> Call[bytes]:
+    """Everything about a run as JSON."""
+    return Call("GET", "/runs/{run}/exports/run.json", bytes, _of(run), timeout=LONGEST)
+
+
+def evaluations_csv(run: Named) -> Call[bytes]:
+    """Every evaluation as CSV, at full precision."""
+    return Call("GET", "/runs/{run}/exports/evaluations.csv", bytes, _of(run), timeout=LONGEST)
+
+
+def findings_csv(run: Named) -> Call[bytes]:
+    """The nominal case and every finding as CSV."""
+    return Call("GET", "/runs/{run}/exports/findings.csv", bytes, _of(run), timeout=LONGEST)
+
+
+def traces_csv(run: Named) -> Call[bytes]:
+    """The stored traces as CSV."""
+    return Call("GET", "/runs/{run}/exports/traces.csv", bytes, _of(run), timeout=LONGEST)
+
+
+def traces_mat(run: Named) -> Call[bytes]:
+    """The stored traces as a MAT-file."""
+    return Call("GET", "/runs/{run}/exports/traces.mat", bytes, _of(run), timeout=LONGEST)
+
+
+def picture(run: Named) -> Call[bytes]:
+    """The worst case as a picture, SVG."""
+    return Call("GET", "/runs/{run}/exports/worst-case.svg", bytes, _of(run), timeout=LONGEST)
+
+
+def report_html(run: Named) -> Call[bytes]:
+    """The safety-case report as one HTML file."""
+    return Call("GET", "/runs/{run}/report.html", bytes, _of(run), timeout=LONGEST)
+
+
+def report_pdf(run: Named) -> Call[bytes]:
+    """The safety-case report as PDF."""
+    return Call("GET", "/runs/{run}/report.pdf", bytes, _of(run), timeout=LONGEST)
+
+
+FILES: Mapping[str, Callable[[Named], Call[bytes]]] = {
+    "campaign.yaml": campaign_file,
+    "run.json": run_json,
+    "evaluations.csv": evaluations_csv,
+    "findings.csv": findings_csv,
+    "report.html": report_html,
+    "report.pdf": report_pdf,
+    "traces.csv": traces_csv,
+    "traces.mat": traces_mat,
+    "worst-case.svg": picture,
+}
+"""The files of a run by name."""
+USUAL = ("campaign.yaml", "run.json", "evaluations.csv", "findings.csv", "report.html")
+"""The files that every run has."""
+
+
+def file(run: Named, name: str) -> Call[bytes]:
+    """A file of a run; ValueError for a name that is none."""
+    if name not in FILES:
+        raise ValueError(f"there is no file {name!r} of a run; there are {', '.join(FILES)}")
+    return FILES[name](run)

@@ -1,0 +1,387 @@
+"""What the client does, without doing it: functions that yield effects (send, pause, listen) and receive their results.
+
+The blocking and the asynchronous client run the same scripts, so that retries, waiting and paging exist once. Start
+reading at `ask` and `follow`; the effects are performed in `clearance.client.drivers`.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import random
+import time
+from collections.abc import Callable, Generator, Iterable, Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from email.utils import parsedate_to_datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
+
+from campaigns.documents import JsonObject
+from clearance.client import answers, calls
+from clearance.client.calls import Call, Given, Named
+from clearance.client.errors import NotAClearanceServiceError, RunFailedError, UnreachableError, refused
+
+if TYPE_CHECKING:
+    from clearance.client.arrays import Evaluations, Findings, Trace
+
+T = TypeVar("T")
+P = ParamSpec("P")
+PAUSE = 1.0
+"""Between two readings of a run while there is no stream of its events [s]."""
+FIRST_PAUSE, LONGEST_PAUSE = 0.5, 10.0
+"""Before the first and the later repetitions of a request; doubled each time, with jitter [s]."""
+SILENCE = 40.0
+"""A stream of events that is silent for longer has ended; the service sends a heartbeat every 15 s [s]."""
+BUSY = (429, 502, 503, 504)
+REPEATED_500 = 2
+"""An internal error is asked again so many times; it may be one of a moment, such as a lost database."""
+MOST_POINTS = 100_000
+"""Rows of a trace."""
+
+
+@dataclass
+class Session:
+    """The service: its address; patience: how long to repeat a request that it does not answer [s]."""
+
+    address: str
+    patience: float
+    clock: Callable[[], float] = field(default=time.monotonic)
+    jitter: Callable[[], float] = field(default=random.random)
+
+
+@dataclass(frozen=True)
+class Send:
+    """Send a request; results in a `Reply`."""
+
+    call: Call[Any]
+
+
+@dataclass(frozen=True)
+class Save:
+    """Send a request and write its answer to a file; results in a `Reply` without content."""
+
+    call: Call[Any]
+    file: Path
+
+
+@dataclass(frozen=True)
+class Pause:
+    """Wait [s]."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Listen:
+    """Open a stream of events; results in whether there is one."""
+
+    call: Call[Any]
+
+
+@dataclass(frozen=True)
+class Line:
+    """Results in the next line of the stream, None once it has ended."""
+
+
+@dataclass(frozen=True)
+class Emit:
+    """Hand a value to the caller."""
+
+    value: Any
+
+
+@dataclass(frozen=True)
+class Reply:
+    """An answer; status 0: there was none, and content is the reason."""
+
+    status: int
+    phrase: str
+    headers: JsonObject
+    content: bytes
+
+    @property
+    def problem(self) -> JsonObject:
+        """The problem document; empty if there is none or it is incomplete."""
+        if not str(self.headers.get("content-type", "")).startswith("application/problem+json"):
+            return {}
+        try:
+            document = json.loads(self.content)
+        except ValueError:
+            return {}
+        return document if isinstance(document, dict) else {}
+
+    @property
+    def retry_after(self) -> float | None:
+        """Seconds, from either form of the header (RFC 9110, 10.2.3)."""
+        given = str(self.headers.get("retry-after", "")).strip()
+        if given.isascii() and given.isdigit():
+            return float(given)
+        try:
+            return max(0.0, (parsedate_to_datetime(given) - datetime.now(UTC)).total_seconds())
+        except (ValueError, TypeError):
+            return None
+
+    @property
+    def again(self) -> bool:
+        """Whether the same request may be answered later: nothing was answered, or the service is busy."""
+        final = self.problem and self.retry_after is None  # such as a report that cannot be printed
+        return self.status == 0 or (self.status in BUSY and not final)
+
+    @property
+    def told(self) -> str:
+        """What was answered, in words."""
+        if self.status == 0:
+            return self.content.decode(errors="replace")
+        return str(self.problem.get("detail") or f"it responded with {self.status}")
+
+
+Effect: TypeAlias = Send | Save | Pause | Listen | Line | Emit
+Script: TypeAlias = Generator[Effect, Any, T]
+
+
+def ask(session: Session, call: Call[T]) -> Script[T]:
+    """The answer to a request, repeated while the service does not respond, at most for `patience`.
+
+    Every request of `calls` may be repeated: it changes nothing, or has a key, or is the same when done twice.
+    """
+    reply = yield from _answered(session, Send(call), call)
+    try:
+        return call.read(reply.content)
+    except ValueError as error:
+        raise NotAClearanceServiceError(
+            f"{session.address} is not a Clearance service: unexpected response ({type(error).__name__})"
+        ) from None
+
+
+def _answered(session: Session, effect: Send | Save, call: Call[Any]) -> Script[Reply]:
+    until, tries, broken = session.clock() + session.patience, 0, 0
+    while True:
+        reply: Reply = yield effect
+        broken += reply.status == 500
+        if not reply.again and not (reply.status == 500 and broken <= REPEATED_500):
+            break
+        usual = min(LONGEST_PAUSE, FIRST_PAUSE * 2**tries) * (0.5 + 0.5 * session.jitter())
+        pause = max(usual, reply.retry_after or 0.0)
+        if session.clock() + pause > until:
+            if reply.status == 500:
+                break
+            raise UnreachableError(f"{session.address} did not respond for {session.patience:g} s: {reply.told}")
+        yield Pause(pause)
+        tries += 1
+    if reply.status >= 300:
+        raise refused(reply.status, reply.phrase, reply.problem, session.address)
+    return reply
+
+
+def asking(call: Callable[P, Call[T]]) -> Callable[Concatenate[Session, P], Script[T]]:
+    """The script that makes one request, with the arguments and the description of its call."""
+
+    def script(session: Session, /, *given: P.args, **named: P.kwargs) -> Script[T]:
+        return (yield from ask(session, call(*given, **named)))
+
+    functools.update_wrapper(script, call)
+    return script
+
+
+def follow(session: Session, run: Named) -> Script[answers.RunDetail]:
+    """The state of a run now, after every change, and at its end.
+
+    Changes are events of the service; while there is no stream of them, the run is read every second. A service that
+    restarts is waited for.
+    """
+    while not (found := (yield from ask(session, calls.run(run)))).ended:
+        yield Emit(found)
+        if not (yield from _listened(calls.events(run))):
+            yield Pause(PAUSE)
+    yield Emit(found)
+    return found
+
+
+def _listened(call: Call[Any]) -> Script[bool]:
+    """Emit the changes that a stream reports until it ends; whether the run has ended, or is to be read at once."""
+    if not (yield Listen(call)):
+        return False
+    name = ""
+    while (line := (yield Line())) is not None:
+        if line.startswith(":"):  # a heartbeat: the run is read again, should an event be missing
+            return False
+        if line.startswith("event:"):
+            name = line.removeprefix("event:").strip()
+        elif line.startswith("data:") and name == "run":
+            try:
+                changed = answers.Run.model_validate(json.loads(line.removeprefix("data:")))
+            except ValueError:
+                return False
+            if changed.ended:
+                return True
+            yield Emit(changed)
+    return False
+
+
+def wait(
+    session: Session,
+    run: Named,
+    *,
+    on_change: Callable[[answers.Run], object] | None = None,
+    timeout: float | None = None,
+) -> Script[answers.RunDetail]:
+    """The run once it has ended, in whatever state; on_change: called with it now and after every change.
+
+    timeout [s]: raise `TimeoutError` if it has not ended by then; the run continues.
+    """
+    until = None if timeout is None else session.clock() + timeout
+    script = follow(session, run)
+    reply: Any = None
+    while True:
+        try:
+            effect = script.send(reply)
+        except StopIteration as ended:
+            done: answers.RunDetail = ended.value
+            return done
+        reply = None
+        if until is not None and session.clock() > until:
+            raise TimeoutError(f"{calls.name_of(run)} has not ended within {timeout:g} s; it continues")
+        if not isinstance(effect, Emit):
+            reply = yield effect
+        elif on_change is not None:
+            on_change(effect.value)
+
+
+def search(
+    session: Session,
+    campaign: Given,
+    *,
+    name: str | None = None,
+    tags: Iterable[str] | None = None,
+    labels: Mapping[str, str] | None = None,
+    baseline: str | None = None,
+    priority: int = 0,
+    group: str | None = None,
+    reuse: bool = False,
+    key: str | None = None,
+) -> Script[answers.RunDetail]:
+    """Submit a campaign and wait for its verdict: `submit` and `wait` in one, with the arguments of `submit`.
+
+    Raises `RunFailedError` if it ends without a verdict.
+    """
+    call = calls.submit(
+        campaign, name=name, tags=tags, labels=labels, baseline=baseline, priority=priority, group=group, reuse=reuse,
+        key=key,
+    )  # fmt: skip
+    done = yield from wait(session, (yield from ask(session, call)))
+    if done.verdict is None:
+        raise RunFailedError(done.id, done.state, done.error or "no reason is recorded")
+    return done
+
+
+def runs(
+    session: Session,
+    q: str = "",
+    *,
+    state: Iterable[str] = (),
+    verdict: Iterable[str] = (),
+    tag: Iterable[str] = (),
+    campaign: Iterable[str] = (),
+    owner: Iterable[str] = (),
+    label: Iterable[str] = (),
+    sort: str = "",
+) -> Script[None]:
+    """Every run of the list that fulfils the filters, page after page; alternatives of one filter are listed.
+
+    q: words in the name, campaign, tags, owner or number. label: KEY=VALUE. sort: as in the list, such as -created.
+    """
+    asked = functools.partial(
+        calls.run_page,
+        q=q,
+        state=state,
+        verdict=verdict,
+        tag=tag,
+        campaign=campaign,
+        owner=owner,
+        label=label,
+        sort=sort,
+    )
+    cursor: str | None = None
+    while True:
+        page = yield from ask(session, asked(cursor=cursor, limit=200))
+        for item in page.items:
+            yield Emit(item)
+        cursor = page.next_cursor
+        if cursor is None:
+            return
+
+
+def wait_sweep(session: Session, sweep: str) -> Script[answers.Sweep]:
+    """A sweep once every run of it has ended."""
+    while not (found := (yield from ask(session, calls.read_sweep(sweep)))).ended:
+        yield Emit(found)
+        yield Pause(PAUSE)
+    yield Emit(found)
+    return found
+
+
+def export_sweep(session: Session, sweep: str, file: str | Path) -> Script[Path]:
+    """Write a sweep as CSV, one row for each run; returns the file's path."""
+    return (yield from download(session, calls.sweep_table(sweep), Path(file)))
+
+
+def findings(session: Session, run: Named) -> Script[Findings]:
+    """The distinct worst cases, the worst first; `to_dataframe()` makes a table of them."""
+    from clearance.client.arrays import Findings
+
+    return Findings((yield from ask(session, calls.findings(run))))
+
+
+def evaluations(session: Session, run: Named) -> Script[Evaluations]:
+    """Every evaluation at full precision as arrays, in the order of the stages; `to_dataframe()` makes a table."""
+    from clearance.client.arrays import Evaluations
+
+    asked = yield from ask(session, calls.run(run))
+    content = yield from ask(session, calls.evaluations_csv(run))
+    return Evaluations.of(content, asked)
+
+
+def trace(session: Session, run: Named, name: str = "F1") -> Script[Trace]:
+    """A trace as arrays by the names of its quantities: nominal, F1, F2, ..."""
+    from clearance.client.arrays import Trace
+
+    return Trace.of((yield from ask(session, calls.trace_data(run, name, MOST_POINTS))))
+
+
+def download(session: Session, call: Call[bytes], file: Path) -> Script[Path]:
+    """Write an answer to a file; an incomplete download leaves no file. Raises OSError if it cannot be written."""
+    yield from _answered(session, Save(call, file), call)
+    return file
+
+
+def export(session: Session, run: Named, folder: str | Path, files: Iterable[str] = calls.USUAL) -> Script[list[Path]]:
+    """Write files of a run into a folder, which is made if there is none; returns their paths.
+
+    files: of campaign.yaml, run.json, evaluations.csv, findings.csv, report.html, report.pdf, traces.csv, traces.mat
+    and worst-case.svg.
+    """
+    asked = [(name, calls.file(run, name)) for name in files]
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, call in asked:
+        written.append((yield from download(session, call, Path(folder) / name)))
+    return written
+
+
+def picture(session: Session, run: Named, file: str | Path) -> Script[Path]:
+    """Write the worst case from above as SVG; returns the file's path. `NotFoundError` if no flight is stored."""
+    return (yield from download(session, calls.picture(run), Path(file)))
+
+
+def campaign_text(session: Session, run: Named) -> Script[str]:
+    """The campaign of a run as it was submitted, with its comments."""
+    return (yield from ask(session, calls.campaign_file(run))).decode("utf-8", "replace")
+
+
+def report(session: Session, run: Named, file: str | Path) -> Script[Path]:
+    """Write the safety-case report, as PDF if the file's name ends with .pdf, else as HTML; returns its path."""
+    path = Path(file)
+    call = calls.report_pdf(run) if path.suffix == ".pdf" else calls.report_html(run)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return (yield from download(session, call, path))

@@ -1,0 +1,223 @@
+"""What a CI job gets of a run: cases of JUnit for criterion and checks, SARIF with lines of the campaign, a picture."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+from xml.etree import ElementTree as Xml
+
+import pytest
+
+from campaigns.results import Verdict
+from campaigns.results.verdict import Check
+from tests import results
+from worker.cli._ended import Case, EndedRun, Source
+from worker.cli._junit import junit
+from worker.cli._lines import lines
+from worker.cli._markdown import markdown
+from worker.cli._sarif import sarif, write
+
+TEXT = """\
+# Reviewed.
+name: Case
+uncertain:
+  vehicle.m: {low: 4, high: 6}
+  "vehicle.J":
+    low: 0.04
+criterion:
+  threshold: 0.5
+stages:
+  search: []
+"""
+PARAMETERS = {"vehicle.m": 6.0, "vehicle.J": 0.1 + 0.2}
+WORST = Case("F1", 0.3, -0.2, PARAMETERS)
+FINE = Case("F2", 0.9, 0.4, PARAMETERS)
+
+
+def verdict(word: str, *failing: str) -> Verdict:
+    checks = [Check(code="nominal", ok=True, said=results.said("margin +0.9 m"))]
+    checks += [Check(code=code, ok=False, said=results.said(f"{code} <fails>")) for code in failing]
+    return results.verdict(word, f"It is {word}.", 1.4, 0.3 if word == "violated" else 1.3, checks=checks)
+
+
+def ended(word: str = "violated", *failing: str, **changes: Any) -> EndedRun:
+    known: dict[str, Any] = {"run": "R-0007", "campaign": "Case <1>", "state": "done", "link": "http://x/runs/R-0007"}
+    known |= {"verdict": verdict(word, *failing) if word else None, "replay": "clearance replay R-0007"}
+    known |= {"quantity": "d_min", "unit": "m", "threshold": 0.5, "findings": (WORST, FINE)}
+    return EndedRun(**(known | {"source": Source("campaign.yaml", TEXT)} | changes))
+
+
+def cases(given: EndedRun) -> dict[str, Xml.Element]:
+    found = {str(case.get("name")): case for case in Xml.fromstring(junit(given)).iter("testcase")}
+    return {name: case for name, case in found.items() if ":" in name}
+
+
+def outcome(case: Xml.Element) -> str:
+    return {"system-out": "passed"}.get(case[0].tag, case[0].tag)
+
+
+def test_the_criterion_fails_with_parameters_link_and_replay_command() -> None:
+    case = cases(ended())["criterion: d_min"]
+    assert str(case[0].text).splitlines() == [
+        "F1: 0.3 m, margin \u22120.2 m",
+        "vehicle.m = 6.0",
+        "vehicle.J = 0.30000000000000004",
+        "clearance replay R-0007 F1",
+        "http://x/runs/R-0007",
+    ]
+    assert (case[0].tag, case[0].get("message")) == ("failure", "F1 violates the criterion")
+
+
+@pytest.mark.parametrize(
+    ("word", "findings", "told"),
+    [
+        ("cleared", (FINE,), "passed"),
+        ("inconclusive", (FINE,), "skipped"),
+        ("inconclusive", (WORST,), "failure"),
+        ("violated", (), "failure"),
+    ],
+)
+def test_the_criterion_passes_only_if_it_is_cleared(word: str, findings: tuple[Case, ...], told: str) -> None:
+    assert outcome(cases(ended(word, findings=findings))["criterion: d_min"]) == told
+
+
+def test_every_check_is_a_case() -> None:
+    found = cases(ended("inconclusive", "agreement", "mine"))
+    assert {name: outcome(case) for name, case in found.items() if name.startswith("check")} == {
+        "check: Nominal case": "passed",
+        "check: Agreement of methods": "failure",
+        "check: Mine": "failure",
+    }
+    assert found["check: Mine"][0].get("message") == "mine <fails>"
+
+
+def test_a_run_without_a_verdict_has_no_criterion_and_no_check() -> None:
+    assert cases(ended("", state="failed", error="lost")) == {}
+
+
+def logged(given: EndedRun) -> dict[str, Any]:
+    log = sarif(given)
+    assert problems(log) == []
+    return dict(log["runs"][0])
+
+
+URI = ("uri", "hostedViewerUri", "$schema")
+
+
+def problems(log: dict[str, Any]) -> list[str]:
+    """What breaks the rules of SARIF 2.1.0 that consumers rest on (sections 3.13, 3.14, 3.27, 3.28, 3.30, 3.52)."""
+    found = [] if log["version"] == "2.1.0" else ["version"]
+    for run in log["runs"]:
+        rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
+        found += [] if len(rules) == len(set(rules)) else ["rules"]
+        for result in run["results"]:
+            found += [] if rules[result["ruleIndex"]] == result["ruleId"] else ["ruleIndex"]
+            found += [] if result["level"] in ("none", "note", "warning", "error") else ["level"]
+            found += [] if result["message"]["text"] else ["message"]
+            states = ("new", "unchanged", "updated", "absent")
+            found += [] if result.get("baselineState", "new") in states else ["baselineState"]
+            ids = [place["id"] for place in result.get("relatedLocations", ())]
+            found += [] if len(ids) == len(set(ids)) else ["relatedLocations"]
+    for key, value in flat(log):
+        if key in URI and (" " in value or not (urlsplit(value).scheme or key == "uri")):
+            found.append(f"{key}: {value}")
+        if key in ("startLine", "startColumn") and value < 1:
+            found.append(key)
+        if value is None:
+            found.append(f"{key} is null")
+    return found
+
+
+def flat(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    """Every value that is no object or array, with its key."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from flat(inner, name)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from flat(inner, key)
+    else:
+        yield key, value
+
+
+def test_a_violation_points_at_the_criterion_and_at_the_ranges() -> None:
+    run = logged(ended())
+    (result,) = run["results"]
+    assert (result["ruleId"], result["level"]) == ("violation", "error")
+    (place,) = result["locations"]
+    assert place["physicalLocation"] == {
+        "artifactLocation": {"uri": "campaign.yaml", "uriBaseId": "%SRCROOT%"},
+        "region": {"startLine": 7, "startColumn": 1},
+    }
+    ranges = [(p["physicalLocation"]["region"]["startLine"], p["message"]["text"]) for p in result["relatedLocations"]]
+    assert ranges == [(4, "vehicle.m = 6.0"), (5, "vehicle.J = 0.30000000000000004")]
+    assert result["properties"] == {"cost": 0.3, "margin": -0.2, "parameters": PARAMETERS}
+    assert "clearance replay R-0007 F1" in result["message"]["text"]
+    assert run["invocations"] == [{"executionSuccessful": True, "exitCode": 1}]
+
+
+def test_failed_checks_are_results_and_what_is_not_confirmed_is_no_error() -> None:
+    run = logged(ended("inconclusive", "agreement", "closest approach"))
+    assert [(r["ruleId"], r["level"]) for r in run["results"]] == [
+        ("violation", "warning"),
+        ("check/agreement", "warning"),
+        ("check/closest-approach", "warning"),
+    ]
+    assert "The verdict does not confirm it: It is inconclusive." in run["results"][0]["message"]["text"]
+    assert run["results"][1]["locations"][0]["physicalLocation"]["region"]["startLine"] == 10
+    assert [rule["shortDescription"]["text"] for rule in run["tool"]["driver"]["rules"]][1:] == [
+        "Check: Agreement of methods",
+        "Check: Closest approach",
+    ]
+
+
+def test_a_cleared_run_has_no_result_and_a_lost_one_has() -> None:
+    assert logged(ended("cleared", findings=(FINE,)))["results"] == []
+    run = logged(ended("", state="failed", error="its worker was lost"))
+    assert [r["ruleId"] for r in run["results"]] == ["no-verdict"], "nothing was fixed"
+    assert run["invocations"][0]["executionSuccessful"] is False
+
+
+def test_a_finding_has_the_same_fingerprint_in_the_next_run() -> None:
+    first, again = logged(ended()), logged(ended(run="R-0008", findings=(Case("F1", 0.2, -0.3, {}),)))
+    marks = {json.dumps(run["results"][0]["partialFingerprints"]) for run in (first, again)}
+    assert len(marks) == 1
+    assert json.dumps(logged(ended(campaign="Other"))["results"][0]["partialFingerprints"]) not in marks
+
+
+@pytest.mark.parametrize("address", ["/elsewhere/a b.yaml", "http://x/api/v1/runs/R-0007/campaign.yaml"])
+def test_a_campaign_elsewhere_is_named_by_its_address(address: str) -> None:
+    (result,) = logged(ended(source=Source(address, TEXT)))["results"]
+    uri = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+    assert uri in ("file:///elsewhere/a%20b.yaml", address)
+
+
+def test_it_is_written_as_text_of_any_language(tmp_path: Path) -> None:
+    write(tmp_path / "x.sarif", ended(campaign="Fall \u2603"))
+    assert problems(json.loads((tmp_path / "x.sarif").read_text(encoding="utf-8"))) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ('{"criterion": {"threshold": 1},\n "seed": 2}', {"criterion": 1, "criterion.threshold": 1, "seed": 2}),
+        ("a: &x {b: 1}\nc: *x\n", {"a": 1, "a.b": 1, "c": 2, "c.b": 1}),
+        ("a: [unclosed", {}),
+        ("", {}),
+        ("[" * 100_000, {}),
+    ],
+)
+def test_lines_of_any_text(text: str, found: dict[str, int]) -> None:
+    assert {path: line for path, (line, _) in lines(text).items()} == found
+
+
+def test_a_text_that_refers_to_itself_has_lines() -> None:
+    assert lines("a: &x\n  b: *x\n")["a.b"] == (2, 3)
+
+
+def test_the_summary_shows_the_picture_next_to_it() -> None:
+    assert "![The worst case, seen from above](a%20b-R-0007.svg)" in markdown(ended(picture="a b-R-0007.svg"))
+    assert "![" not in markdown(ended())

@@ -30,9 +30,12 @@ from backend.http.capacity import Capacities
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
 from backend.middleware.heads import Heads
+from backend.middleware.proxied import Proxied
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.proposals import endpoints as proposals
+from backend.provider import endpoints as provider
+from backend.provider.noted import Noted
 from backend.reports import endpoints as reports
 from backend.results import endpoints as results
 from backend.runs import endpoints as runs
@@ -89,6 +92,7 @@ def create(settings: Settings) -> FastAPI:
         summary="Finds the worst case of an obstacle-avoidance system before the world does.",
         lifespan=lifespan,
         middleware=[
+            Middleware(Proxied, root=settings.root, trusted=settings.trusted),
             Middleware(Frame),
             Middleware(Edge),
             Middleware(Heads),
@@ -106,6 +110,8 @@ def create(settings: Settings) -> FastAPI:
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.lockout, app.state.hashing = Lockout(), Hashing()
+    app.state.provider = provider.of(settings.provider)
+    app.state.provider_noted = Noted()
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     app.state.readers = bodies.Readers()
     app.state.turns = Turns()
@@ -117,6 +123,7 @@ def create(settings: Settings) -> FastAPI:
         api.include_router(feature.router)
     app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
     app.include_router(entrance.router)
+    app.include_router(provider.router)
     app.include_router(recordings.router)  # before the viewer, whose routes match any suffix
     app.include_router(scenes.router)
     pages.serve(app, settings.pages)

@@ -69,6 +69,8 @@ RULES: dict[tuple[Method, str], Rule] = {
     ("GET", f"{API}/health"): OPEN,
     ("GET", "/login"): OPEN,
     ("POST", "/login"): OPEN,
+    ("GET", "/login/provider"): OPEN,
+    ("GET", "/login/provider/return"): OPEN,
     ("GET", "/invite"): OPEN,
     ("POST", "/invite"): OPEN,
     **{("GET", path): READ for path in _READING},

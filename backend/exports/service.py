@@ -24,6 +24,7 @@ from backend.db.tables import CatalogueDocument, Finding, Trace
 from backend.exports.schemas import ExportFile
 from backend.exports.sheet import Evaluated, Sheet, headings, sheet
 from backend.http.naming import named
+from backend.http.root import at
 from backend.reports import pdf
 from backend.results import service as results
 from backend.runs import service as runs
@@ -160,7 +161,7 @@ def _file(run: RunSummary, kind: Kind, why: str | None) -> ExportFile:
         title=kind.title,
         text=kind.text,
         media_type=kind.media_type,
-        href=f"/api/v1/runs/{run.id}/{place}",
+        href=at(f"/api/v1/runs/{run.id}/{place}"),
         unavailable=why,
     )
 

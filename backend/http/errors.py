@@ -17,6 +17,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
+from backend.http.root import at
 from backend.http.schema import Schema
 from campaigns import Problem
 from campaigns.asked.problem import LONGEST, MOST, shown
@@ -176,7 +177,7 @@ def respond(refused: RefusedError, path: str) -> JSONResponse:
         title=http.HTTPStatus(refused.status).phrase,
         status=refused.status,
         detail=_text(refused.detail),
-        instance=_text(path),
+        instance=at(_text(path)),
         errors=errors or None,
     )
     content = document.model_dump(exclude_none=True)

@@ -193,6 +193,7 @@ def test_the_roles_are_those_that_were_decided(key: routes.Key, role: Role) -> N
 def test_only_health_and_signing_in_are_open() -> None:
     assert {f"{method} {path}" for (method, path), rule in RULES.items() if rule.role is None} == {
         *("GET /api/v1/health", "GET /login", "POST /login", "GET /invite", "POST /invite"),
+        *("GET /login/provider", "GET /login/provider/return"),
     }
 
 

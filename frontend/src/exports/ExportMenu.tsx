@@ -8,6 +8,7 @@ import { asCampaign, caseWord } from '../api/campaign'
 import type { ExportFile, RunDetail } from '../client'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
+import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 
 /** The address of a recording, and its flight. */
@@ -26,7 +27,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
   return (
     <>
       {run.verdict && (
-        <a className={buttons.btn} href={`/api/v1/runs/${run.id}/report.html`} target="_blank" rel="noreferrer">
+        <a className={buttons.btn} href={at(`/api/v1/runs/${run.id}/report.html`)} target="_blank" rel="noreferrer">
           <IconFileText className="i s" aria-hidden />
           Safety-case report
         </a>

@@ -5,12 +5,13 @@ import { IconCheck, IconCopy, IconDownload, IconPlayerPlay } from '@tabler/icons
 import { useState } from 'react'
 import type { Theme } from '../theme/useTheme'
 import { useTheme } from '../theme/useTheme'
+import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 
 /** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
 export const recordedAt = (run: string, flight: string, theme: Theme) => ({
-  page: `/view/${run}/${flight}/recorded/${theme === 'dark' ? 'dark/' : ''}`,
-  file: `/api/v1/runs/${run}/exports/flight-${flight}.html?theme=${theme}`,
+  page: at(`/view/${run}/${flight}/recorded/${theme === 'dark' ? 'dark/' : ''}`),
+  file: at(`/api/v1/runs/${run}/exports/flight-${flight}.html?theme=${theme}`),
 })
 
 interface Props {

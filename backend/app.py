@@ -65,7 +65,7 @@ API = "/api/v1"
 
 PACKED = 1
 """Compression level: halves a run's evaluations (1.7 MB) in about the time that reading them takes."""
-UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-data")
+UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-data", "application/x-mcap")
 """Responses that are compressed already, and streams."""
 
 

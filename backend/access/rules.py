@@ -56,6 +56,7 @@ _READING = (
     *(f"{_RUN}/{name}" for name in ("evaluations", "findings", "traces", "traces/{name}", "cases", "signoffs")),
     *(f"{_RUN}/exports{rest}" for rest in ("", "/run.json", "/evaluations.csv", "/findings.csv", "/traces.csv")),
     *(f"{_RUN}/exports/{file}" for file in ("traces.mat", "flight-{flight}.html")),
+    *(f"{_RUN}/exports/{file}" for file in ("traces.mcap", "evaluations.parquet", "capsule-{finding}.zip")),
     *(f"{_RUN}/report.html", f"{_RUN}/report.pdf", f"{_RUN}/views/{{key}}"),
     f"{API}/simulators/{{name}}/proposal",
     *(f"{API}/sweeps{rest}" for rest in ("", "/{sweep}", "/{sweep}/table.csv")),

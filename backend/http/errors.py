@@ -106,6 +106,7 @@ KINDS = {
     "unreadable": Kind(422, "The body cannot be read as JSON or as text."),
     "internal": Kind(500, "Internal error; see the service's log."),
     "browser-failed": Kind(503, "The service's Chromium could not print the report."),
+    "no-package": Kind(503, "A package that writes this file is not installed on the service's machine."),
     "busy": Kind(503, "The service is busy: try again in a few seconds."),
     "case-failed": Kind(503, "The case of a simulator could not be evaluated."),
     "flight-failed": Kind(503, "The flight could not be simulated."),

@@ -56,7 +56,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.cases": (*SHARED, "backend.catalog", "backend.runs", "backend.scenes", "backend.flights"),
     "backend.exports": (
         *(*SHARED, "backend.catalog", "backend.runs", "backend.results", "backend.signoffs", "backend.reports"),
-        "backend.scenes.recordings",
+        *("backend.scenes.recordings", "backend.scenes.base"),
     ),
     "backend.scenes": (*SHARED, "backend.catalog", "backend.runs", "backend.results"),
     "backend.scenes.base": (*SHARED, "backend.catalog", "backend.runs", "backend.results"),

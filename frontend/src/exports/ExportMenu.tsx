@@ -1,6 +1,6 @@
 // The Export menu of a run's page: all export files, saved by the browser as they stream.
 import { Menu } from '@mantine/core'
-import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconTable } from '@tabler/icons-react'
+import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconPackage, IconPlane, IconTable } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getExports, getFile } from '../api/calls'
@@ -84,6 +84,9 @@ const ICONS: Record<string, typeof IconTable> = {
   'application/json': IconBraces,
   'text/csv': IconTable,
   'application/x-matlab-data': IconMatrix,
+  'application/x-mcap': IconPlane,
+  'application/vnd.apache.parquet': IconTable,
+  'application/zip': IconPackage,
 }
 
 function Entry({ file }: { file: ExportFile }) {

@@ -57,7 +57,9 @@ _CAPSULE: dict[int | str, JsonObject] = {
     200: {
         "description": "A zip file.",
         "content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}},
+        "headers": TAGGED,
     },
+    304: {"description": "The file matches `If-None-Match`.", "headers": TAGGED},
 }
 _RECORDING: dict[int | str, JsonObject] = {
     200: {
@@ -175,16 +177,19 @@ async def export_capsule(run: RunName, finding: FindingName, request: Request, e
     """
     run_id = number(run)
 
-    def looked() -> tuple[Content, str]:
+    def looked() -> tuple[Content, dict[str, str]]:
         with read(engine) as reader:
-            found = capsules.content(reader, run_id, finding)
-            return found, named(found.origin.run, found.origin.name, f"capsule-{finding}.zip")
+            found, tag = capsules.content(reader, run_id, finding), service.tag(reader, run_id)
+        saved = named(found.origin.run, found.origin.name, f"capsule-{finding}.zip")
+        headers = {"Content-Disposition": f'attachment; filename="{saved}"', "Cache-Control": "private, no-cache"}
+        return found, headers if tag is None else headers | {"ETag": tag}
 
-    content, saved = await run_in_threadpool(looked)
+    content, headers = await run_in_threadpool(looked)
+    if "ETag" in headers and headers["ETag"] in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
     page = await _page_of(request, run_id, finding)
     files = capacities(request).files
     made = await files.run(lambda: packed(replace(content, page=page)), request.is_disconnected)
-    headers = {"Content-Disposition": f'attachment; filename="{saved}"', "Cache-Control": "private, no-cache"}
     return Response(made, headers=headers, media_type="application/zip")
 
 

@@ -86,6 +86,7 @@ def server_config(app: FastAPI) -> uvicorn.Config:
         ws_max_size=LARGEST,
         http=bounded(settings.max_connections, settings.request_patience),
         server_header=False,
+        proxy_headers=False,  # uvicorn would believe every process of this machine; see `backend.middleware.proxied`
         timeout_graceful_shutdown=GRACE,
     )
 

@@ -31,9 +31,12 @@ from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
 from backend.middleware.heads import Heads
 from backend.middleware.preferred import Preferred
+from backend.middleware.proxied import Proxied
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.proposals import endpoints as proposals
+from backend.provider import endpoints as provider
+from backend.provider.noted import Noted
 from backend.reports import endpoints as reports
 from backend.requirements import endpoints as requirements
 from backend.results import endpoints as results
@@ -64,7 +67,7 @@ API = "/api/v1"
 
 PACKED = 1
 """Compression level: halves a run's evaluations (1.7 MB) in about the time that reading them takes."""
-UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-data")
+UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-data", "application/x-mcap")
 """Responses that are compressed already, and streams."""
 
 
@@ -91,6 +94,7 @@ def create(settings: Settings) -> FastAPI:
         summary="Finds the worst case of an obstacle-avoidance system before the world does.",
         lifespan=lifespan,
         middleware=[
+            Middleware(Proxied, root=settings.root, trusted=settings.trusted),
             Middleware(Frame),
             Middleware(Edge),
             Middleware(Heads),
@@ -109,6 +113,8 @@ def create(settings: Settings) -> FastAPI:
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.lockout, app.state.hashing = Lockout(), Hashing()
+    app.state.provider = provider.of(settings.provider)
+    app.state.provider_noted = Noted()
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     app.state.readers = bodies.Readers()
     app.state.turns = Turns()
@@ -133,6 +139,7 @@ def create(settings: Settings) -> FastAPI:
         api.include_router(feature.router)
     app.include_router(api, prefix=API)  # without one FastAPI builds all routes now, and again later
     app.include_router(entrance.router)
+    app.include_router(provider.router)
     app.include_router(recordings.router)  # before the viewer, whose routes match any suffix
     app.include_router(scenes.router)
     pages.serve(app, settings.pages)

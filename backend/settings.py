@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import ipaddress
 import os
+import re
+import urllib.parse
 from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, model_validator
 
 from backend.db.engine import default_url
-from backend.webhooks.configured import Configured, configured
+from backend.provider.configured import Configured, default_of, roles_of, safe_address, secret_of
+from backend.webhooks import configured as hooked
 
 PREFIX = "CLEARANCE_"
+_PATH = re.compile(r"(/[A-Za-z0-9_~-][A-Za-z0-9._~-]*)*")
 
 
 class Settings(BaseModel):
@@ -31,7 +36,22 @@ class Settings(BaseModel):
     allow_any_host: bool = False
     """Permits a bind beyond loopback, for use inside a container that publishes on 127.0.0.1 only."""
     public_url: str = ""
-    """The public address of the service, if it differs from host and port."""
+    """The public address of the service, if it differs from host and port; it may have a path, such as /clearance."""
+    trusted_proxies: str = ""
+    """Addresses and networks, separated by spaces, whose X-Forwarded-For, -Proto and -Host are believed."""
+    oidc_issuer: str = ""
+    """The issuer of an OpenID Connect provider; empty: none."""
+    oidc_client_id: str = ""
+    oidc_client_secret: SecretStr = SecretStr("")
+    oidc_client_secret_file: Path | None = None
+    oidc_name: Annotated[str, Field(max_length=40)] = "single sign-on"
+    """What the sign-in page calls the provider."""
+    oidc_scopes: str = "openid profile email"
+    oidc_groups_claim: str = "groups"
+    oidc_roles: str = ""
+    """A JSON object of groups and roles."""
+    oidc_default_role: str = ""
+    """The role of users of whom no group has one; empty: they are refused."""
     print_link: bool = True
     """Whether a login link is printed on standard output at start."""
     pages: Path = Path(__file__).parent.parent / "frontend" / "dist"
@@ -54,10 +74,79 @@ class Settings(BaseModel):
     """Permits addresses in private networks, and HTTP without encryption."""
 
     @property
-    def hooks(self) -> Configured:
+    def hooks(self) -> hooked.Configured:
         """The webhooks; raises `ValueError` if they are invalid."""
         secret = self.webhook_secret.get_secret_value()
-        return configured(self.webhooks.get_secret_value(), secret, self.webhook_private)
+        return hooked.configured(self.webhooks.get_secret_value(), secret, self.webhook_private)
+
+    @property
+    def root(self) -> str:
+        """The path of the public address, without a slash at its end."""
+        return urllib.parse.urlsplit(self.public_url).path.rstrip("/")
+
+    @property
+    def trusted(self) -> list[str]:
+        """The trusted proxies; raises `ValueError` if one is no address and no network."""
+        given = self.trusted_proxies.replace(",", " ").split()
+        for one in given:
+            try:
+                ipaddress.ip_network(one)  # "*" would believe every client
+            except ValueError as error:
+                raise ValueError(
+                    f"{PREFIX}TRUSTED_PROXIES must be addresses such as 10.0.0.1 or networks such as 10.0.0.0/8, "
+                    f"given {one!r}: {error}"
+                ) from None
+        return given
+
+    @property
+    def oidc_name_shown(self) -> str:
+        """What the sign-in page calls the provider; empty without one."""
+        return self.oidc_name if self.oidc_issuer else ""
+
+    @property
+    def provider(self) -> Configured | None:
+        """The sign-in provider; raises `ValueError` if its settings are invalid."""
+        if not self.oidc_issuer:
+            return None
+        if not safe_address(self.oidc_issuer):
+            raise ValueError(f"{PREFIX}OIDC_ISSUER must be an https:// address, given {self.oidc_issuer!r}")
+        if not self.oidc_client_id or not self.public_url:
+            raise ValueError(
+                f"{PREFIX}OIDC_ISSUER also needs {PREFIX}OIDC_CLIENT_ID and {PREFIX}PUBLIC_URL, the address to which "
+                "the provider returns"
+            )
+        if find_spec("authlib") is None or find_spec("joserfc") is None:
+            raise ValueError(
+                f"{PREFIX}OIDC_ISSUER needs packages that are not installed: pip install 'clearance[oidc]'"
+            )
+        if "openid" not in self.oidc_scopes.split():
+            raise ValueError(f"{PREFIX}OIDC_SCOPES must contain openid, given {self.oidc_scopes!r}")
+        return Configured(
+            issuer=self.oidc_issuer,
+            client_id=self.oidc_client_id,
+            name=self.oidc_name,
+            redirect=f"{self.public_url.rstrip('/')}/login/provider/return",
+            secret=secret_of(self.oidc_client_secret.get_secret_value(), self.oidc_client_secret_file),
+            scopes=" ".join(self.oidc_scopes.split()),
+            groups_claim=self.oidc_groups_claim,
+            roles=roles_of(self.oidc_roles),
+            default_role=default_of(self.oidc_default_role),
+        )
+
+    @model_validator(mode="after")
+    def _public(self) -> Settings:
+        parsed = urllib.parse.urlsplit(self.public_url)
+        if self.public_url and (
+            parsed.scheme not in ("http", "https") or not parsed.netloc or parsed.query or parsed.fragment
+        ):
+            raise ValueError(f"{PREFIX}PUBLIC_URL must be like https://host/path, given {self.public_url!r}")
+        if not _PATH.fullmatch(self.root):
+            raise ValueError(
+                f"the path of {PREFIX}PUBLIC_URL may have letters, digits and - . _ ~ between single slashes, "
+                f"given {self.root!r}"
+            )
+        _ = self.trusted, self.provider
+        return self
 
     @model_validator(mode="after")
     def _hooked(self) -> Settings:

@@ -9,7 +9,7 @@ import { defineConfig } from 'vitest/config'
 const service = process.env.CLEARANCE_URL ?? 'http://127.0.0.1:8000'
 
 /** What pages share comes to all of them, but not what starts them, nor what only a campaign's text needs. */
-const SHARED = /^(?!.*(src.api.ahead|preload-helper|src.launch.text|node_modules.(yaml|@codemirror|@lezer)))/
+const SHARED = /^(?!.*(src.api.ahead|src.format.root|preload-helper|src.launch.text|node_modules.(yaml|@codemirror|@lezer)))/
 
 /** Names in the page itself the code of every page: a browser asks for it without reading any other code first. */
 const atOnce: Plugin = {
@@ -21,7 +21,7 @@ const atOnce: Plugin = {
         .filter((file) => file.type === 'chunk' && ['Pages', 'shared'].includes(file.name))
         .map((file) => ({
           tag: 'link',
-          attrs: { rel: 'preload', as: 'script', crossorigin: true, href: `/${file.fileName}` },
+          attrs: { rel: 'preload', as: 'script', crossorigin: true, href: `./${file.fileName}` },
           injectTo: 'head',
         })),
   },
@@ -37,6 +37,8 @@ const packed: Plugin = {
 }
 
 export default defineConfig({
+  // Relative: the service may be found below a path, which it writes into the page (backend/http/pages.py).
+  base: './',
   plugins: [react(), atOnce, packed],
   css: { modules: { localsConvention: 'camelCaseOnly', generateScopedName: '[hash:base64:5]' } },
   build: {

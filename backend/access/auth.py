@@ -58,7 +58,9 @@ class Guard:
             await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
         elif refused.status == 401 and pages.wants_page(connection.headers):
             passwords = await self.door.ask(users.with_passwords)
-            await forms.sign_in(401, passwords, forms.address_of(scope))(scope, receive, send)
+            provider = scope["app"].state.settings.oidc_name_shown
+            page = forms.sign_in(401, passwords, forms.address_of(scope), provider=provider)
+            await page(scope, receive, send)
         else:
             await respond(refused, scope["path"])(scope, receive, send)
 

@@ -31,6 +31,9 @@ LINK_LIFETIME = 15 * 60.0
 SESSION_LIFETIME = 14 * 24 * 3600.0
 """How long a browser stays signed in [s]."""
 
+PROVIDER_SESSION_LIFETIME = 12 * 3600.0
+"""How long a browser stays signed in through a provider [s]: whoever left a group is refused at the next sign-in."""
+
 USE_NOTED = 60.0
 """The time of a token's last use is written at most this often [s]."""
 
@@ -51,7 +54,7 @@ class Visitor:
 
     user: str
     """What records name: the user, or the token's name."""
-    via: Literal["link", "password", "token"]
+    via: Literal["link", "password", "provider", "token"]
     key: str = field(default="", compare=False, repr=False)
     """Identifies the browser session or the token: its stored hash."""
     account: str = LOCAL
@@ -174,11 +177,18 @@ def use_login_code(connection: sa.Connection, code: str) -> bool:
     return connection.execute(sa.update(LoginLink).where(*good).values(used=at)).rowcount == 1
 
 
-def open_session(connection: sa.Connection, user: str, via: str, agent: str = "", address: str = "") -> str:
-    """Open a browser session; returns its secret."""
+def open_session(
+    connection: sa.Connection,
+    user: str,
+    via: str,
+    agent: str = "",
+    address: str = "",
+    lifetime: float = SESSION_LIFETIME,
+) -> str:
+    """Open a browser session; returns its secret. lifetime: [s]."""
     secret, at = secrets.token_urlsafe(32), engine.now(connection)
     connection.execute(sa.delete(Session).where(Session.expires < at))
-    values = {"hash": hashed(secret), "user": user, "created": at, "expires": at + SESSION_LIFETIME}
+    values = {"hash": hashed(secret), "user": user, "created": at, "expires": at + lifetime}
     values |= {"via": via, "agent": agent[:200], "address": address[:64]}
     connection.execute(sa.insert(Session).values(**values))
     return secret

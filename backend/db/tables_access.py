@@ -24,6 +24,7 @@ class User(Base):
     """Argon2id; None: this user has not accepted the invitation, or signs in with the login link."""
     created: orm.Mapped[float]
     created_by: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    """A user, or the identity of a provider's user; see `backend.db.identities`."""
     joined: orm.Mapped[float | None]
     """When the first invitation was accepted."""
     disabled: orm.Mapped[float | None]
@@ -76,7 +77,7 @@ class Session(Base):
     created: orm.Mapped[float]
     expires: orm.Mapped[float]
     via: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="link", server_default="link")
-    """link, password"""
+    """link, password, provider"""
     agent: orm.Mapped[str] = orm.mapped_column(sa.String(200), default="", server_default="")
     """The browser's description of itself."""
     address: orm.Mapped[str] = orm.mapped_column(sa.String(64), default="", server_default="")

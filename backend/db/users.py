@@ -59,6 +59,11 @@ def role_of(reader: sa.Connection, name: str) -> Role | None:
     return role if role in ROLES else None
 
 
+def creator_of(reader: sa.Connection, name: str) -> str | None:
+    """Who created a user."""
+    return reader.scalar(sa.select(User.created_by).where(User.name == name))
+
+
 def password_of(reader: sa.Connection, name: str) -> str | None:
     """The stored password of a user who may sign in with one."""
     return reader.scalar(sa.select(User.password).where(User.name == name, User.disabled.is_(None)))

@@ -3,32 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
 from typing import Annotated, Any, Literal
 
 import sqlalchemy as sa
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 
 from backend.db.engine import read
-from backend.exports import service
+from backend.exports import capsules, mcap, parquet, service
 from backend.exports.schemas import ExportFile
 from backend.http.capacity import BoundedStream
 from backend.http.deps import Engine, Reader, capacities
-from backend.http.errors import problems
+from backend.http.errors import RefusedError, problems
 from backend.http.naming import named
 from backend.http.schema import FlightName, RunName
 from backend.reports import picture
 from backend.runs.service import number, summary
 from backend.scenes.recordings import pages as recordings
+from campaigns.capsules.packing import Content, packed
 from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["exports"])
 Theme = Annotated[Literal["light", "dark"], Query(description="The colour theme.")]
+FindingName = Annotated[str, Path(max_length=20, description="A finding by its label, such as F1.")]
 _KINDS = {kind.file: kind for kind in (*service.FILES, service.PICTURE)}
 
 STREAMED = frozenset({"run.json", "evaluations.csv"})
 """Files that are generated while they are sent, because they may be large."""
 
+
+BINARY = frozenset({"application/x-matlab-data", "application/x-mcap", "application/vnd.apache.parquet"})
 
 TAGGED = {
     "ETag": {
@@ -41,13 +47,21 @@ TAGGED = {
 def _described(file: str) -> dict[int | str, JsonObject]:
     media = _KINDS[file].media_type
     schema = {} if media == "application/json" else {"type": "string"}
-    if media == "application/x-matlab-data":
+    if media in BINARY:
         schema["format"] = "binary"
     unchanged = {"description": "The file matches `If-None-Match`.", "headers": TAGGED}
     made = {"description": _KINDS[file].text, "content": {media: {"schema": schema}}, "headers": TAGGED}
     return {200: made, 304: unchanged}
 
 
+_CAPSULE: dict[int | str, JsonObject] = {
+    200: {
+        "description": "A zip file.",
+        "content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}},
+        "headers": TAGGED,
+    },
+    304: {"description": "The file matches `If-None-Match`.", "headers": TAGGED},
+}
 _RECORDING: dict[int | str, JsonObject] = {
     200: {
         "description": "One self-contained file.",
@@ -138,6 +152,73 @@ async def export_picture(run: RunName, request: Request, engine: Engine) -> Resp
             return picture.picture(reader, run_id)
 
     return await _answer(request, engine, run_id, "worst-case.svg", made)
+
+
+@router.get(
+    "/runs/{run}/exports/traces.mcap",
+    response_class=Response,
+    responses=_described("traces.mcap") | problems("not-found", "other-version", "purged", "no-package"),
+)
+async def export_mcap(run: RunName, request: Request, engine: Engine) -> Response:
+    """The stored flights as MCAP with messages of Foxglove: pose, trajectory, scene, separation."""
+    run_id = number(run)
+
+    def made() -> bytes:
+        with read(engine) as reader:
+            return mcap.traces_mcap(reader, run_id)
+
+    return await _answer(request, engine, run_id, "traces.mcap", made)
+
+
+@router.get(
+    "/runs/{run}/exports/evaluations.parquet",
+    response_class=Response,
+    responses=_described("evaluations.parquet") | problems("not-found", "other-version", "purged", "no-package"),
+)
+async def export_parquet(run: RunName, request: Request, engine: Engine) -> Response:
+    """Every evaluation of every stage as Parquet: the columns of evaluations.csv, with units in the schema."""
+    run_id = number(run)
+    made = partial(parquet.evaluations_parquet, engine, run_id)
+    return await _answer(request, engine, run_id, "evaluations.parquet", made)
+
+
+@router.get(
+    "/runs/{run}/exports/capsule-{finding}.zip",
+    response_class=Response,
+    responses=_CAPSULE | problems("not-found", "other-version", "purged", "busy"),
+)
+async def export_capsule(run: RunName, finding: FindingName, request: Request, engine: Engine) -> Response:
+    """A finding as one file: campaign, components, parameters, trajectories, versions, digests, and its view in 3D.
+
+    `clearance replay FILE` evaluates it again without a service; `flight.html` in it opens offline.
+    """
+    run_id = number(run)
+
+    def looked() -> tuple[Content, dict[str, str]]:
+        with read(engine) as reader:
+            found, tag = capsules.content(reader, run_id, finding), service.tag(reader, run_id)
+        saved = named(found.origin.run, found.origin.name, f"capsule-{finding}.zip")
+        headers = {"Content-Disposition": f'attachment; filename="{saved}"', "Cache-Control": "private, no-cache"}
+        return found, headers if tag is None else headers | {"ETag": tag}
+
+    content, headers = await run_in_threadpool(looked)
+    if "ETag" in headers and headers["ETag"] in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    page = await _page_of(request, run_id, finding)
+    files = capacities(request).files
+    made = await files.run(lambda: packed(replace(content, page=page)), request.is_disconnected)
+    return Response(made, headers=headers, media_type="application/zip")
+
+
+async def _page_of(request: Request, run_id: int, finding: str) -> str:
+    """The recording of a finding; empty if nothing of it can be drawn."""
+    try:
+        recorded = await request.app.state.recordings.page(run_id, finding, gone=request.is_disconnected)
+    except RefusedError as error:
+        if error.status == 503:
+            raise
+        return ""
+    return "" if isinstance(recorded, str) else str(recorded.html)
 
 
 @router.get(

@@ -11,7 +11,7 @@ import hashlib
 import io
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,9 +21,11 @@ from backend.db import snapshots
 from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.tables import CatalogueDocument, Finding, Trace
+from backend.exports import mcap, parquet
 from backend.exports.schemas import ExportFile
 from backend.exports.sheet import Evaluated, Sheet, headings, sheet
 from backend.http.naming import named
+from backend.http.root import at
 from backend.reports import pdf
 from backend.results import service as results
 from backend.runs import service as runs
@@ -49,6 +51,8 @@ class Kind:
     flights: bool = False
     findings: bool = False
     report: bool = False
+    missing: Callable[[], str | None] = lambda: None
+    """Why this installation cannot write it."""
 
 
 REPORTS = (
@@ -69,6 +73,13 @@ FILES = (
         "text/csv",
     ),
     Kind(
+        "evaluations.parquet",
+        "Evaluations, Parquet",
+        "The same as numbers with units, for pandas, Polars and DuckDB",
+        "application/vnd.apache.parquet",
+        missing=parquet.missing,
+    ),
+    Kind(
         "findings.csv",
         "Findings, CSV",
         "Nominal flight and every finding: all criteria, closest approach, parameters, validation",
@@ -82,6 +93,14 @@ FILES = (
         "Flights for MATLAB, Octave and SciPy (version 5)",
         "application/x-matlab-data",
         flights=True,
+    ),
+    Kind(
+        "traces.mcap",
+        "Flights, MCAP",
+        "Pose, trajectory, scene and separation for Foxglove",
+        "application/x-mcap",
+        flights=True,
+        missing=mcap.missing,
     ),
 )
 PICTURE = Kind(
@@ -116,6 +135,14 @@ SIMULATED = {
             "application/x-matlab-data",
             flights=True,
         ),
+        Kind(
+            "traces.mcap",
+            "Traces, MCAP",
+            "Pose, trajectory and scene where declared, and all signals, for Foxglove",
+            "application/x-mcap",
+            flights=True,
+            missing=mcap.missing,
+        ),
     )
 }
 """Titles of the same files for a run that evaluates a simulator."""
@@ -126,14 +153,15 @@ def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
     run = runs.summary(reader, run_id)
     stored = reader.execute(sa.select(Trace.name, Trace.meta).where(Trace.run_id == run_id)).all()
     flights = [row.name for row in stored]
-    found = reader.scalar(sa.select(sa.func.count()).where(Finding.run_id == run_id))
+    labels = list(reader.scalars(sa.select(Finding.label).where(Finding.run_id == run_id)))
+    found = bool(labels)
     if runs.campaign(reader, run_id).scenario is not None:
-        kinds: tuple[Kind, ...] = (*REPORTS, *FILES, PICTURE, _recording(flights, "flight"))
-        return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in kinds]
+        kinds: tuple[Kind, ...] = (*REPORTS, *FILES, PICTURE, *_capsule(labels), _recording(flights, "flight"))
+        return [_file(run, kind, _missing(kind, bool(flights), found)) for kind in kinds]
     drawn = [row.name for row in stored if row.meta.get("scene")]
     recorded = [_recording(drawn, "case")] if drawn else []
-    kinds = (*REPORTS, *(SIMULATED.get(kind.file, kind) for kind in FILES), *recorded)
-    return [_file(run, kind, _untraced(kind, bool(flights), bool(found))) for kind in kinds]
+    kinds = (*REPORTS, *(SIMULATED.get(kind.file, kind) for kind in FILES), *_capsule(labels), *recorded)
+    return [_file(run, kind, _untraced(kind, bool(flights), found)) for kind in kinds]
 
 
 def _untraced(kind: Kind, traced: bool, found: bool) -> str | None:
@@ -141,6 +169,13 @@ def _untraced(kind: Kind, traced: bool, found: bool) -> str | None:
     if kind.flights and not traced:
         return "this run has no stored trace"
     return "this run has no finding and no nominal case" if kind.findings and not (traced or found) else None
+
+
+def _capsule(labels: list[str]) -> list[Kind]:
+    """The capsule of the worst finding; those of the others have similar addresses."""
+    worst = sorted(labels, key=lambda name: (len(name), name))[:1]
+    text = "Everything that evaluates it again without a service: `clearance replay FILE`; with its view in 3D"
+    return [Kind(f"capsule-{label}.zip", f"Finding {label}, capsule", text, "application/zip") for label in worst]
 
 
 def _recording(flights: list[str], one: str) -> Kind:
@@ -161,13 +196,14 @@ def _missing(kind: Kind, traced: bool, found: bool) -> str | None:
 def _file(run: RunSummary, kind: Kind, why: str | None) -> ExportFile:
     if kind.media_type == "application/pdf" and pdf.browser() is None:
         why = "needs Chromium on the service's machine"
+    why = why or kind.missing()
     place = kind.file.replace("safety-case-report", "report") if kind.report else f"exports/{kind.file}"
     return ExportFile(
         name=named(run.id, run.name, kind.file),
         title=kind.title,
         text=kind.text,
         media_type=kind.media_type,
-        href=f"/api/v1/runs/{run.id}/{place}",
+        href=at(f"/api/v1/runs/{run.id}/{place}"),
         unavailable=why,
     )
 

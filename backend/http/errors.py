@@ -17,6 +17,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
+from backend.http.root import at
 from backend.http.schema import Schema
 from campaigns import Problem
 from campaigns.asked.problem import LONGEST, MOST, shown
@@ -106,6 +107,7 @@ KINDS = {
     "unreadable": Kind(422, "The body cannot be read as JSON or as text."),
     "internal": Kind(500, "Internal error; see the service's log."),
     "browser-failed": Kind(503, "The service's Chromium could not print the report."),
+    "no-package": Kind(503, "A package that writes this file is not installed on the service's machine."),
     "busy": Kind(503, "The service is busy: try again in a few seconds."),
     "case-failed": Kind(503, "The case of a simulator could not be evaluated."),
     "flight-failed": Kind(503, "The flight could not be simulated."),
@@ -177,7 +179,7 @@ def respond(refused: RefusedError, path: str) -> JSONResponse:
         title=http.HTTPStatus(refused.status).phrase,
         status=refused.status,
         detail=_text(refused.detail),
-        instance=_text(path),
+        instance=at(_text(path)),
         errors=errors or None,
     )
     content = document.model_dump(exclude_none=True)

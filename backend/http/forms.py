@@ -11,6 +11,7 @@ from starlette.types import Scope
 
 from backend.http.errors import RefusedError
 from backend.http.pages import plain
+from backend.http.root import at, inside
 
 START = "/runs"
 LONGEST = 2000
@@ -26,19 +27,26 @@ _AUTO = 'autocapitalize="none" spellcheck="false"'
 def own_path(given: str) -> str:
     """The address if it is one of this service's own pages, else the start page: no open redirect.
 
-    A browser reads `//host`, `/\\host` and a tab or newline inside such a prefix as another server (WHATWG URL).
+    Both are as a browser requests them, with the path of the public address. A browser reads `//host`, `/\\host` and a
+    tab or newline inside such a prefix as another server (WHATWG URL).
     """
     plain_text = given.isascii() and given.isprintable() and " " not in given and "\\" not in given
-    if not plain_text or len(given) > LONGEST or not given.startswith("/") or given.startswith("//"):
-        return START
-    path = urllib.parse.unquote(urllib.parse.urlsplit(given).path)
-    return START if path == "/" or path.startswith(_NOWHERE) or path.startswith("//") or "\\" in path else given
+    own = inside(given)
+    if not plain_text or len(given) > LONGEST or own is None or not own.startswith("/") or own.startswith("//"):
+        return at(START)
+    path = urllib.parse.unquote(urllib.parse.urlsplit(own).path)
+    return at(START) if path == "/" or path.startswith(_NOWHERE) or path.startswith("//") or "\\" in path else given
+
+
+def quoted(address: str) -> str:
+    """An address as the value of a query parameter."""
+    return urllib.parse.quote(address, safe="")
 
 
 def address_of(scope: Scope) -> str:
-    """Path and query of a request."""
+    """Path and query of a request, as the browser sent it."""
     query = scope["query_string"].decode("latin-1")
-    return urllib.parse.quote(scope["path"]) + (f"?{query}" if query else "")
+    return at(urllib.parse.quote(scope["path"])) + (f"?{query}" if query else "")
 
 
 async def fields(request: Request) -> dict[str, str]:
@@ -56,13 +64,26 @@ async def fields(request: Request) -> dict[str, str]:
 
 
 def sign_in(
-    status: int, passwords: bool, back: str, why: str = "Sign in to Clearance", wrong: str = "", name: str = ""
+    status: int,
+    passwords: bool,
+    back: str,
+    why: str = "Sign in to Clearance",
+    wrong: str = "",
+    name: str = "",
+    provider: str = "",
 ) -> HTMLResponse:
     """The page shown without a session: the form if any user has a password, and how to obtain a login link.
 
-    back: where signing in leads. wrong: why the last attempt failed. name: what was typed.
+    back: where signing in leads. wrong: why the last attempt failed. name: what was typed. provider: empty without one.
     """
-    return plain(why, f"{_form(back, wrong, name) if passwords else ''}{_links(passwords)}", status)
+    form = _form(back, wrong, name) if passwords else ""
+    return plain(why, f"{_through(provider, back) if provider else ''}{form}{_links(passwords)}", status)
+
+
+def _through(provider: str, back: str) -> str:
+    """A link, not a form: the policy on forms would stop the redirect to another server."""
+    address = f"{at('/login/provider')}?next={quoted(own_path(back))}"
+    return f'<p><a class="button" href="{html.escape(address)}">Sign in with {html.escape(provider)}</a></p>'
 
 
 def invitation(status: int, user: str, code: str, wrong: str = "", shortest: int = 12) -> HTMLResponse:
@@ -70,7 +91,7 @@ def invitation(status: int, user: str, code: str, wrong: str = "", shortest: int
     body = (
         f"<p>You are invited as <b>{html.escape(user)}</b>. Choose a password of at least {shortest} characters; "
         "several words make a good one.</p>"
-        f'{_wrong(wrong)}<form method="post" action="/invite">'
+        f'{_wrong(wrong)}<form method="post" action="{at("/invite")}">'
         f'<input type="hidden" name="code" value="{html.escape(code)}">'
         f'<input type="hidden" name="username" autocomplete="username" value="{html.escape(user)}">'
         f"{_password('password', 'New password', 'new-password', focus=True)}"
@@ -84,7 +105,7 @@ def no_invitation(status: int = 403) -> HTMLResponse:
     """The page of an invitation that is not valid."""
     body = (
         "<p>Each invitation is single-use, expires after three days, and is replaced by a newer one. Ask an "
-        'administrator for a new link. If you have a password already, <a href="/login">sign in</a>.</p>'
+        f'administrator for a new link. If you have a password already, <a href="{at("/login")}">sign in</a>.</p>'
     )
     return plain("This invitation is invalid or expired", body, status)
 
@@ -92,7 +113,7 @@ def no_invitation(status: int = 403) -> HTMLResponse:
 def _form(back: str, wrong: str, name: str) -> str:
     focus = "" if name else " autofocus"
     return (
-        f'{_wrong(wrong)}<form method="post" action="/login">'
+        f'{_wrong(wrong)}<form method="post" action="{at("/login")}">'
         f'<input type="hidden" name="next" value="{html.escape(own_path(back))}">'
         f'<label for="name">Name</label><input id="name" name="name" value="{html.escape(name)}" maxlength="64" '
         f'autocomplete="username" required {_AUTO}{focus}>'

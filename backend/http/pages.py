@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import html
 import mimetypes
+import re
 from pathlib import Path
 
 from fastapi import FastAPI, Request
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
+
+from backend.http.root import at
 
 ASSET = {"Cache-Control": "public, max-age=31536000, immutable"}
 FRESH = {"Cache-Control": "no-cache"}
@@ -23,8 +26,10 @@ FONTS = {
 }
 """Addresses of the built fonts for the plain pages, which do not know the hashes in their names."""
 _STYLE = (
-    '@font-face{font-family:Inter;src:url(/assets/inter.woff2) format("woff2");font-weight:100 900;font-display:swap}'
-    '@font-face{font-family:Mono;src:url(/assets/mono.woff2) format("woff2");font-weight:100 800;font-display:swap}'
+    '@font-face{font-family:Inter;src:url(ROOT/assets/inter.woff2) format("woff2");'
+    "font-weight:100 900;font-display:swap}"
+    '@font-face{font-family:Mono;src:url(ROOT/assets/mono.woff2) format("woff2");'
+    "font-weight:100 800;font-display:swap}"
     "*{box-sizing:border-box}"
     "body{font:14px/22px Inter,system-ui,sans-serif;margin:0;padding:12vh 20px 48px;color:#15202b;background:#f6f7f9}"
     "main{max-width:31em;margin:0 auto;padding:28px 32px;background:#fff;border:1px solid #e2e6eb;border-radius:8px}"
@@ -34,12 +39,14 @@ _STYLE = (
     "form{display:grid;gap:4px;margin:0 0 20px}label{font-weight:500;margin-top:8px}"
     "input{font:inherit;color:inherit;background:#fff;border:1px solid #7b8794;border-radius:6px;padding:7px 10px}"
     "button{font:inherit;font-weight:600;color:#fff;background:#15202b;border:0;border-radius:6px;padding:9px 14px;"
-    "margin-top:14px;cursor:pointer}:is(input,button,a):focus-visible{outline:2px solid #0072b2;outline-offset:2px}"
+    "margin-top:14px;cursor:pointer}.button{display:block;text-align:center;font-weight:600;color:#15202b;"
+    "border:1px solid #7b8794;border-radius:6px;padding:8px 14px;margin:4px 0 8px;"
+    "text-decoration:none}:is(input,button,a):focus-visible{outline:2px solid #0072b2;outline-offset:2px}"
     "a{color:#005a8f}b{color:#15202b}.wrong{color:#a3330a;font-weight:500}"
     "@media(max-width:600px){main{padding:20px}}"
     "@media(prefers-color-scheme:dark){body{color:#e7ecf2;background:#0d1115}"
     "main{background:#14191f;border-color:#28313a}p{color:#b0bbc7}code{color:#e7ecf2;background:#1a2027}"
-    "input{background:#0d1115;border-color:#6b7783}button{color:#0d1115;background:#e7ecf2}a{color:#56b4e9}"
+    "input{background:#0d1115;border-color:#6b7783}button{color:#0d1115;background:#e7ecf2}a{color:#56b4e9}.button{color:#e7ecf2}"
     "b{color:#e7ecf2}.wrong{color:#ff9466}}"
 )
 _BRAND = (
@@ -57,7 +64,7 @@ def serve(app: FastAPI, folder: Path) -> None:
 
     @app.get("/", include_in_schema=False)
     def start() -> Response:
-        return RedirectResponse("/runs", 307)
+        return RedirectResponse(at("/runs"), 307)
 
     @app.api_route("/{path:path}", methods=["GET", "HEAD"], include_in_schema=False)
     def page(path: str, request: Request) -> Response:
@@ -76,7 +83,16 @@ def serve(app: FastAPI, folder: Path) -> None:
             return plain(
                 "The pages are not built", "<p>Run <code>make install</code>, then start the service again.</p>", 503
             )
-        return FileResponse(index, headers=FRESH)
+        return _index(index, at(""))
+
+
+def _index(index: Path, root: str) -> Response:
+    """The page of the application, with its files below the path of the public address; scripts read `data-root`."""
+    text = index.read_text(encoding="utf-8")
+    if root:
+        text = text.replace("<html ", f'<html data-root="{root}" ', 1)
+    text = re.sub(r'\b(src|href)="(?:\./|/)', rf'\1="{root}/', text)
+    return HTMLResponse(text, headers=FRESH)
 
 
 def _asset(file: Path, headers: Headers) -> Response:
@@ -110,9 +126,10 @@ def wants_page(headers: Headers) -> bool:
 
 def plain(title: str, body: str, status: int) -> HTMLResponse:
     """A short page; `body` is HTML."""
+    style = _STYLE.replace("ROOT", at(""))
     text = (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)} · Clearance</title>'
-        f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head>'
+        f'<meta name="viewport" content="width=device-width"><style>{style}</style></head>'
         f"<body><main>{_BRAND}<h1>{html.escape(title)}</h1>{body}</main></body></html>"
     )
     return HTMLResponse(text, status)

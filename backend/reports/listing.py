@@ -6,6 +6,7 @@ import sqlalchemy as sa
 
 from backend.db.digest import results_digest
 from backend.db.tables import Signoff
+from backend.http.root import at
 from backend.reports import pdf
 from backend.reports.schemas import Report, ReportFile, ReportPage
 from backend.runs import listing
@@ -30,7 +31,7 @@ def _report(reader: sa.Connection, run: RunSummary, unavailable: str | None) -> 
     standing = sa.select(Signoff.name, Signoff.digest).where(Signoff.run_id == run_id, Signoff.withdrawn.is_(None))
     signoffs = reader.execute(standing.order_by(Signoff.id)).all()
     valid = [row.name for row in signoffs if row.digest == digest]
-    address = f"/api/v1/runs/{run.id}/report"
+    address = at(f"/api/v1/runs/{run.id}/report")
     return Report(
         id=f"CLR-{run.id}-{digest[:8]}",
         run=run.id,

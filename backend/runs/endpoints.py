@@ -15,6 +15,7 @@ from backend.http import bodies
 from backend.http.deps import Engine, Reader
 from backend.http.errors import RefusedError, problems
 from backend.http.keys import Key
+from backend.http.root import at
 from backend.http.schema import RunName, Seconds
 from backend.runs import edits, listing, removal, service, submission, texts
 from backend.runs.asked import Asked, AskedFor
@@ -85,7 +86,7 @@ async def submit_run(
     body = await request.body()
     given = await bodies.apart(request, lambda: _submission(body, yaml, asked))
     run = await run_in_threadpool(submission.submit, engine, given, visitor, key)
-    response.headers["Location"] = f"{request.url.path}/{run.id}"
+    response.headers["Location"] = at(f"{request.url.path}/{run.id}")
     return run
 
 

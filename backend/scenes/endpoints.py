@@ -16,6 +16,7 @@ from starlette.websockets import WebSocketDisconnect
 from backend.db.engine import read
 from backend.http.deps import Reader
 from backend.http.errors import RefusedError
+from backend.http.root import at
 from backend.runs.service import number
 from backend.scenes.base import setting
 from backend.scenes.base.address import Address, parse
@@ -30,10 +31,10 @@ router = APIRouter(include_in_schema=False)
 _MOVES = """<script>
 if(location.hash.length>1)history.replaceState(null,'',location.pathname+location.hash.slice(1));
 if(self===top&&!location.pathname.includes('/key/')){
-const q=new URLSearchParams(),[,run,...rest]=location.pathname.split('/').filter(Boolean);
+const q=new URLSearchParams(),[,run,...rest]=location.pathname.slice('ROOT'.length).split('/').filter(Boolean);
 for(let i=0;i<rest.length;i++){const w=rest[i];
 if(w==='t'||w==='cam')q.set(w,rest[++i]);else if(w!=='dark'&&w!=='light')q.set('finding',w)}
-location.replace('/runs/'+run+'/flight'+(q.size?'?'+q:''))}
+location.replace('ROOT/runs/'+run+'/flight'+(q.size?'?'+q:''))}
 </script>"""
 """The fragment (after #) is moved into the path: a browser caches one page for all views of a run.
 
@@ -62,7 +63,7 @@ _log = logging.getLogger(__name__)
 @router.get("/view/{run}")
 def view_without_slash(run: str, request: Request) -> Response:
     """Redirect to the address with a slash: the page derives its socket's address from its own."""
-    return RedirectResponse(f"{request.url.path}/", 308)
+    return RedirectResponse(at(f"{request.url.path}/"), 308)
 
 
 @router.get("/view/{run}/{rest:path}")
@@ -75,7 +76,7 @@ def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response
         raise RefusedError(400, "not-allowed", detail)
     if "playbackPath" in request.query_params:
         raise RefusedError(400, "not-allowed", "?playbackPath= is not allowed: recordings have their own addresses")
-    plain, compressed = _page(request.app.state.settings.pages)
+    plain, compressed = _page(request.app.state.settings.pages, at(""))
     packed = "gzip" in request.headers.get("accept-encoding", "")
     headers = {"Content-Security-Policy": CSP, "Vary": "Accept-Encoding", "Cache-Control": "private, max-age=3600"}
     if packed:
@@ -84,11 +85,11 @@ def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response
 
 
 @cache
-def _page(pages: Path) -> tuple[bytes, bytes]:
+def _page(pages: Path, root: str) -> tuple[bytes, bytes]:
     """The page, plain and compressed, with the font of the built pages."""
     font = font_file(pages)
-    page = _PAGE.replace("<head>", f"<head>{_MOVES}{_DOCKS}", 1)
-    plain = dressed(page, f"/assets/{font.name}" if font else None).encode()
+    page = _PAGE.replace("<head>", f"<head>{_MOVES.replace('ROOT', root)}{_DOCKS}", 1)
+    plain = dressed(page, f"{root}/assets/{font.name}" if font else None).encode()
     return plain, gzip.compress(plain, 9)
 
 

@@ -10,6 +10,7 @@ from backend.access.auth import CurrentVisitor
 from backend.db import access
 from backend.http.deps import Engine, Reader
 from backend.http.errors import RefusedError, problems
+from backend.http.root import cookie_path
 from backend.sessions import service
 from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout, seconds
@@ -40,7 +41,7 @@ def end_session(request: Request, engine: Engine, visitor: CurrentVisitor) -> Re
     if cookie in request.cookies:
         service.close(engine, request.cookies[cookie], visitor)
     response = Response(status_code=status.HTTP_204_NO_CONTENT)
-    response.delete_cookie(cookie, httponly=True, samesite="lax")
+    response.delete_cookie(cookie, path=cookie_path(), httponly=True, samesite="lax")
     return response
 
 

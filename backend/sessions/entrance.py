@@ -5,8 +5,6 @@ No answer shows whether a name has an account: unknown names cost the same work,
 
 from __future__ import annotations
 
-import urllib.parse
-
 from fastapi import APIRouter, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse
@@ -16,9 +14,9 @@ from backend.db import access, passwords, users
 from backend.http import forms
 from backend.http.deps import Engine
 from backend.sessions import service
+from backend.sessions.cookies import browser_of, put_session
 from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout, seconds
-from backend.sessions.service import Browser
 
 router = APIRouter(include_in_schema=False)
 
@@ -29,15 +27,17 @@ WRONG = "The name or the password is wrong."
 async def open_session(request: Request, engine: Engine, code: str = "", next: str = "") -> Response:  # noqa: A002
     """Use a login link, or show the form. HEAD does not use a link, because link previews send HEAD."""
     if not code or request.method == "HEAD":
-        return forms.sign_in(200, await _door(request).ask(users.with_passwords), next)
+        return forms.sign_in(200, await _door(request).ask(users.with_passwords), next, provider=_provider(request))
     attempts = request.app.state.attempts
     good = await attempts.good(code)
-    secret = await run_in_threadpool(service.open_by_link, engine, code, _browser(request)) if good else None
+    secret = await run_in_threadpool(service.open_by_link, engine, code, browser_of(request)) if good else None
     if secret is None:
         wrong = "This login link is invalid or expired"
         # Above the rate of wrong codes nothing is read for each of them.
         with_passwords = not attempts.over and await _door(request).ask(users.with_passwords)
-        answer: Response = forms.sign_in(429 if attempts.over else 403, with_passwords, next, wrong)
+        answer: Response = forms.sign_in(
+            429 if attempts.over else 403, with_passwords, next, wrong, provider=_provider(request)
+        )
         if attempts.over:
             answer.headers["Retry-After"] = "60"
         return answer
@@ -48,7 +48,7 @@ async def open_session(request: Request, engine: Engine, code: str = "", next: s
 async def sign_in(request: Request, engine: Engine) -> Response:
     """Sign in with name and password; after several failures there is a pause, which doubles."""
     given = await forms.fields(request)
-    name, back, browser = _name(given.get("name", "")), given.get("next", ""), _browser(request)
+    name, back, browser = _name(given.get("name", "")), given.get("next", ""), browser_of(request)
     lockout: Lockout = request.app.state.lockout
     hashing: Hashing = request.app.state.hashing
     if hashing.full is not None:
@@ -56,7 +56,7 @@ async def sign_in(request: Request, engine: Engine) -> Response:
     wait = lockout.enter(name, browser.address)
     if wait:
         again = f"Too many failed attempts. Try again in {seconds(wait)} s."
-        answer = forms.sign_in(429, True, back, wrong=again, name=name[:64])
+        answer = forms.sign_in(429, True, back, wrong=again, name=name[:64], provider=_provider(request))
         answer.headers["Retry-After"] = str(seconds(wait))
         return answer
     stored = await _door(request).ask(lambda reader: users.password_of(reader, name))
@@ -65,7 +65,7 @@ async def sign_in(request: Request, engine: Engine) -> Response:
     secret = await run_in_threadpool(service.open_by_password, engine, name, browser) if right else None
     if secret is None:
         await run_in_threadpool(service.note_failure, engine, name, lockout.failures(name), browser.address)
-        return forms.sign_in(403, True, back, wrong=WRONG, name=name[:64])
+        return forms.sign_in(403, True, back, wrong=WRONG, name=name[:64], provider=_provider(request))
     lockout.succeeded(name, browser.address)
     return _signed_in(request, secret, back)
 
@@ -91,28 +91,14 @@ async def accept_invitation(request: Request, engine: Engine) -> Response:
     if wrong is not None:
         return forms.invitation(422, user, code, wrong[0].upper() + wrong[1:] + ".")
     hashing: Hashing = request.app.state.hashing
-    secret = await hashing.run(lambda: service.accept(engine, code, password, _browser(request)))
+    secret = await hashing.run(lambda: service.accept(engine, code, password, browser_of(request)))
     return forms.no_invitation() if secret is None else _signed_in(request, secret, "")
 
 
 def _signed_in(request: Request, secret: str, back: str) -> Response:
     response = RedirectResponse(forms.own_path(back), status.HTTP_303_SEE_OTHER)
-    settings = request.app.state.settings
-    response.set_cookie(
-        settings.cookie,
-        secret,
-        max_age=int(access.SESSION_LIFETIME),
-        httponly=True,
-        samesite="lax",
-        secure=request.url.scheme == "https" or _behind_tls(request, settings.public_url),
-    )
+    put_session(request, response, secret, access.SESSION_LIFETIME)
     return response
-
-
-def _behind_tls(request: Request, public_url: str) -> bool:
-    """Whether the browser came through a proxy with TLS: by the public address, not by that of this machine."""
-    public = urllib.parse.urlsplit(public_url)
-    return public.scheme == "https" and public.netloc == request.headers.get("host", "")
 
 
 def _name(typed: str) -> str:
@@ -121,9 +107,8 @@ def _name(typed: str) -> str:
     return name if name.isprintable() else ""
 
 
-def _browser(request: Request) -> Browser:
-    agent = "".join(c for c in request.headers.get("user-agent", "") if c.isprintable())
-    return Browser(agent[:200], "" if request.client is None else request.client.host)
+def _provider(request: Request) -> str:
+    return str(request.app.state.settings.oidc_name_shown)
 
 
 def _door(request: Request) -> Door:

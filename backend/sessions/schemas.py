@@ -15,7 +15,7 @@ class SessionInfo(Schema):
 
     user: str
     """The user, or the name of the API token."""
-    via: Literal["link", "password", "token"]
+    via: Literal["link", "password", "provider", "token"]
     account: str
     """The user, or the owner of the API token."""
     role: Role
@@ -38,7 +38,7 @@ class BrowserSession(Schema):
 
     id: str
     user: str
-    via: Literal["link", "password"]
+    via: Literal["link", "password", "provider"]
     created: float
     expires: float
     agent: str

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
-from backend.db import access, audit, passwords, users
+from backend.db import access, audit, identities, passwords, users
 from backend.db.access import Visitor
 from backend.db.engine import read
 from backend.http.errors import RefusedError
@@ -82,6 +82,9 @@ def change_password(engine: sa.Engine, current: str | None, new: str, visitor: V
     """Change the visitor's own password and sign out their other browsers. 403 if the current one is wrong."""
     with read(engine) as reader:
         stored = users.password_of(reader, visitor.account)
+        provided = identities.is_provided(users.creator_of(reader, visitor.account) or "")
+    if provided:
+        raise RefusedError(403, "wrong-password", "you sign in through the provider: change your password there")
     if stored is not None and not passwords.matches(stored, current or ""):
         raise RefusedError(403, "wrong-password", "the current password is wrong: nothing was changed")
     problem = passwords.problem(new, visitor.account)

@@ -12,6 +12,7 @@ from backend.http import bodies
 from backend.http.deps import Engine, Reader
 from backend.http.errors import RefusedError, problems
 from backend.http.keys import Key
+from backend.http.root import at
 from backend.sweeps import service, sheet
 from backend.sweeps.schemas import SweepDetail, SweepSubmit, SweepSummary
 from campaigns import CampaignError
@@ -51,7 +52,7 @@ async def submit_sweep(
     body = await request.body()
     submission = await bodies.apart(request, lambda: _submission(body))
     sweep = await run_in_threadpool(service.submit, engine, submission, visitor, key)
-    response.headers["Location"] = f"{request.url.path}/{sweep.id}"
+    response.headers["Location"] = at(f"{request.url.path}/{sweep.id}")
     return sweep
 
 

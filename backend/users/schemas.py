@@ -27,6 +27,8 @@ class User(Schema):
     """When the open link expires; null if there is none."""
     sessions: int
     """The number of browsers that are signed in as this user."""
+    provided: bool
+    """Whether the user signs in through the provider, whose groups determine the role."""
     fixed: bool
     """Whether role and access cannot be changed: the user of the login link."""
 

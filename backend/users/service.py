@@ -7,12 +7,15 @@ from contextlib import contextmanager
 
 import sqlalchemy as sa
 
-from backend.db import audit, users
+from backend.db import audit, identities, users
 from backend.db.access import LOCAL, AccessError, Visitor
 from backend.db.engine import now
 from backend.http.errors import RefusedError, not_found
 from backend.users.schemas import AccessSettings, Invitation, User, UserChange, UserInvite
 from campaigns import Problem
+
+PROVIDER = "the sign-in provider"
+"""Shown as the creator of the provider's users."""
 
 
 def listed(reader: sa.Connection) -> list[User]:
@@ -36,6 +39,9 @@ def renew(engine: sa.Engine, name: str, public_url: str, visitor: Visitor) -> In
         user = _one(writer, name)
         if user.disabled is not None:
             raise RefusedError(409, "access-conflict", f"the access of {name} is withdrawn: grant it again first")
+        if user.provided:
+            detail = f"{name} signs in through the provider, which also renews forgotten passwords: there is no link"
+            raise RefusedError(409, "access-conflict", detail)
         code = users.renew(writer, name, visitor.account)
         audit.note(writer, visitor, "user.link_made", name, {})
         return _link(writer, name, code, public_url)
@@ -50,6 +56,9 @@ def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor) ->
         user = _one(writer, name)
         if name == visitor.account:
             detail = "you cannot change your own role or access: ask another administrator"
+            raise RefusedError(409, "access-conflict", detail)
+        if user.provided and given.role is not None and given.role != user.role:
+            detail = f"the role of {name} follows the groups of the sign-in provider: change them there"
             raise RefusedError(409, "access-conflict", detail)
         with _conflicts():
             if given.role is not None and given.role != user.role:
@@ -100,6 +109,8 @@ def _link(writer: sa.Connection, name: str, code: str, public_url: str) -> Invit
 
 
 def _user(row: users.UserRow) -> User:
-    joined = row.has_password or row.name == LOCAL
+    provided = identities.is_provided(row.created_by)
+    joined = row.has_password or row.name == LOCAL or provided
     state = "disabled" if row.disabled is not None else "active" if joined else "invited"
-    return User.model_validate({**row.__dict__, "state": state, "fixed": row.name == LOCAL})
+    shown = {**row.__dict__, "created_by": PROVIDER if provided else row.created_by, "provided": provided}
+    return User.model_validate({**shown, "state": state, "fixed": row.name == LOCAL})

@@ -223,7 +223,9 @@ def test_headers_that_are_given_are_documented(client: httpx.Client) -> None:
     assert queued.headers["location"].endswith(queued.json()["id"])
     for path, method, operation in OPERATIONS:
         if "/exports/" in path:
-            answer = client.request(method, path.replace("{run}", "R-0001").replace("{flight}", "F1"))
+            answer = client.request(
+                method, path.replace("{run}", "R-0001").replace("{flight}", "F1").replace("{finding}", "F1")
+            )
             assert answer.status_code == 200
             assert answer.headers["etag"]
             held(answer, operation)

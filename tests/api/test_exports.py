@@ -48,10 +48,13 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str) ->
         "safety-case-report.pdf",
         "run.json",
         "evaluations.csv",
+        "evaluations.parquet",
         "findings.csv",
         "traces.csv",
         "traces.mat",
+        "traces.mcap",
         "worst-case.svg",
+        "capsule-F1.zip",
         "flight-F1.html",
     )
     assert [file["name"] for file in listed] == [f"R-0001-unicycle-past-a-pillar-{file}" for file in kinds]

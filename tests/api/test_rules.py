@@ -200,6 +200,7 @@ def test_only_health_the_schema_and_signing_in_are_open() -> None:
             "GET /invite",
             "POST /invite",
         ),
+        *("GET /login/provider", "GET /login/provider/return"),
     }
 
 

@@ -186,7 +186,7 @@ class TestEveryRoute:
         paths = [path for path, asked in described.items() if "{run}" in path and "get" in asked]
         assert len(paths) > 15
         for path in {*paths, *WITHOUT_A_TRACE}:
-            place = path.format(run=run, name="F1", flight="F1", key=KEY)
+            place = path.format(run=run, name="F1", flight="F1", finding="F1", key=KEY)
             asked = {"evaluations": {"stage": "2"}, "code": {"against": run}}.get(path.rpartition("/")[2])
             answer = client.get(place, params=asked)
             if path in WITHOUT_A_TRACE:

@@ -54,11 +54,11 @@ def served(data: Path, catalogue: dict[str, Any] | None = None) -> Iterator[Serv
 
 
 @contextmanager
-def opened(data: Path) -> Iterator[Service]:
-    """A running service on a folder with a database."""
-    settings = Settings(data=data, pages=Settings.load().pages)
+def opened(data: Path, **given: Any) -> Iterator[Service]:
+    """A running service on a folder with a database. given: more settings."""
+    settings = Settings(data=data, pages=Settings.load().pages, **given)
     assert (settings.pages / "index.html").is_file(), "the pages are not built: make install"
-    service = Service(settings)
+    service = Service(settings, given.get("port", 0))
     service.app.state.live = live = Live(first_limit=120.0)  # it waits while a cold cache compiles
     service.start()
     try:

@@ -210,8 +210,9 @@ def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_pa
     _, printed = result(capsys, file(asked), "--out", str(folder))
     assert {p.name for p in folder.iterdir()} == {
         "result.json", "campaign.json", "evaluations.csv", "evaluations.npz", "evidence.json", "trace-nominal.csv",
-        "trace-F1.csv",
+        "trace-F1.csv", "capsule-F1.zip",
     }  # fmt: skip
+    assert invoke(["replay", str(folder / "capsule-F1.zip")]) == 0
     assert json.loads((folder / "result.json").read_text()) == printed
     assert load_file(folder / "campaign.json").digest == asked.digest
     with (folder / "evaluations.csv").open(newline="") as lines:

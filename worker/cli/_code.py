@@ -135,6 +135,15 @@ def _inline(campaign: Campaign) -> InlineProgram | None:
     return described if isinstance(described, InlineProgram) else None
 
 
+def program_of(campaign: Campaign) -> JsonObject | None:
+    """The program that the campaign file gave, for a capsule; None if it gave none."""
+    known = _inline(campaign)
+    if known is None:
+        return None
+    descriptor = known.descriptor.model_dump(mode="json", exclude_unset=True)
+    return {"descriptor": descriptor, "file": known.file, "folder": str(known.folder)}
+
+
 def write_description(folder: Path, campaign: Campaign) -> None:
     """Write what the campaign file gave as simulator.yaml, with which it can be installed; nothing else is written."""
     import yaml

@@ -1,4 +1,4 @@
-"""`clearance replay RUN [CASE ...]`: evaluates findings or evaluations of a stored run again, and compares the costs.
+"""`clearance replay RUN|FILE [CASE ...]`: evaluates findings or evaluations again, and compares the costs.
 
 The exit code is 0 only if all of them agree: to the bit on a machine of the same kind, within 1e-9 on another; 1 if
 one does not; 3 if there is nothing to compare. The comparison is `worker.runs.replay`.
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from worker.cli import VIOLATED, WrongInputError
+from worker.cli._capsule import changed, described, is_capsule, of_capsule, sentence
 from worker.cli._where import DATA, Data, Database, loaded_run
 
 if TYPE_CHECKING:
@@ -25,7 +26,10 @@ if TYPE_CHECKING:
 
 
 def replay(
-    run: Annotated[str, typer.Argument(help="The folder of a `run --out`, or the id of a stored run, such as R-0001.")],
+    run: Annotated[
+        str,
+        typer.Argument(help="The folder of a `run --out`, the id of a stored run (R-0001), or the file of a capsule."),
+    ],
     case: Annotated[
         list[str] | None,
         typer.Argument(
@@ -37,15 +41,24 @@ def replay(
     as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
     data: Data = DATA,
     database: Database = "",
+    allow_code: Annotated[
+        bool,
+        typer.Option(
+            "--allow-code",
+            help="Permit the command of a simulator that a capsule contains, which runs any program as you: only for "
+            "files that you trust. Without it nothing of a capsule is executed.",
+        ),
+    ] = False,
 ) -> None:
-    """Evaluate findings or evaluations of a stored run again and compare the costs with the stored ones.
+    """Evaluate findings or evaluations of a stored run or a capsule again and compare the costs with the stored ones.
 
     On a machine of the kind that made the run the costs must have the same bits; on another they may differ by 1e-9.
     """
     from worker.runs import sources as sources  # first: it records the files before they are loaded
     from worker.runs.replay import UnknownCase, agrees, cases, replayed
 
-    recorded = loaded_run(run, data, database, of_folder, of_database)
+    capsule = of_capsule(Path(run), allow_code) if is_capsule(run) else None
+    recorded = loaded_run(run, data, database, of_folder, of_database) if capsule is None else capsule.recorded
     problem = _opened(run, recorded)
     with closing(problem.system):
         others, elsewhere = _compared(recorded, problem)
@@ -55,12 +68,16 @@ def replay(
             raise WrongInputError(f"{run} cannot be replayed: {error}") from None
         noise = _noise(recorded, problem)
     well = [agrees(one, not (others or elsewhere)) for one in found]
+    apart = [] if capsule is None else changed(capsule)
     if as_json:
         listed = [_described(one, problem) | {"agrees": fine} for one, fine in zip(found, well, strict=True)]
-        typer.echo(json.dumps({"run": run, "agrees": all(well), "differences": others + elsewhere, "cases": listed}))
+        said = {"run": run, "agrees": all(well), "differences": others + elsewhere, "cases": listed}
+        typer.echo(json.dumps(said if capsule is None else said | described(capsule, apart)))
     else:
         for one in found:
             typer.echo(_line(one, problem))
+        if capsule is not None:
+            typer.echo(sentence(capsule, apart))
         typer.echo(_closing(well, others, elsewhere, noise))
     raise typer.Exit(0 if all(well) else VIOLATED)
 

@@ -87,10 +87,12 @@ def run(
     result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {}) | code.stated(campaign)
     result |= ({"labels": given.labels} if given.labels else {}) | ({"baseline": note} if note else {})
     if out is not None:
+        from worker.cli._capsule import write_capsules
         from worker.cli._results import write_evidence, write_results
 
         write_results(out, campaign, store, result)
         write_evidence(out, campaign, store)
+        write_capsules(out, campaign, store, code.program_of(campaign))
         code.write_description(out, campaign)
     if as_json:
         typer.echo(json.dumps(result, indent=2, allow_nan=False))

@@ -120,12 +120,12 @@ def _between(time: float, times: Floats, rows: Floats) -> Floats:
     return np.array([np.interp(time, times, rows[:, k]) for k in range(rows.shape[1])])
 
 
-def from_stored(row: Any) -> Flight | None:
-    """The flight of a row of the traces table."""
+def from_stored(row: Any, most: int = ROWS) -> Flight | None:
+    """The flight of a row of the traces table, thinned to `most` rows."""
     data = results.table(row)
     with readable("a flight of this run"):
         head, described = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
-    chosen = thin.around(len(data), ROWS, results.closest_row(head, described, data))
+    chosen = thin.around(len(data), most, results.closest_row(head, described, data))
     columns = {column.name: data[chosen, k] for k, column in enumerate(described)}
     return _flight(described, columns, head)
 

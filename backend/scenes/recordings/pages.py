@@ -23,6 +23,7 @@ from backend.db.tables import CatalogueDocument, Finding
 from backend.http.capacity import Capacity, Gone
 from backend.http.errors import RefusedError, not_found
 from backend.http.naming import named
+from backend.http.root import at
 from backend.results import service as results
 from backend.runs.service import number, summary
 from backend.scenes.base import setting
@@ -142,7 +143,7 @@ def _costs(reader: sa.Connection, run_id: int, nominal: float | None) -> dict[st
 @router.get("/view/{run}/{flight}/recorded")
 def recorded_without_slash(run: str, flight: str, request: Request) -> Response:
     """Redirect to the canonical address, which ends in a slash."""
-    return RedirectResponse(f"{request.url.path}/", 308)
+    return RedirectResponse(at(f"{request.url.path}/"), 308)
 
 
 @router.get("/view/{run}/{flight}/recorded/{rest:path}")

@@ -11,6 +11,7 @@ import { Loading, Trouble } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import { CopyButton } from '../ui/files'
 import { AccessFrame } from './AccessFrame'
+import { at } from '../format/root'
 import styles from './access.module.css'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
@@ -35,7 +36,7 @@ export function AuditPage() {
       title="Audit trail"
       actions={
         first && (
-          <a className={buttons.btn} href="/api/v1/audit/export" download="clearance-audit.jsonl">
+          <a className={buttons.btn} href={at('/api/v1/audit/export')} download="clearance-audit.jsonl">
             <IconDownload className="i s" aria-hidden /> Export as JSON lines
           </a>
         )

@@ -8,6 +8,7 @@ import type { Invitation } from '../client'
 import { moment } from '../format/time'
 import { isLocal } from './hosts'
 import { Secret } from './Secret'
+import { ROOT } from '../format/root'
 import styles from './access.module.css'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
@@ -64,7 +65,7 @@ export function InviteForm({ onDone }: { onDone: () => void }) {
 }
 
 export function InvitationLink({ invitation, onDone }: { invitation: Invitation; onDone: () => void }) {
-  const link = (invitation.address ?? window.location.origin) + invitation.path
+  const link = (invitation.address ?? window.location.origin + ROOT) + invitation.path
   return (
     <Secret text={link} copy="Copy the link" onDone={onDone}>
       Send this link to {invitation.user}. It is shown only now, can be used once, and is valid until {moment(invitation.expires)}. Opening it

@@ -27,7 +27,7 @@ export function SessionsPage() {
       title="Sessions"
       actions={
         self &&
-        self.via !== 'token' && (
+        self.via !== 'token' && self.via !== 'provider' && (
           <button type="button" className={buttons.btn} onClick={() => setChanging(true)}>
             <IconLock className="i s" aria-hidden /> {word}
           </button>
@@ -83,7 +83,7 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
               <td className="nw" title={session.agent}>{browserOf(session.agent)}</td>
               <td className="sec">{session.address || 'not recorded'}</td>
               <td className="sec nw" title={moment(session.created)}>
-                {when(session.created)}, by {session.via === 'link' ? 'login link' : 'password'}
+                {when(session.created)}, by {{ link: 'login link', password: 'password', provider: 'single sign-on' }[session.via]}
               </td>
               <td className="sec nw">{moment(session.expires)}</td>
               <td className="num">

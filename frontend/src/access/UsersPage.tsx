@@ -110,7 +110,7 @@ function Access({ user }: { user: User }) {
   if (user.state === 'invited') return <span className="sec nw">{link ? <>invited{link}</> : 'invited, the link has expired'}</span>
   return (
     <span className="sec">
-      {user.has_password ? 'password' : 'login link'}
+      {user.provided ? 'single sign-on' : user.has_password ? 'password' : 'login link'}
       {link}
     </span>
   )
@@ -136,7 +136,11 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
         change.mutate({ role })
       }}
     >
-      <RoleChoice value={role} onChange={setRole} />
+      {user.provided ? (
+        <p>The role {user.role} follows this user's groups at the sign-in provider.</p>
+      ) : (
+        <RoleChoice value={role} onChange={setRole} />
+      )}
       <p className="small mut">A change applies at once, to open browsers and API tokens too.</p>
       {error && (
         <p className={fields.ferr} role="alert">
@@ -144,7 +148,7 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
         </p>
       )}
       <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        {!disabled && (
+        {!disabled && !user.provided && (
           <button type="button" className={buttons.btn} disabled={renew.isPending} onClick={() => renew.mutate()}>
             New link
           </button>
@@ -152,9 +156,11 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
         <button type="button" className={clsx(buttons.btn, !disabled && buttons.danger)} disabled={change.isPending} onClick={() => change.mutate({ disabled: !disabled })}>
           {disabled ? 'Grant access again' : 'Withdraw access'}
         </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={change.isPending || role === user.role}>
-          Change the role
-        </button>
+        {!user.provided && (
+          <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={change.isPending || role === user.role}>
+            Change the role
+          </button>
+        )}
       </div>
     </form>
   )

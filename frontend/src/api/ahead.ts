@@ -1,5 +1,6 @@
 // Prefetch: the first requests of the run page and the run list are sent before the code of the page is loaded, so that
 // the service responds while the browser still parses that code. Start reading at `askAhead`.
+import { at, inside } from '../format/root'
 
 /** How long a response counts as fresh, as in the query cache [ms]. */
 const FRESH = 15_000
@@ -10,9 +11,9 @@ let open = true
 
 /** Sends the requests of the page at this address, the most important first. */
 export function askAhead({ pathname, search }: Pick<Location, 'pathname' | 'search'>): void {
-  const run = /^\/runs\/(R-\d+)$/.exec(pathname)?.[1]
+  const run = /^\/runs\/(R-\d+)$/.exec(inside(pathname))?.[1]
   if (run) askRun(`/api/v1/runs/${run}`, new URLSearchParams(search).get('finding') ?? 'F1')
-  else if (pathname === '/runs' && !search) ask('/api/v1/session', '/api/v1/runs?limit=100')
+  else if (inside(pathname) === '/runs' && !search) ask('/api/v1/session', '/api/v1/runs?limit=100')
 }
 
 function askRun(run: string, chosen: string): void {
@@ -29,9 +30,9 @@ function askRun(run: string, chosen: string): void {
 export function fetchOnce(request: Request): Promise<Response> {
   open = false
   const { pathname, search } = new URL(request.url)
-  const found = request.method === 'GET' && asked.get(pathname + search)
+  const found = request.method === 'GET' && asked.get(inside(pathname) + search)
   if (!found) return fetch(request)
-  asked.delete(pathname + search)
+  asked.delete(inside(pathname) + search)
   return found
 }
 
@@ -39,7 +40,7 @@ function ask(...urls: string[]): void {
   if (!open) return
   for (const url of urls) {
     const end = new AbortController()
-    const answer = fetch(url, { signal: end.signal })
+    const answer = fetch(at(url), { signal: end.signal })
     // A failure is reported to the consumer; without one it is ignored.
     answer.catch(() => undefined)
     asked.set(url, answer)

@@ -44,13 +44,14 @@ import type {
   Workers,
 } from '../client'
 import * as sdk from '../client'
+import { ROOT } from '../format/root'
 import { client } from '../client/client.gen'
 import { fetchOnce } from './ahead'
 import type { Campaign } from './campaign'
 import { refusalOf } from './problems'
 import { pulse } from './pulse'
 
-client.setConfig({ baseUrl: '', fetch: (request) => pulse.follow(fetchOnce(request as Request)) })
+client.setConfig({ baseUrl: ROOT, fetch: (request) => pulse.follow(fetchOnce(request as Request)) })
 
 interface Answer<T> {
   data?: T

@@ -7,6 +7,7 @@ import type { EvaluationSeries, Evaluations, RunDetail, RunPage, RunSummary, Sta
 import { refreshRuns } from './lists'
 import { pulse } from './pulse'
 import { isLive } from './queries'
+import { at } from '../format/root'
 
 const FLUSH = 250
 
@@ -77,7 +78,7 @@ function useSource(run: string | null, on: boolean): void {
     const open = () => {
       streams++
       set('connecting')
-      source = new EventSource(`/api/v1/events${run ? `?run=${encodeURIComponent(run)}` : ''}`)
+      source = new EventSource(at(`/api/v1/events${run ? `?run=${encodeURIComponent(run)}` : ''}`))
       source.addEventListener('open', () => set('open'))
       source.addEventListener('error', () => set('connecting'))
       source.addEventListener('run', (event) => later(event, (data: RunSummary) => putRun(cache, data)))

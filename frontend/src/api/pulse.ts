@@ -1,6 +1,7 @@
 // Whether the service answers. Every answer and event is a sign of life; without one the service is asked, and after 3 s
 // without an answer all pages say so, until it answers again. Start reading at `Pulse`.
 import { useSyncExternalStore } from 'react'
+import { at } from '../format/root'
 
 /** Time without an answer after which it is reported [ms]. */
 export const PATIENCE = 3000
@@ -94,6 +95,6 @@ export class Pulse {
 }
 
 /** Of this tab. Any answer counts, also a refusal. */
-export const pulse = new Pulse((signal) => fetch('/api/v1/health', { signal, cache: 'no-store' }))
+export const pulse = new Pulse((signal) => fetch(at('/api/v1/health'), { signal, cache: 'no-store' }))
 
 export const useContact = (): Contact => useSyncExternalStore(pulse.subscribe, () => pulse.contact)

@@ -145,7 +145,7 @@ function Session() {
       </Menu.Target>
       <Menu.Dropdown>
         <Menu.Label>
-          Signed in as {data.user} by {{ link: 'login link', password: 'password', token: 'token' }[data.via]}, role {data.role}
+          Signed in as {data.user} by {{ link: 'login link', password: 'password', provider: 'single sign-on', token: 'token' }[data.via]}, role {data.role}
         </Menu.Label>
         <NotifyMine />
         <Menu.Item leftSection={<IconApi className="i s" />} component={Link} to="/docs">

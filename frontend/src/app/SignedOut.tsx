@@ -2,6 +2,7 @@
 import { clsx } from 'clsx'
 import { useEffect } from 'react'
 import { BrandMark } from './Brand'
+import { at } from '../format/root'
 import cards from '../ui/cards.module.css'
 import styles from './app.module.css'
 
@@ -10,7 +11,7 @@ export function SignedOut() {
     document.title = 'Sign in · Clearance'
   }, [])
   // A link of the service, not of these pages: it shows the form for a password, and leads back here.
-  const back = `/login?next=${encodeURIComponent(window.location.pathname + window.location.search)}`
+  const back = `${at('/login')}?next=${encodeURIComponent(window.location.pathname + window.location.search)}`
   return (
     <main className={clsx(styles.main, styles.signin)}>
       <div className={cards.card}>
@@ -25,7 +26,7 @@ export function SignedOut() {
         </p>
         <pre className="mono">clearance login-link</pre>
         <p>
-          With a name and a password: <a href={back}>sign in</a>.
+          With a name and a password, or through your provider: <a href={back}>sign in</a>.
         </p>
         <p className="small mut">Programs use an API token instead, created with clearance token create NAME.</p>
       </div>

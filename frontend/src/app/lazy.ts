@@ -1,4 +1,5 @@
 // The pages' code, split by page; the code for an address can be requested before the router runs.
+import { inside } from '../format/root'
 
 export const lazy = {
   runs: () => import('../runs/RunsPage'),
@@ -24,7 +25,8 @@ export const lazy = {
 }
 
 /** The code of the page at an address, for the most frequent pages. */
-export function pageAt(path: string): (() => Promise<unknown>) | undefined {
+export function pageAt(address: string): (() => Promise<unknown>) | undefined {
+  const path = inside(address)
   if (/^\/runs\/[^/]+\/flight\/?$/.test(path)) return lazy.flight
   if (path.startsWith('/runs/')) return lazy.run
   return { '/': lazy.runs, '/runs': lazy.runs, '/launch': lazy.launch, '/compare': lazy.compare }[path]

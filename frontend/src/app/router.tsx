@@ -11,6 +11,7 @@ import { onlyKnown, parseSearch, stringifySearch } from './address'
 import { lazy } from './lazy'
 import { Shell } from './Shell'
 import { Loading, NotFound, Trouble } from '../page/Trouble'
+import { ROOT } from '../format/root'
 
 const root = createRootRoute({ component: Shell, notFoundComponent: NotFound })
 
@@ -179,6 +180,7 @@ const audit = createRoute({
 })
 
 export const router = createRouter({
+  basepath: ROOT || '/',
   routeTree: root.addChildren([start, runs, launch, run.addChildren([runPage, flight]), docs, verdicts, evidence, methods, components, guide, compare, trends, sweeps, sweep, reports, requirements, users, tokens, sessions, audit]),
   defaultPreload: 'intent',
   parseSearch,

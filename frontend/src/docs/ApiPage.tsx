@@ -6,6 +6,7 @@ import { useTitle } from '../page/useTitle'
 import { CopyButton } from '../ui/files'
 import { OperationCard } from './OperationCard'
 import { type OpenApi, operationsOf } from './openapi'
+import { at, ROOT } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import guide from '../ui/guide.module.css'
@@ -22,7 +23,7 @@ export function ApiPage() {
 
 function Page({ document }: { document: OpenApi }) {
   const groups = operationsOf(document)
-  const access = `export CLEARANCE_SERVICE=${location.origin}\nexport CLEARANCE_TOKEN=…`
+  const access = `export CLEARANCE_SERVICE=${location.origin}${ROOT}\nexport CLEARANCE_TOKEN=…`
   const first = `${access}\ncurl -H "Authorization: Bearer $CLEARANCE_TOKEN" "$CLEARANCE_SERVICE/api/v1/runs?limit=5"`
   return (
     <div className={guide.doc}>
@@ -52,7 +53,7 @@ function Page({ document }: { document: OpenApi }) {
             </p>
           </div>
           <div className={layout.acts}>
-            <a className={buttons.btn} href="/api/v1/openapi.json" target="_blank" rel="noreferrer">
+            <a className={buttons.btn} href={at('/api/v1/openapi.json')} target="_blank" rel="noreferrer">
               OpenAPI document
             </a>
           </div>

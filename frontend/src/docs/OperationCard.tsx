@@ -7,6 +7,7 @@ import { duration } from '../format/numbers'
 import { Snippet } from './ApiPage'
 import { addressOf, curlOf, limitsOf, type Operation, type Schema, typeOf } from './openapi'
 import { Shape } from './Shape'
+import { ROOT } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import fields from '../ui/fields.module.css'
@@ -79,7 +80,7 @@ export function OperationCard({ operation, schemas }: OperationProps) {
             <Shape key={status + type} title={`Answer ${status}${type ? `, ${type}` : ''}`} schema={schema} schemas={schemas} />
           )),
         )}
-        <Snippet text={curlOf(operation, location.origin, values)} />
+        <Snippet text={curlOf(operation, location.origin + ROOT, values)} />
         {method === 'get' && !path.endsWith('/events') && <Trial operation={operation} values={values} />}
       </div>
     </section>

@@ -1,6 +1,6 @@
 // The Export menu of a run's page: all export files, saved by the browser as they stream.
 import { Menu } from '@mantine/core'
-import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconTable } from '@tabler/icons-react'
+import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconPackage, IconPlane, IconTable } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getExports, getFile } from '../api/calls'
@@ -8,6 +8,7 @@ import { asCampaign, caseWord } from '../api/campaign'
 import type { ExportFile, RunDetail } from '../client'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
+import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 
 /** The address of a recording, and its flight. */
@@ -26,7 +27,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
   return (
     <>
       {run.verdict && (
-        <a className={buttons.btn} href={`/api/v1/runs/${run.id}/report.html`} target="_blank" rel="noreferrer">
+        <a className={buttons.btn} href={at(`/api/v1/runs/${run.id}/report.html`)} target="_blank" rel="noreferrer">
           <IconFileText className="i s" aria-hidden />
           Safety-case report
         </a>
@@ -83,6 +84,9 @@ const ICONS: Record<string, typeof IconTable> = {
   'application/json': IconBraces,
   'text/csv': IconTable,
   'application/x-matlab-data': IconMatrix,
+  'application/x-mcap': IconPlane,
+  'application/vnd.apache.parquet': IconTable,
+  'application/zip': IconPackage,
 }
 
 function Entry({ file }: { file: ExportFile }) {

@@ -1,16 +1,17 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
 import { clsx } from 'clsx'
 import { Menu } from '@mantine/core'
-import { IconCheck, IconCopy, IconDownload, IconPlayerPlay } from '@tabler/icons-react'
+import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '@tabler/icons-react'
 import { useState } from 'react'
 import type { Theme } from '../theme/useTheme'
 import { useTheme } from '../theme/useTheme'
+import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 
 /** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
 export const recordedAt = (run: string, flight: string, theme: Theme) => ({
-  page: `/view/${run}/${flight}/recorded/${theme === 'dark' ? 'dark/' : ''}`,
-  file: `/api/v1/runs/${run}/exports/flight-${flight}.html?theme=${theme}`,
+  page: at(`/view/${run}/${flight}/recorded/${theme === 'dark' ? 'dark/' : ''}`),
+  file: at(`/api/v1/runs/${run}/exports/flight-${flight}.html?theme=${theme}`),
 })
 
 interface Props {
@@ -31,6 +32,7 @@ export function RecordingMenu(props: Props) {
       </Menu.Target>
       <Menu.Dropdown>
         <RecordingEntries {...props} />
+        {props.flight !== 'nominal' && <CapsuleEntry {...props} />}
       </Menu.Dropdown>
     </Menu>
   )
@@ -50,6 +52,23 @@ export function RecordingEntries({ run, flight, one }: Props) {
         </span>
       </Menu.Item>
     </>
+  )
+}
+
+/** What evaluates the finding again elsewhere. */
+function CapsuleEntry({ run, flight }: Props) {
+  return (
+    <Menu.Item
+      component="a"
+      href={at(`/api/v1/runs/${run}/exports/capsule-${flight}.zip`)}
+      download
+      leftSection={<IconPackage className="i s" aria-hidden />}
+    >
+      <span className="b">Capsule of {flight}</span>
+      <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }}>
+        Evaluated again with clearance replay FILE, without a service
+      </span>
+    </Menu.Item>
   )
 }
 

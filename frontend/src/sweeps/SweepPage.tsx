@@ -18,6 +18,7 @@ import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from '..
 import { Card, NumHead } from '../ui/Card'
 import { usePolling } from '../ui/usePolling'
 import { activeOf, saidOf, valueText } from './states'
+import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
@@ -64,7 +65,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
           <Link to="/sweeps" className={buttons.btn}>
             All sweeps
           </Link>
-          <a className={buttons.btn} href={`/api/v1/sweeps/${sweep.id}/table.csv`} download>
+          <a className={buttons.btn} href={at(`/api/v1/sweeps/${sweep.id}/table.csv`)} download>
             <IconDownload className="i s" aria-hidden /> CSV
           </a>
           {activeOf(sweep.states) > 0 && <Cancel sweep={sweep} />}

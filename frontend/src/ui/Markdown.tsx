@@ -3,6 +3,7 @@
 import { clsx } from 'clsx'
 import { marked, type Token, type Tokens } from 'marked'
 import { Fragment, type ReactNode, useMemo } from 'react'
+import { at } from '../format/root'
 import fields from './fields.module.css'
 import layout from './layout.module.css'
 import prose from './prose.module.css'
@@ -123,7 +124,7 @@ export const isSafe = (href: string): boolean => /^(https?:\/\/|mailto:|\/(?!\/)
 function link(token: Tokens.Link): ReactNode {
   if (!isSafe(token.href)) return token.raw
   return (
-    <a href={token.href} rel="noreferrer" target={/^(\/|#)/.test(token.href) ? undefined : '_blank'}>
+    <a href={token.href.startsWith('/') ? at(token.href) : token.href} rel="noreferrer" target={/^(\/|#)/.test(token.href) ? undefined : '_blank'}>
       {inlines(token)}
     </a>
   )

@@ -1,5 +1,6 @@
 // Changes and addresses of a 3D view, as functions of its state. Start reading at `merged`.
 import type { ViewChange, ViewState } from '../../client'
+import { at } from '../../format/root'
 
 export type Camera = NonNullable<ViewState['camera']>
 export const CAMERAS: readonly Camera[] = ['overview', 'encounter', 'top', 'side', 'chase', 'intruder']
@@ -56,5 +57,5 @@ export function uuid(): string {
 /** The address of a view: its state is in the fragment, so that all views of a run share one cached page. */
 export function addressOf(run: string, { flight, theme }: Wanted, { time, camera }: Place, key: string): string {
   const parts = [flight, ...(time === undefined ? [] : ['t', String(time)]), ...(camera ? ['cam', camera] : []), theme]
-  return `/view/${run}/#${[...parts, 'key', key].join('/')}/`
+  return at(`/view/${run}/#${[...parts, 'key', key].join('/')}/`)
 }

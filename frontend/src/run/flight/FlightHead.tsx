@@ -21,6 +21,7 @@ import type { View } from './view'
 import type { Camera, Place } from '../data/viewChange'
 import { type ChosenSearch, NOMINAL } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
+import { ROOT } from '../../format/root'
 import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
@@ -93,7 +94,7 @@ function linkTo(run: string, shown: ViewState, address: ChosenSearch, alone: boo
   if (whatif !== undefined) query.append('whatif', whatif)
   for (const value of set) query.append('set', value)
   if (noise !== undefined) query.append('noise', String(noise))
-  return `${location.origin}/runs/${run}${alone ? '/flight' : ''}?${query.toString().replaceAll('%3A', ':')}`
+  return `${location.origin}${ROOT}/runs/${run}${alone ? '/flight' : ''}?${query.toString().replaceAll('%3A', ':')}`
 }
 
 /** Selects the flight shown with the nominal one. */

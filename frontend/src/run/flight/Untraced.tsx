@@ -6,6 +6,7 @@ import type { RunData } from '../data/data'
 import { sceneOf } from './declared'
 import type { WhatIfState } from './useWhatIf'
 import { WhatIfButton } from './WhatIfButton'
+import { at } from '../../format/root'
 import cards from '../../ui/cards.module.css'
 
 /** The reasons why cases have no trace, by name; the nominal one first. */
@@ -58,7 +59,7 @@ export function Declare() {
     <span>
       For a 3D view, its descriptor or decorator states under <code>scene</code> which columns of the trace are positions, and
       whether z is up or down: see{' '}
-      <a href="/help/guides/your-own-simulator">the guide</a>.
+      <a href={at('/help/guides/your-own-simulator')}>the guide</a>.
     </span>
   )
 }

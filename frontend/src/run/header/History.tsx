@@ -45,7 +45,7 @@ export function History({ run }: { run: string }) {
               <tr key={i}>
                 <td className="sec nw">{moment(entry.at)}</td>
                 <td className="nw">
-                  {entry.user} <span className="mut small">by {entry.via === 'link' ? 'login link' : entry.via}</span>
+                  {entry.user} <span className="mut small">by {{ link: 'login link', provider: 'single sign-on' }[entry.via] ?? entry.via}</span>
                 </td>
                 <td>{saidOf(entry)}</td>
               </tr>

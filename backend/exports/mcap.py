@@ -1,0 +1,147 @@
+"""The stored flights as MCAP with messages of Foxglove: pose, trajectory, scene, separation or signals.
+
+All flights begin at time 0, so that they play side by side. Positions are in the frame `scene`: x to the right (east),
+y ahead (north), z up; bodies have x ahead, y left, z up. Sources: MCAP format specification; Foxglove message schemas.
+Start reading at `traces_mcap`.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sqlalchemy as sa
+
+from backend.exports.messages import SCHEMAS, VALUES, entity, pose, stamped
+from backend.http.errors import RefusedError
+from backend.results import service as results
+from backend.runs import service as runs
+from backend.scenes.base.flight import Flight, from_stored
+from campaigns import thin
+from campaigns.documents import JsonObject
+from campaigns.results import TraceHead
+from campaigns.results.trace import TraceColumn
+from campaigns.version import VERSION
+
+if TYPE_CHECKING:
+    from mcap.writer import Writer
+
+PATH = 2000
+"""Maximum number of poses in the message of a trajectory."""
+
+MISSING = "needs the package mcap: pip install 'clearance[logs]'"
+
+
+def missing() -> str | None:
+    """Why the file cannot be written here; None if it can."""
+    return MISSING if find_spec("mcap") is None else None
+
+
+def traces_mcap(reader: sa.Connection, run_id: int) -> bytes:
+    """All stored flights of a run. Raises 503 if the package is not installed."""
+    if missing():
+        raise RefusedError(503, "no-package", f"the service {MISSING}")
+    from mcap.writer import Writer
+
+    run, buffer = runs.summary(reader, run_id), io.BytesIO()
+    writer = Writer(buffer)
+    writer.start(profile="", library=f"clearance {VERSION}")
+    told = {"run": run.id, "name": run.name, "campaign_digest": run.campaign_digest, "frame": "scene: east, north, up"}
+    writer.add_metadata("clearance", told)
+    output = _Output(writer)
+    for info in results.traces(reader, run_id):
+        row = results.stored(reader, run_id, info.name)
+        output.flight(info.name, row, from_stored(row, most=10**9))
+    writer.finish()  # type: ignore[no-untyped-call]
+    return buffer.getvalue()
+
+
+@dataclass
+class _Output:
+    """The channels of a file, registered when their first message is written."""
+
+    writer: Writer
+    schemas: dict[str, int] = field(default_factory=dict)
+    channels: dict[str, int] = field(default_factory=dict)
+
+    def send(self, topic: str, schema: str, time: float, message: JsonObject) -> None:
+        """Write a message; time [s]."""
+        if topic not in self.channels:
+            if schema not in self.schemas:
+                text = json.dumps(SCHEMAS[schema]).encode()
+                self.schemas[schema] = self.writer.register_schema(schema, "jsonschema", text)
+            self.channels[topic] = self.writer.register_channel(topic, "json", self.schemas[schema])
+        at = round(time * 1e9)
+        data = json.dumps(message, allow_nan=False, separators=(",", ":")).encode()
+        self.writer.add_message(self.channels[topic], at, data, at)
+
+    def flight(self, name: str, row: Any, flight: Flight | None) -> None:
+        """Write one flight; without positions only what it measured."""
+        head, columns = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
+        if flight is not None:
+            self._moving(name, flight, head)
+        self._measured(name, columns, results.table(row))
+
+    def _moving(self, name: str, flight: Flight, head: TraceHead) -> None:
+        start = float(flight.time[0])
+        chosen = thin.around(len(flight.time), PATH, 0)
+        path = [pose(*flight.at(float(flight.time[k]))[:2]) for k in chosen]
+        self.send(f"/{name}/trajectory", "foxglove.PosesInFrame", start, stamped(start, poses=path))
+        fixed = list(_fixed(name, flight, head))
+        if fixed:
+            self.send(f"/{name}/scene", "foxglove.SceneUpdate", start, {"deletions": [], "entities": fixed})
+        for time in map(float, flight.time):
+            position, turn, _ = flight.at(time)
+            self.send(f"/{name}/pose", "foxglove.PoseInFrame", time, stamped(time, pose=pose(position, turn)))
+            moving = [
+                entity(f"{name}/obstacle.{number}", time, flight.obstacle(number, time), _radius(head, number))
+                for number in flight.tracks
+            ]
+            if moving:
+                self.send(f"/{name}/obstacles", "foxglove.SceneUpdate", time, {"deletions": [], "entities": moving})
+
+    def _measured(self, name: str, columns: list[TraceColumn], data: Any) -> None:
+        """The separation, or the signals of a simulator; values that are not finite are null."""
+        clock = next((k for k, column in enumerate(columns) if column.group == "time"), None)
+        if clock is None:
+            return
+        for topic, group in (("separation", "separation"), ("signals", "signal")):
+            chosen = [k for k, column in enumerate(columns) if column.group == group]
+            for row in data if chosen else ():
+                time = float(row[clock])
+                if not math.isfinite(time):
+                    continue
+                values = [
+                    {"name": columns[k].name, "unit": columns[k].unit, "value": _finite(float(row[k]))} for k in chosen
+                ]
+                self.send(f"/{name}/{topic}", VALUES, time, stamped(time, values=values))
+
+
+def _fixed(name: str, flight: Flight, head: TraceHead) -> Iterator[JsonObject]:
+    """The obstacles that do not move, drawn as balls of their radius."""
+    start = float(flight.time[0])
+    placed = [(o.position, o.radius) for o in head.obstacles]
+    if head.scene is not None:
+        placed = [(o.position, o.radius or max([0.0, *(o.size or [])]) / 2) for o in head.scene.obstacles]
+    for number, (position, radius) in enumerate(placed):
+        if number not in flight.tracks:
+            point = np.array([*position, 0.0, 0.0, 0.0][:3], dtype=np.float64)
+            yield entity(f"{name}/obstacle.{number}", start, flight.axes.drawn(point), float(radius))
+
+
+def _radius(head: TraceHead, number: int) -> float:
+    """The radius of a moving obstacle or body [m]; 0 if it has none."""
+    if head.scene is not None:
+        body = number - len(head.scene.obstacles)
+        return head.scene.bodies[body].radius if 0 <= body < len(head.scene.bodies) else 0.0
+    return head.obstacles[number].radius if number < len(head.obstacles) else 0.0
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,101 @@
+"""The settings of the sign-in provider, checked at start. Start reading at `configured`."""
+
+from __future__ import annotations
+
+import ipaddress
+import json
+import urllib.parse
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from backend.db.roles import ROLES, Role
+
+LONGEST_SECRET = 4096
+
+PENDING_LIFETIME = 600.0
+"""How long a user may take at the provider [s]."""
+
+
+@dataclass(frozen=True)
+class Configured:
+    """A provider; `issuer` is exactly the `iss` of its tokens."""
+
+    issuer: str
+    client_id: str
+    name: str
+    """What the button says: Sign in with NAME."""
+    redirect: str
+    """The address to which the provider returns; it is derived from the public address, never from a request."""
+    secret: str = field(repr=False)
+    """Empty: a public client, protected by PKCE only."""
+    scopes: str
+    groups_claim: str
+    roles: Mapping[str, Role]
+    default_role: Role | None
+
+    def role_of(self, groups: Sequence[str]) -> Role | None:
+        """The highest role of the groups, else the default; None: no access."""
+        found = [self.roles[group] for group in groups if group in self.roles]
+        return max(found, key=ROLES.index) if found else self.default_role
+
+
+def secret_of(given: str, file: Path | None) -> str:
+    """The client's secret from the environment or a file. Raises `ValueError`."""
+    if file is None:
+        return given
+    if given:
+        raise ValueError("give the client secret in CLEARANCE_OIDC_CLIENT_SECRET or in a file, not both")
+    try:
+        text = file.read_text(encoding="utf-8").strip()
+    except (OSError, UnicodeError) as error:
+        raise ValueError(f"CLEARANCE_OIDC_CLIENT_SECRET_FILE cannot be read: {error}") from None
+    if not text or len(text) > LONGEST_SECRET:
+        raise ValueError(f"CLEARANCE_OIDC_CLIENT_SECRET_FILE must contain 1 to {LONGEST_SECRET} characters")
+    return text
+
+
+def roles_of(text: str) -> dict[str, Role]:
+    """The roles by group, from a JSON object. Raises `ValueError`."""
+    try:
+        given = json.loads(text or "{}")
+    except ValueError:
+        given = None
+    if not isinstance(given, dict) or not all(role in ROLES for role in given.values()):
+        allowed = ", ".join(ROLES)
+        raise ValueError(
+            f"CLEARANCE_OIDC_ROLES must be a JSON object of groups and roles ({allowed}), such as "
+            f'{{"safety-engineers": "engineer"}}, given {text[:200]!r}'
+        )
+    return given
+
+
+def default_of(text: str) -> Role | None:
+    """The role of a user whose groups have none; None: such a user is refused. Raises `ValueError`."""
+    for role in ROLES:
+        if role == text:
+            return role
+    if text:
+        raise ValueError(f"CLEARANCE_OIDC_DEFAULT_ROLE must be empty or one of {', '.join(ROLES)}, given {text[:60]!r}")
+    return None
+
+
+def safe_address(address: str) -> bool:
+    """Whether an address of a provider is encrypted, or on this machine."""
+    try:
+        parsed = urllib.parse.urlsplit(address)
+        host = parsed.hostname or ""
+    except ValueError:
+        return False
+    if parsed.username or parsed.fragment or not host:
+        return False
+    return parsed.scheme == "https" or (parsed.scheme == "http" and _loopback(host))
+
+
+def _loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False

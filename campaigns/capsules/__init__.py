@@ -1,0 +1,1 @@
+"""Capsules: one file with one finding, and everything that evaluating it again needs."""

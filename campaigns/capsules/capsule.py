@@ -1,0 +1,99 @@
+"""The content of a capsule: a finding with its campaign, components, versions, trajectories and digests.
+
+Nothing in it is executed when it is read or replayed: texts of components are evidence, and the finding is evaluated
+again by the components of the installation. Start reading at `Capsule`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from campaigns.asked.load import load_document
+from campaigns.asked.spec import Campaign
+from campaigns.catalogue import Catalogue
+from campaigns.documents import JsonObject
+from campaigns.results import Finding, TraceHead
+from campaigns.results.nominal import Measured
+from campaigns.results.trace import TraceColumn
+from campaigns.versions import Versions
+
+FORMAT = "clearance-capsule/1"
+
+Floats = NDArray[np.float64]
+
+
+class Part(BaseModel):
+    """A part of the document; unknown keys are refused, so that nothing unread can be taken for evidence."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Origin(Part):
+    """The run that the finding is of."""
+
+    run: str
+    """R-0001, or empty for a run without a service."""
+    name: str
+    verdict: str
+    sentence: str
+    results: str
+    """Digest of the run's results, as sign-offs and reports state it; empty without a service."""
+
+
+class Trajectory(Part):
+    """A trace without its data, which is in the file NAME.npy, (rows, columns)."""
+
+    name: str
+    columns: list[TraceColumn]
+    head: TraceHead
+
+
+class Capsule(Part):
+    """The document capsule.json."""
+
+    format: Literal["clearance-capsule/1"]
+    made_by: str
+    """Version of Clearance."""
+    origin: Origin
+    campaign: JsonObject
+    campaign_digest: str
+    finding: Finding
+    versions: Versions
+    modules: dict[str, str]
+    """The digest of each module of the code that ran the run; empty if not stored."""
+    components: JsonObject | None
+    """The descriptions of components and methods as of the run: texts, equations, units, limits; null if not stored."""
+    components_digest: str
+    measured: Measured | None
+    """Whether a simulator repeated."""
+    program: JsonObject | None
+    """The command of a simulator, if the campaign file gave it: code, which is used only if that is permitted."""
+    trajectories: list[Trajectory]
+    files: dict[str, str]
+    """SHA-256 of every other file in the capsule."""
+    digest: str
+    """SHA-256 of this document without this key, as canonical JSON."""
+
+    @property
+    def asked(self) -> Campaign:
+        """The campaign; raises `CampaignError`."""
+        return load_document(self.campaign, "the campaign of the capsule")
+
+    @property
+    def described(self) -> Catalogue | None:
+        """The descriptions of the components."""
+        return None if self.components is None else Catalogue.model_validate(self.components)
+
+
+def digest_of(document: Mapping[str, Any]) -> str:
+    """SHA-256 of a document without its digest, 64 hexadecimal digits."""
+    content = {name: value for name, value in document.items() if name != "digest"}
+    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
+    return hashlib.sha256(canonical.encode("utf-8", "surrogatepass")).hexdigest()

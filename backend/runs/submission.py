@@ -45,8 +45,9 @@ class Submission:
 
 def from_yaml(body: bytes, asked: Asked) -> Submission:
     """A submission whose body is the campaign itself."""
+    campaign = bodies.yaml_campaign(body)  # first: text that is a campaign can be stored
     given = asked.with_body(RunSubmit(campaign={}, text=bodies.text(body)))
-    return _submission(bodies.yaml_campaign(body), given, asked.digest(body))
+    return _submission(campaign, given, asked.digest(body))
 
 
 def from_json(body: bytes, given: RunSubmit, asked: Asked) -> Submission:

@@ -66,10 +66,30 @@ def test_a_long_text_is_read_or_refused_soon(name: str) -> None:
 
 
 def test_too_many_values_are_refused_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "more than 200,000 values" in told(LARGE["yaml list"])
+    assert "more than 100,000 values" in told(LARGE["yaml list"])
     monkeypatch.setattr(reading, "MOST_VALUES", 1000)
     assert "line 1, column 1999: not readable as YAML: more than" in told("a: [" + "1," * 998 + "]")
     assert len(parse("a: [" + "1," * 997 + "]")["a"]) == 997
+
+
+@pytest.mark.parametrize("piece", ["[[]]", '{"":0}'])
+def test_too_many_lists_are_refused_before_their_places_are_noted(piece: str) -> None:
+    text = f'{{"name": [{",".join([piece] * 160_000)}]}}'
+    tracemalloc.start()
+    try:
+        with pytest.raises(CampaignError, match="more than 150,000 lists and mappings: shorten the campaign"):
+            load_document(json.loads(text))
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 100_000_000
+
+
+def test_of_very_many_unreadable_texts_only_the_first_are_described() -> None:
+    with pytest.raises(CampaignError) as caught:
+        load_document({"name": ["\ud800"] * 100_000})
+    assert len(caught.value.problems) == 50
+    assert caught.value.problems[-1].message == "and more problems; correct these first"
 
 
 def test_as_many_starts_as_a_campaign_can_have_are_read() -> None:

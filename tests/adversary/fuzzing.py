@@ -1,7 +1,7 @@
 """Sends mutated campaign documents through the doors of the service, and measures each; a process of its own.
 
-`python -m tests.adversary.fuzzing CATALOGUE FIRST COUNT` prints one JSON object. CATALOGUE is a file with the catalogue as
-a worker publishes it: like the service, this process imports no physics, so its memory is that of the service. Start
+`python -m tests.adversary.fuzzing CATALOGUE FIRST COUNT` prints one JSON object. CATALOGUE is a file with the catalogue
+as a worker publishes it: like the service, this process imports no physics, so its memory is that of the service. Start
 reading at `measured`.
 """
 
@@ -23,7 +23,6 @@ import sqlalchemy as sa
 
 from backend.catalog import service
 from backend.catalog.endpoints import given
-from backend.db import users
 from backend.db.access import LOCAL, Visitor
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.tables import CatalogueDocument
@@ -134,7 +133,6 @@ def main(catalogue: Path, first: int, count: int) -> None:
         values = {"id": 1, "document": document, "published": 1.0, "code": "0" * 64}
         with engine.begin() as writer:
             writer.execute(sa.insert(CatalogueDocument).values(**values))
-            users.role_of(writer, LOCAL)
         json.dump(measured(engine, first, count), sys.stdout)
         engine.dispose()
 

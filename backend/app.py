@@ -14,6 +14,7 @@ from backend import openapi
 from backend.access import routes
 from backend.access.auth import Guard
 from backend.access.door import Door
+from backend.access.rates import Rates
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
@@ -30,12 +31,14 @@ from backend.http.capacity import Capacities
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
 from backend.middleware.heads import Heads
+from backend.middleware.hosts import Hosts
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.proposals import endpoints as proposals
 from backend.reports import endpoints as reports
 from backend.results import endpoints as results
 from backend.runs import endpoints as runs
+from backend.runs.quota import Quota
 from backend.scenes import endpoints as scenes
 from backend.scenes.control import channel as views
 from backend.scenes.control.viewers import Viewers
@@ -70,6 +73,8 @@ def create(settings: Settings) -> FastAPI:
     """The application on the settings' database, which must be migrated (`backend.db.engine.migrate`)."""
     engine = connect(settings.database_url)
     hub, live, door, capacities = Hub(engine), Live(), Door(settings.database_url, settings.cookie), Capacities()
+    rates = Rates(settings.max_requests_per_minute)
+    hosts = Hosts(settings.host, settings.public_url, settings.allowed_hosts, settings.allow_any_host)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -89,11 +94,11 @@ def create(settings: Settings) -> FastAPI:
         summary="Finds the worst case of an obstacle-avoidance system before the world does.",
         lifespan=lifespan,
         middleware=[
-            Middleware(Frame),
-            Middleware(Edge),
+            Middleware(Frame, encrypted=settings.encrypted),
+            Middleware(Edge, hosts=hosts),
             Middleware(Heads),
             Middleware(GZipMiddleware, compresslevel=PACKED, exclude_content_types=UNPACKED),
-            Middleware(Guard, door=door, most=settings.max_requests_each),
+            Middleware(Guard, door=door, most=settings.max_requests_each, rates=rates),
         ],
         openapi_url=f"{API}/openapi.json",
         docs_url=None,
@@ -107,6 +112,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.lockout, app.state.hashing = Lockout(), Hashing()
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
+    app.state.quota = Quota(settings.max_active_runs_each, settings.max_evaluations_each)
     app.state.readers = bodies.Readers()
     app.state.turns = Turns()
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)

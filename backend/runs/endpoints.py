@@ -74,7 +74,13 @@ Word = Annotated[str, Field(max_length=200)]
     openapi_extra={"requestBody": SUBMIT_BODY},
     responses=LOCATION
     | problems(
-        "unsupported-media-type", "unreadable", "invalid-campaign", "idempotency-key-reused", "no-catalogue", "busy"
+        "unsupported-media-type",
+        "unreadable",
+        "invalid-campaign",
+        "idempotency-key-reused",
+        "no-catalogue",
+        "busy",
+        "quota-reached",
     ),
 )
 async def submit_run(
@@ -84,7 +90,7 @@ async def submit_run(
     yaml = bodies.is_yaml(request)
     body = await request.body()
     given = await bodies.apart(request, lambda: _submission(body, yaml, asked))
-    run = await run_in_threadpool(submission.submit, engine, given, visitor, key)
+    run = await run_in_threadpool(submission.submit, engine, given, visitor, key, request.app.state.quota)
     response.headers["Location"] = f"{request.url.path}/{run.id}"
     return run
 

@@ -15,6 +15,7 @@ from backend.db.tables import IdempotencyKey, RunText
 from backend.http import bodies, keys
 from backend.runs import reuse
 from backend.runs.asked import Asked
+from backend.runs.quota import Quota, refuse_beyond
 from backend.runs.requests import RunSubmit
 from backend.runs.schemas import RunBaseline, RunSubmitted
 from backend.runs.service import baseline, summary
@@ -69,7 +70,7 @@ def _submission(campaign: Campaign, given: RunSubmit, digest: str) -> Submission
     return Submission(campaign, name, tags, given.priority, digest, given.text, *labelled)
 
 
-def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSubmitted:
+def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> RunSubmitted:
     """Queue a run, or return the one queued earlier with the same key; a refused request leaves no row."""
     with read(engine) as reader:
         repeated = _repeated(reader, submission, visitor, key)
@@ -88,6 +89,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         elif reused is not None:
             run_id, at = reused, now(writer)
         else:
+            refuse_beyond(writer, quota, visitor)
             run_id, at = _queue(writer, submission, asked, visitor, catalogue), now(writer)
         if key is not None and repeated is None:
             values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id, "created": at}

@@ -31,12 +31,14 @@ from backend.middleware.frame import LARGEST_BODY
 from backend.runs import submission
 from backend.runs.asked import Asked
 from backend.runs.endpoints import _submission
+from backend.runs.quota import Quota
 from tests.adversary.mutations import document
 
 HANG = 10.0
 """Processor time after which a document is interrupted [s]."""
 
 LARGEST_ANSWER = 100_000
+QUOTA = Quota(10**9, 10**9)
 VISITOR = Visitor("local", "link", account=LOCAL, role="admin")
 
 
@@ -71,7 +73,7 @@ def checked(engine: sa.Engine, content: bytes, yaml: bool) -> bool:
 
 def submitted(engine: sa.Engine, content: bytes, yaml: bool) -> bool:
     """POST /runs: queued."""
-    submission.submit(engine, _submission(content, yaml, Asked({})), VISITOR, None)
+    submission.submit(engine, _submission(content, yaml, Asked({})), VISITOR, None, QUOTA)
     return True
 
 

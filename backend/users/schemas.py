@@ -29,6 +29,8 @@ class User(Schema):
     """The number of browsers that are signed in as this user."""
     fixed: bool
     """Whether role and access cannot be changed: the user of the login link."""
+    etag: str
+    """For `If-Match` when role or access are changed."""
 
 
 class UserInvite(Given):

@@ -47,6 +47,7 @@ from backend.scenes.recordings import pages as recordings
 from backend.sessions import endpoints as sessions
 from backend.sessions import entrance
 from backend.sessions.attempts import Attempts
+from backend.sessions.failures import Failures
 from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout
 from backend.settings import Settings
@@ -81,6 +82,7 @@ def create(settings: Settings) -> FastAPI:
         await app.state.webhooks.start()
         yield
         await app.state.webhooks.close()
+        await app.state.failures.flush()
         await hub.close()
         await to_thread.run_sync(live.close)
         await to_thread.run_sync(app.state.previews.stop)
@@ -110,6 +112,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.webhooks = Dispatcher(engine, settings.hooks, settings.public_url)
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
+    app.state.failures = Failures(door)
     app.state.lockout, app.state.hashing = Lockout(), Hashing()
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     app.state.quota = Quota(settings.max_active_runs_each, settings.max_evaluations_each)

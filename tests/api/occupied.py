@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from backend.previews.service import Previews
 from backend.scenes.live.live import Live
@@ -17,10 +18,10 @@ from tests.api.submitting import submit
 
 
 @contextmanager
-def occupied(fresh: Fresh, folder: Path) -> Iterator[Service]:
+def occupied(fresh: Fresh, folder: Path, **settings: Any) -> Iterator[Service]:
     """The service; its runs are R-0001, which has ended, and R-0002, its draft D-0001."""
     (folder / "dist" / "assets").mkdir(parents=True)  # a folder that is not there has no names that are too long
-    with running(fresh, folder) as service:
+    with running(fresh, folder, **settings) as service:
         service.publish()
         live = Live((sys.executable, "-c", STAND_IN), limit=10, first_limit=10)
         service.app.state.previews = Previews(live)

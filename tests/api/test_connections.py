@@ -59,7 +59,9 @@ def cookie(service: Service, client: httpx.Client) -> bytes:
     return f"Cookie: {name}={client.cookies[name]}\r\n".encode()
 
 
-@pytest.mark.parametrize("half", [b"", b"GET / HTTP/1.1\r\nHost: localhost\r\nX-A: ", b"G"], ids=["silent", "head", "a byte"])
+@pytest.mark.parametrize(
+    "half", [b"", b"GET / HTTP/1.1\r\nHost: localhost\r\nX-A: ", b"G"], ids=["silent", "head", "a byte"]
+)
 def test_a_request_that_does_not_come_is_not_waited_for(strict: Service, half: bytes) -> None:
     begun = time.monotonic()
     with opened(strict) as connection:

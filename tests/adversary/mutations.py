@@ -79,6 +79,15 @@ def _times(choose: random.Random) -> range:
     return range(choose.choice((1, 1, 1, 2, 3, 5)))
 
 
+def mutated(text: str, seed: int) -> bytes:
+    """Any text with one to five mutations, one in ten of its bytes."""
+    choose = random.Random(seed)
+    for _ in _times(choose):
+        text = choose.choice(TEXTUAL)(choose, text)
+    content = text.encode("utf-8", "surrogatepass")
+    return choose.choice(BYTES)(choose, content) if choose.random() < 0.1 else content
+
+
 # Text
 
 

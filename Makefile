@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench reproduce frontend library-flights clean distclean
+.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench reproduce sbom advisories frontend library-flights clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-15s %s\n", part[1], $$0}' Makefile
@@ -47,6 +47,12 @@ search-bench: install ## every search method on test functions, print a table, w
 
 reproduce: install ## compute the published tables and figures again, into build/reproduce
 	@.venv/bin/clearance reproduce --out build/reproduce
+
+sbom: install ## the bill of materials of a release, CycloneDX, into build/sbom
+	@source tools/node.sh; .venv/bin/python -m tools.sbom
+
+advisories: install ## ask PyPI and npm for advisories on what is locked, or say that they could not be asked
+	@source tools/node.sh; .venv/bin/python -m tools.advisories
 
 library-flights: install ## simulate the nominal flights on the cards of the library again
 	@.venv/bin/python tools/library_flights.py

@@ -22,6 +22,7 @@ from backend.db.engine import migrate
 from backend.db.private import keep_private, write_private
 from backend.db.registered import registered
 from backend.middleware.connections import bounded, bounded_socket
+from backend.middleware.frame import headers
 from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
 
@@ -84,7 +85,7 @@ def server_config(app: FastAPI) -> uvicorn.Config:
         ws=bounded_socket(settings.request_patience),
         ws_per_message_deflate=False,
         ws_max_size=LARGEST,
-        http=bounded(settings.max_connections, settings.request_patience),
+        http=bounded(settings.max_connections, settings.request_patience, headers(settings.encrypted)),
         server_header=False,
         proxy_headers=False,  # uvicorn would believe every process of this machine; see `backend.middleware.proxied`
         timeout_graceful_shutdown=GRACE,

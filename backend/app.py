@@ -14,6 +14,7 @@ from backend import openapi
 from backend.access import routes
 from backend.access.auth import Guard
 from backend.access.door import Door
+from backend.access.rates import Rates
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
@@ -30,6 +31,7 @@ from backend.http.capacity import Capacities
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
 from backend.middleware.heads import Heads
+from backend.middleware.hosts import Hosts
 from backend.middleware.preferred import Preferred
 from backend.middleware.proxied import Proxied
 from backend.previews import endpoints as previews
@@ -41,6 +43,7 @@ from backend.reports import endpoints as reports
 from backend.requirements import endpoints as requirements
 from backend.results import endpoints as results
 from backend.runs import endpoints as runs
+from backend.runs.quota import Quota
 from backend.scenes import endpoints as scenes
 from backend.scenes.control import channel as views
 from backend.scenes.control.viewers import Viewers
@@ -49,6 +52,7 @@ from backend.scenes.recordings import pages as recordings
 from backend.sessions import endpoints as sessions
 from backend.sessions import entrance
 from backend.sessions.attempts import Attempts
+from backend.sessions.failures import Failures
 from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout
 from backend.settings import Settings
@@ -75,12 +79,15 @@ def create(settings: Settings) -> FastAPI:
     """The application on the settings' database, which must be migrated (`backend.db.engine.migrate`)."""
     engine = connect(settings.database_url)
     hub, live, door, capacities = Hub(engine), Live(), Door(settings.database_url, settings.cookie), Capacities()
+    rates = Rates(settings.max_requests_per_minute)
+    hosts = Hosts(settings.host, settings.public_url, settings.allowed_hosts, settings.allow_any_host)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         await app.state.webhooks.start()
         yield
         await app.state.webhooks.close()
+        await app.state.failures.flush()
         await hub.close()
         await to_thread.run_sync(live.close)
         await to_thread.run_sync(app.state.previews.stop)
@@ -95,11 +102,11 @@ def create(settings: Settings) -> FastAPI:
         lifespan=lifespan,
         middleware=[
             Middleware(Proxied, root=settings.root, trusted=settings.trusted),
-            Middleware(Frame),
-            Middleware(Edge),
+            Middleware(Frame, encrypted=settings.encrypted),
+            Middleware(Edge, hosts=hosts),
             Middleware(Heads),
             Middleware(GZipMiddleware, compresslevel=PACKED, exclude_content_types=UNPACKED),
-            Middleware(Guard, door=door, most=settings.max_requests_each),
+            Middleware(Guard, door=door, most=settings.max_requests_each, rates=rates),
             Middleware(Preferred),
         ],
         openapi_url=f"{API}/openapi.json",
@@ -112,10 +119,12 @@ def create(settings: Settings) -> FastAPI:
     app.state.webhooks = Dispatcher(engine, settings.hooks, settings.public_url)
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
+    app.state.failures = Failures(door)
     app.state.lockout, app.state.hashing = Lockout(), Hashing()
     app.state.provider = provider.of(settings.provider)
     app.state.provider_noted = Noted()
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
+    app.state.quota = Quota(settings.max_active_runs_each, settings.max_evaluations_each)
     app.state.readers = bodies.Readers()
     app.state.turns = Turns()
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)

@@ -147,7 +147,7 @@ def _document(app: FastAPI) -> JsonObject:
 
 def _declare(operation: JsonObject, method: str, rule: Rule) -> None:
     """Add the problem types that the middleware and the framework can return for any route."""
-    kinds = ["bad-request", "too-long", "invalid-request", "internal", "busy", "too-many-requests"]
+    kinds = ["bad-request", "unknown-host", "too-long", "invalid-request", "internal", "busy", "too-many-requests"]
     if rule.role is not None:
         kinds.append("not-signed-in")
         kinds += ["role-too-low"] if rule.role != "viewer" else []

@@ -37,6 +37,8 @@ class Settings(BaseModel):
     """Permits a bind beyond loopback, for use inside a container that publishes on 127.0.0.1 only."""
     public_url: str = ""
     """The public address of the service, if it differs from host and port; it may have a path, such as /clearance."""
+    allowed_hosts: str = ""
+    """Further names by which browsers may call the service, separated by spaces; `*` allows every name."""
     trusted_proxies: str = ""
     """Addresses and networks, separated by spaces, whose X-Forwarded-For, -Proto and -Host are believed."""
     oidc_issuer: str = ""
@@ -62,6 +64,12 @@ class Settings(BaseModel):
     """Maximum number of open 3D views of one session or token."""
     max_requests_each: Annotated[int, Field(ge=1, le=100_000)] = 100
     """Maximum number of concurrent requests, streams and 3D views of one session or token."""
+    max_requests_per_minute: Annotated[int, Field(ge=60, le=10_000_000)] = 6000
+    """Maximum number of requests of one session or token in a minute; above it the rate is limited to that."""
+    max_active_runs_each: Annotated[int, Field(ge=1, le=10_000_000)] = 2000
+    """Maximum number of queued and running runs of one user, tokens included."""
+    max_evaluations_each: Annotated[int, Field(ge=1)] = 500_000_000
+    """Maximum number of stored evaluations of all runs of one user, tokens included."""
     max_connections: Annotated[int, Field(ge=1, le=100_000)] = 300
     """Maximum number of open connections; further ones are refused."""
     request_patience: Annotated[float, Field(gt=0, le=3600)] = 20.0
@@ -178,6 +186,11 @@ class Settings(BaseModel):
     def database_url(self) -> str:
         """The database, with the default filled in."""
         return self.database or default_url(self.data)
+
+    @property
+    def encrypted(self) -> bool:
+        """Whether browsers reach the service by HTTPS only, by its public address."""
+        return self.public_url.lower().startswith("https://")
 
     @property
     def cookie(self) -> str:

@@ -17,6 +17,7 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from backend.access.door import Door
+from backend.access.rates import Rates
 from backend.access.routes import Rules
 from backend.access.rules import Rule
 from backend.db import users
@@ -31,9 +32,9 @@ SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 class Guard:
     """Accepts authenticated clients, as `request.state.visitor`; refuses all others."""
 
-    def __init__(self, app: ASGIApp, door: Door, most: int) -> None:
+    def __init__(self, app: ASGIApp, door: Door, most: int, rates: Rates) -> None:
         """most: maximum number of concurrent requests and sockets of one session or token."""
-        self.app, self.door, self.most = app, door, most
+        self.app, self.door, self.most, self.rates = app, door, most, rates
         self._open: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -74,7 +75,16 @@ class Guard:
                 del self._open[visitor.key]
 
     def _too_many(self, visitor: Visitor | None) -> RefusedError | None:
-        if visitor is None or self._open[visitor.key] < self.most:
+        if visitor is None:
+            return None
+        wait = self.rates.wait(visitor.key)
+        if wait:
+            detail = (
+                f"this session or token has sent {self.rates.per_minute:,} requests in a minute, which is the limit: "
+                f"try again in {wait} s"
+            )
+            return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": str(wait)})
+        if self._open[visitor.key] < self.most:
             return None
         detail = f"{self.most} requests of this session or token are open, which is the limit: wait for one to end"
         return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": "1"})

@@ -26,6 +26,8 @@ Result = TypeVar("Result")
 THREADS = 8
 NOTE_PATIENCE = 0.2
 """How long recording a token's use may wait for other writers [s]."""
+REMEMBERED = 10_000
+"""Sessions of which the last use is known."""
 
 _log = logging.getLogger(__name__)
 
@@ -39,6 +41,7 @@ class Door:
         self._notes = connect(database, NOTE_PATIENCE)
         self._threads, self._health, self._noting = CapacityLimiter(THREADS), CapacityLimiter(2), CapacityLimiter(1)
         self._noted: dict[str, float] = {}
+        self._used: dict[str, float] = {}
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def visitor(self, connection: HTTPConnection) -> Visitor | None:
@@ -47,7 +50,7 @@ class Door:
         if scheme:
             return await self._by_token(token.strip()) if scheme.lower() == "bearer" else None
         cookie = connection.cookies.get(self.cookie)
-        return await self.ask(lambda reader: access.by_session(reader, cookie)) if cookie else None
+        return await self._by_session(cookie) if cookie else None
 
     async def still(self, connection: HTTPConnection) -> bool:
         """Whether the sender is still authenticated; true if the database cannot be read."""
@@ -83,17 +86,41 @@ class Door:
         at = time.monotonic()
         if due and at - self._noted.get(visitor.user, -access.USE_NOTED) >= access.USE_NOTED:
             self._noted[visitor.user] = at  # at most once a minute, even if writing fails
-            task = asyncio.create_task(self._note(visitor.user))
-            self._tasks.add(task)
-            task.add_done_callback(self._tasks.discard)
+            self.later(lambda writer: access.note_use(writer, visitor.user))
         return visitor
 
-    async def _note(self, name: str) -> None:
+    async def _by_session(self, cookie: str) -> Visitor | None:
+        visitor = await self.ask(lambda reader: access.by_session(reader, cookie))
+        if visitor is not None:
+            self._used.pop(visitor.key, None)
+            self._used[visitor.key] = time.time()  # the last one of the order
+            if len(self._used) > REMEMBERED:
+                del self._used[next(iter(self._used))]
+        return visitor
+
+    def last_uses(self) -> dict[str, float]:
+        """The last request of each session since the service started, by the session's id [s since 1970]."""
+        return {key[: access.SESSION_ID]: at for key, at in self._used.items()}
+
+    def later(self, work: Callable[[sa.Connection], None], failed: Callable[[], None] = lambda: None) -> None:
+        """Write in the background, without waiting for other writers."""
+        task = asyncio.create_task(self.write(work, failed))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def write(self, work: Callable[[sa.Connection], None], failed: Callable[[], None] = lambda: None) -> None:
+        """Write; if the database is busy it is left, and `failed` is called."""
+
         def write() -> None:
             with self._notes.begin() as writer:
-                access.note_use(writer, name)
+                work(writer)
 
         try:
             await to_thread.run_sync(write, limiter=self._noting)
         except sa.exc.SQLAlchemyError as error:
-            _log.info("the use of token %r was not recorded: %s", name, error)
+            _log.info("a use or a failed sign-in was not recorded: %s", type(error).__name__)
+            failed()
+
+    async def written(self) -> None:
+        """Returns once nothing is being written in the background."""
+        await asyncio.gather(*self._tasks, return_exceptions=True)

@@ -120,6 +120,7 @@ RULES: dict[tuple[Method, str], Rule] = {
     ("DELETE", f"{API}/tokens/{{token}}"): MY_ACCESS,
     ("GET", f"{API}/users"): ADMIN,
     ("POST", f"{API}/users"): ADMIN,
+    ("GET", f"{API}/users/{{user}}"): ADMIN,
     ("PATCH", f"{API}/users/{{user}}"): ADMIN,
     ("POST", f"{API}/users/{{user}}/invitation"): ADMIN,
     ("GET", f"{API}/settings"): ADMIN,

@@ -89,6 +89,7 @@ class Checked(Schema):
     digest: str | None
     document: JsonObject | None
     yaml: str | None
+    """Null if it has errors, or more values than a campaign in YAML may have."""
     parameters: list[CheckedParameter]
     evaluations: int | None
     """The sum of the budgets of all stages; `estimate` states what a run usually takes."""

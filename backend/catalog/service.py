@@ -15,7 +15,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.http.errors import RefusedError, not_found
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
-from campaigns.asked.text import to_yaml
+from campaigns.asked.text import readable_yaml
 from campaigns.checked.check import parameters
 from campaigns.results.drawn import library_flights
 from campaigns.stages.plan import plan
@@ -109,7 +109,7 @@ def checked(reader: sa.Connection, given: Campaign | CampaignError) -> Checked:
         problems=_out(problems),
         digest=given.digest,
         document=given.document(),
-        yaml=to_yaml(given),
+        yaml=readable_yaml(given),
         parameters=_parameters(given, catalogue),
         evaluations=evaluations,
         seconds=_seconds(reader, given, evaluations),

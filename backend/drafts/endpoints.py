@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, status
+from fastapi import APIRouter, Query, Response, status
 
 from backend.access.auth import CurrentVisitor
 from backend.drafts import service
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
 from backend.http.deps import Engine, Reader
 from backend.http.errors import problems
+from backend.http.matches import TAGGED, IfMatch
 from backend.http.schema import DraftName, Number32
 
 router = APIRouter(tags=["drafts"])
@@ -28,26 +29,40 @@ def create_draft(given: DraftContent, engine: Engine, visitor: CurrentVisitor) -
     return service.create(engine, given, visitor)
 
 
-@router.get("/drafts/{draft}", responses=problems("not-found"))
-def get_draft(draft: DraftName, reader: Reader) -> Draft:
+@router.get("/drafts/{draft}", responses=TAGGED | problems("not-found"))
+def get_draft(draft: DraftName, response: Response, reader: Reader) -> Draft:
     """A draft with its text."""
-    return service.one(reader, service.number(draft))
+    found = service.one(reader, service.number(draft))
+    response.headers["ETag"] = service.etag(found)
+    return found
 
 
-@router.put("/drafts/{draft}", responses=problems("not-found", "draft-changed"))
-def save_draft(draft: DraftName, given: DraftReplace, engine: Engine, visitor: CurrentVisitor) -> Draft:
+@router.put("/drafts/{draft}", responses=TAGGED | problems("not-found", "draft-changed", "changed"))
+def save_draft(
+    draft: DraftName,
+    given: DraftReplace,
+    response: Response,
+    engine: Engine,
+    visitor: CurrentVisitor,
+    match: IfMatch = None,
+) -> Draft:
     """Save a draft over the version that was opened; 409 if another user has saved it since."""
-    return service.replace(engine, service.number(draft), given, visitor)
+    saved = service.replace(engine, service.number(draft), given, visitor, match)
+    response.headers["ETag"] = service.etag(saved)
+    return saved
 
 
 @router.delete(
-    "/drafts/{draft}", status_code=status.HTTP_204_NO_CONTENT, responses=problems("not-found", "draft-changed")
+    "/drafts/{draft}",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=problems("not-found", "draft-changed", "changed"),
 )
 def delete_draft(
     draft: DraftName,
     engine: Engine,
     visitor: CurrentVisitor,
     version: Annotated[Number32 | None, Query(description="Delete only if this is the newest version.")] = None,
+    match: IfMatch = None,
 ) -> None:
     """Delete a draft; the deletion is recorded in the audit trail."""
-    service.delete(engine, service.number(draft), version, visitor)
+    service.delete(engine, service.number(draft), version, visitor, match)

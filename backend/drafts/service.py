@@ -15,6 +15,7 @@ from backend.db.tables import Draft as Row
 from backend.db.tables import Run
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
 from backend.http.errors import RefusedError, not_found
+from backend.http.matches import require_match
 from backend.runs import service
 from campaigns.documents import JsonObject
 from campaigns.runs import run_name
@@ -68,15 +69,23 @@ def create(engine: sa.Engine, given: DraftContent, visitor: Visitor) -> Draft:
         return one(writer, draft_id)
 
 
-def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visitor) -> Draft:
+def etag(draft: Draft) -> str:
+    """The entity tag of a draft: every save makes a new version."""
+    return f'"{draft.id}-{draft.version}"'
+
+
+def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visitor, match: str | None = None) -> Draft:
     """Save a draft over the named version.
 
-    404 if there is no such draft, 403 if it is another user's, 409 if another version was saved since.
+    404 if there is no such draft, 403 if it is another user's, 409 if another version was saved since, 412 if `match`
+    (If-Match) is not its tag.
     """
     values: JsonObject = given.model_dump(exclude={"version", "run"})
     with engine.begin() as writer:
         owner = writer.scalar(sa.select(Row.owner).where(Row.id == draft_id))
         require_own(writer, visitor, owner, name(draft_id))
+        if match is not None:
+            require_match(match, etag(one(writer, draft_id)), name(draft_id))
         if given.run is not None:
             values["run_id"] = _run(writer, given.run)
         values |= {"version": given.version + 1, "saved": now(writer), "saved_by": visitor.user}
@@ -86,11 +95,13 @@ def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visi
         return one(writer, draft_id)
 
 
-def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visitor) -> None:
-    """Delete a draft; 404 if there is none, 403 if it is another user's, 409 if `version` is not the newest."""
+def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visitor, match: str | None = None) -> None:
+    """Delete a draft; 404 if there is none, 403 if it is another user's, 409 if `version` is not the newest, 412 if
+    `match` (If-Match) is not its tag."""
     with engine.begin() as writer:
         draft = one(writer, draft_id)
         require_own(writer, visitor, draft.owner, draft.id)
+        require_match(match, etag(draft), draft.id)
         if version is not None and version != draft.version:
             raise _conflict(draft, version)
         writer.execute(sa.delete(Row).where(Row.id == draft_id))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from collections.abc import Mapping
 from typing import Any
 
 import h11
@@ -17,12 +18,21 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 
 _FULL = "the maximum number of connections is open: try again in a few seconds"
 _SLOW = "the request did not arrive in time"
+_UNREADABLE = "the request is not HTTP/1.1: its head cannot be read"
 _RETRY = "5"
+_KINDS = {
+    400: ("bad-request", "Bad Request"),
+    408: ("request-timeout", "Request Timeout"),
+    503: ("busy", "Service Unavailable"),
+}
 
 
-def bounded(most: int, patience: float) -> type[H11Protocol]:
-    """The protocol for at most `most` connections; `patience` limits the time to send a request or to read on [s]."""
-    return type("Bounded", (BoundedProtocol,), {"most": most, "patience": patience})
+def bounded(most: int, patience: float, headers: Mapping[str, str]) -> type[H11Protocol]:
+    """The protocol for at most `most` connections; `patience` limits the time to send a request or to read on [s].
+
+    headers: of the responses that the application does not make.
+    """
+    return type("Bounded", (BoundedProtocol,), {"most": most, "patience": patience, "own_headers": headers})
 
 
 def bounded_socket(patience: float) -> type[WebSocketsSansIOProtocol]:
@@ -35,6 +45,7 @@ class BoundedProtocol(H11Protocol):
 
     most: int
     patience: float
+    own_headers: Mapping[str, str]
 
     def __init__(self, *given: Any, **named: Any) -> None:
         super().__init__(*given, **named)
@@ -105,16 +116,20 @@ class BoundedProtocol(H11Protocol):
         else:  # no request, or an incomplete body, whose reader is informed of the disconnect
             self.transport.close()
 
+    def send_400_response(self, msg: str) -> None:
+        """uvicorn's own is plain text without headers."""
+        self._answer(400, _UNREADABLE)
+
     def _answer(self, status: int, detail: str) -> None:
         """Send a problem document without the application, and close the connection."""
-        title = {408: "Request Timeout", 503: "Service Unavailable"}[status]
-        kind = f"urn:clearance:problem:{'busy' if status == 503 else 'request-timeout'}"
+        name, title = _KINDS[status]
+        kind = f"urn:clearance:problem:{name}"
         body = json.dumps({"type": kind, "title": title, "status": status, "detail": detail}).encode()
-        head = (
-            f"HTTP/1.1 {status} {title}\r\nContent-Type: application/problem+json\r\nContent-Length: {len(body)}\r\n"
-            f"Retry-After: {_RETRY}\r\nConnection: close\r\n\r\n"
-        )
-        self.transport.write(head.encode() + body)
+        headers = {"Content-Type": "application/problem+json", "Content-Length": f"{len(body)}", "Connection": "close"}
+        headers |= self.own_headers
+        headers |= {} if status == 400 else {"Retry-After": _RETRY}
+        lines = [f"HTTP/1.1 {status} {title}", *(f"{name}: {value}" for name, value in headers.items()), "", ""]
+        self.transport.write("\r\n".join(lines).encode() + body)
         self.transport.close()
 
 
@@ -135,6 +150,8 @@ class BoundedSocketProtocol(WebSocketsSansIOProtocol):
         if message["type"] == "websocket.close":  # this call waits until the client reads
             self.loop.call_later(self.patience, self.transport.abort)
         await super().send(message)
+        if message["type"] == "websocket.http.response.body":  # answered: uvicorn would log it as an error
+            self.handshake_complete = True
 
 
 def _cancelled(timer: asyncio.TimerHandle | None) -> asyncio.TimerHandle | None:

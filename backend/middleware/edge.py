@@ -1,4 +1,4 @@
-"""Checks the address of every request before it is parsed: length, characters, number of parameters.
+"""Checks the address of every request before it is parsed: host, length, characters, number of parameters.
 
 Sources: RFC 9110, 15.5.15 (414); RFC 3986. Start reading at `Edge`.
 """
@@ -10,6 +10,7 @@ import urllib.parse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from backend.http.errors import RefusedError, respond
+from backend.middleware.hosts import Hosts
 
 LONGEST = 16_000
 """Maximum of path and query [bytes]; the longest request of the pages has 5,000: a reason in encoded emoji."""
@@ -21,13 +22,18 @@ MOST_PARAMETERS = 200
 class Edge:
     """Refuses invalid addresses before the database is queried."""
 
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
+    def __init__(self, app: ASGIApp, hosts: Hosts) -> None:
+        self.app, self.hosts = app, hosts
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        refused = _refusal(scope) if scope["type"] == "http" else None
+        refused = self.hosts.refusal(scope) if scope["type"] in ("http", "websocket") else None
+        if refused is None and scope["type"] == "http":
+            refused = _refusal(scope)
         if refused is None:
             await self.app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
         else:
             await respond(refused, scope["path"][:200].replace("\0", "\\0"))(scope, receive, send)
 

@@ -40,6 +40,9 @@ HEADERS = {
 }
 """Set on every response that does not set its own."""
 
+HSTS = {"Strict-Transport-Security": "max-age=31536000"}
+"""Where the public address is one of HTTPS: browsers then never call it without encryption (RFC 6797)."""
+
 _ANNOUNCED = re.compile(r"[0-9]{1,18}")
 _log = logging.getLogger(__name__)
 
@@ -47,10 +50,14 @@ _log = logging.getLogger(__name__)
 class Frame:
     """Adds the security headers, refuses large bodies, and answers uncaught exceptions with 500."""
 
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
+    def __init__(self, app: ASGIApp, encrypted: bool) -> None:
+        """encrypted: whether the public address is one of HTTPS."""
+        self.app, self.headers = app, headers(encrypted)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "websocket":
+            await self._socket(scope, receive, send)
+            return
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -60,9 +67,9 @@ class Frame:
             nonlocal started
             if message["type"] == "http.response.start":
                 started = True
-                headers = MutableHeaders(scope=message)
-                for name, value in HEADERS.items():
-                    headers.setdefault(name, value)
+                given = MutableHeaders(scope=message)
+                for name, value in self.headers.items():
+                    given.setdefault(name, value)
             await send(message)
 
         try:
@@ -74,6 +81,22 @@ class Frame:
             if started:
                 raise
             await broken(scope["path"])(scope, receive, sent)
+
+    async def _socket(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """A socket that is refused is answered with 403 and the same headers."""
+        accepted = "websocket.http.response" not in scope.get("extensions", {})
+
+        async def sent(message: Message) -> None:
+            nonlocal accepted
+            accepted = accepted or message["type"] == "websocket.accept"
+            if accepted or message["type"] != "websocket.close":
+                await send(message)
+                return
+            given = [(name.encode(), value.encode()) for name, value in self.headers.items()]
+            await send({"type": "websocket.http.response.start", "status": 403, "headers": given})
+            await send({"type": "websocket.http.response.body", "body": b""})
+
+        await self.app(scope, receive, sent)
 
     async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse by Content-Length, or by counting bytes if it is absent."""
@@ -94,6 +117,11 @@ class Frame:
             return message
 
         await self.app(scope, counted, send)
+
+
+def headers(encrypted: bool) -> dict[str, str]:
+    """The headers of every response."""
+    return HEADERS | (HSTS if encrypted else {})
 
 
 def _too_large(largest: int, given: str) -> str:

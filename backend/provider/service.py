@@ -10,7 +10,8 @@ from backend.db.identities import SignedIn
 from backend.db.roles import Role
 from backend.provider.errors import SignInError
 from backend.provider.identity import Identity
-from backend.sessions.service import UNKNOWN, Browser
+from backend.sessions.failures import UNKNOWN
+from backend.sessions.service import Browser
 
 VIA = "provider"
 

@@ -13,6 +13,7 @@ from backend.db.access import Visitor
 from backend.db.engine import read
 from backend.db.tables import Run
 from backend.http.errors import RefusedError, not_found
+from backend.http.matches import require_match, tag
 from backend.runs import listing
 from backend.runs.removal import refuse_removed
 from backend.runs.requests import RunEdit
@@ -23,9 +24,18 @@ from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
 
-def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> None:
+def etag(reader: sa.Connection, run_id: int) -> str:
+    """The entity tag of what users edit; 404 if there is no such run."""
+    columns = (Run.name, Run.tags, Run.notes, Run.pinned, Run.removed)
+    row = reader.execute(sa.select(*columns).where(Run.id == run_id)).one_or_none()
+    if row is None:
+        raise not_found("run", run_name(run_id))
+    return tag(*row)
+
+
+def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor, match: str | None = None) -> None:
     """Change the given fields. 404 if there is no such run, 403 if it is another user's, 422 if no field is given, 409
-    if the notes have changed or the run is removed.
+    if the notes have changed or the run is removed, 412 if `match` (If-Match) is not its tag.
     """
     values = given.model_dump(exclude_unset=True, exclude={"notes_before"})
     empty = [key for key, value in values.items() if value is None]
@@ -38,6 +48,8 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> No
         refuse_removed(writer, run_id)
         owner = writer.scalar(sa.select(Run.owner).where(Run.id == run_id))
         require_own(writer, visitor, owner, run_name(run_id))
+        if match is not None:
+            require_match(match, etag(writer, run_id), run_name(run_id))
         if given.notes is not None and given.notes_before is not None:
             _unchanged(writer, run_id, given.notes_before)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:

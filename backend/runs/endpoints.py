@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated
 
+import sqlalchemy as sa
 from fastapi import APIRouter, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
 from pydantic import Field
@@ -15,6 +16,7 @@ from backend.http import bodies
 from backend.http.deps import Engine, Reader
 from backend.http.errors import RefusedError, problems
 from backend.http.keys import Key
+from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
 from backend.http.schema import RunName, Seconds
 from backend.runs import edits, listing, removal, service, submission, texts
@@ -75,7 +77,13 @@ Word = Annotated[str, Field(max_length=200)]
     openapi_extra={"requestBody": SUBMIT_BODY},
     responses=LOCATION
     | problems(
-        "unsupported-media-type", "unreadable", "invalid-campaign", "idempotency-key-reused", "no-catalogue", "busy"
+        "unsupported-media-type",
+        "unreadable",
+        "invalid-campaign",
+        "idempotency-key-reused",
+        "no-catalogue",
+        "busy",
+        "quota-reached",
     ),
 )
 async def submit_run(
@@ -85,7 +93,7 @@ async def submit_run(
     yaml = bodies.is_yaml(request)
     body = await request.body()
     given = await bodies.apart(request, lambda: _submission(body, yaml, asked))
-    run = await run_in_threadpool(submission.submit, engine, given, visitor, key)
+    run = await run_in_threadpool(submission.submit, engine, given, visitor, key, request.app.state.quota)
     response.headers["Location"] = at(f"{request.url.path}/{run.id}")
     return run
 
@@ -174,18 +182,25 @@ def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> l
 
 
 @router.patch(
-    "/runs/{run}", responses=problems("not-found", "notes-changed", "removed", "other-version", "purged", "invalid")
+    "/runs/{run}",
+    responses=TAGGED
+    | problems("not-found", "notes-changed", "removed", "other-version", "purged", "invalid", "changed"),
 )
-def edit_run(run: RunName, given: RunEdit, engine: Engine, visitor: CurrentVisitor) -> RunDetail:
+def edit_run(
+    run: RunName, given: RunEdit, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
+) -> RunDetail:
     """Change a run's name, tags, notes or pin; omitted fields stay unchanged."""
-    edits.edit(engine, service.number(run), given, visitor)
+    edits.edit(engine, service.number(run), given, visitor, match)
     with read(engine) as reader:
+        response.headers["ETag"] = edits.etag(reader, service.number(run))
         return service.detail(reader, service.number(run))
 
 
-@router.get("/runs/{run}", responses=problems("not-found", "other-version", "purged"))
-def get_run(run: RunName, reader: Reader) -> RunDetail:
-    """One run with its campaign, the state of its stages, and the parts of its verdict."""
+@router.get("/runs/{run}", responses=TAGGED | problems("not-found", "other-version", "purged"))
+def get_run(run: RunName, response: Response, reader: Reader) -> RunDetail:
+    """One run with its campaign, the state of its stages, and the parts of its verdict. Its ETag is that of its name,
+    tags, notes and pin."""
+    response.headers["ETag"] = edits.etag(reader, service.number(run))
     return service.detail(reader, service.number(run))
 
 
@@ -209,19 +224,25 @@ def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSumm
     return edits.cancel(engine, [service.number(run)], visitor)[0]
 
 
-@router.delete("/runs/{run}", responses=problems("not-found", "not-removable", "purged"))
+@router.delete("/runs/{run}", responses=problems("not-found", "not-removable", "purged", "changed"))
 def remove_run(
     run: RunName,
     engine: Engine,
     visitor: CurrentVisitor,
     reason: Annotated[Reason, Query(description="The reason; it is shown wherever the run is requested.")],
+    match: IfMatch = None,
 ) -> RunSummary:
     """Remove a run that has ended from all lists; its address, results and history stay, and it can be restored.
 
     Refused (409) while it is active, and while it has a valid sign-off. Only `clearance purge`, on the command line,
     deletes removed runs.
     """
-    return removal.remove(engine, [service.number(run)], reason, visitor)[0]
+    run_id = service.number(run)
+
+    def unchanged(writer: sa.Connection) -> None:
+        require_match(match, edits.etag(writer, run_id), run)
+
+    return removal.remove(engine, [run_id], reason, visitor, unchanged)[0]
 
 
 @router.post("/runs/{run}/restore", responses=problems("not-found", "purged"))

@@ -5,7 +5,7 @@ A removed run retains its address, its results and its history.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import sqlalchemy as sa
@@ -20,14 +20,21 @@ from backend.runs.schemas import RunSummary
 from campaigns import Problem
 from campaigns.runs import ENDED, run_name
 
+Unchanged = Callable[[sa.Connection], None]
 
-def remove(engine: sa.Engine, run_ids: Sequence[int], reason: str, visitor: Visitor) -> list[RunSummary]:
+
+def remove(
+    engine: sa.Engine, run_ids: Sequence[int], reason: str, visitor: Visitor, unchanged: Unchanged | None = None
+) -> list[RunSummary]:
     """Remove runs from the lists, all of them or none; runs that are already removed are unchanged.
 
-    404 for an unknown run, 410 for a purged one, 409 for one that is active or has a valid sign-off.
+    404 for an unknown run, 410 for a purged one, 409 for one that is active or has a valid sign-off. unchanged: raises
+    412 if the runs have changed.
     """
     with engine.begin() as writer:
         rows = _locked(writer, run_ids)
+        if unchanged is not None:
+            unchanged(writer)
         _refuse(_standing(writer, rows))
         values = {"removed": now(writer), "removed_by": visitor.user, "removed_reason": reason}
         listed = [row for row in rows if row.removed is None]

@@ -16,6 +16,7 @@ from backend.db.tables import IdempotencyKey, RunText
 from backend.http import bodies, keys
 from backend.runs import reuse
 from backend.runs.asked import Asked
+from backend.runs.quota import Quota, refuse_beyond
 from backend.runs.requests import RunSubmit
 from backend.runs.schemas import RunBaseline, RunSubmitted
 from backend.runs.service import baseline, summary
@@ -47,8 +48,9 @@ class Submission:
 
 def from_yaml(body: bytes, asked: Asked) -> Submission:
     """A submission whose body is the campaign itself."""
+    campaign = bodies.yaml_campaign(body)  # first: text that is a campaign can be stored
     given = asked.with_body(RunSubmit(campaign={}, text=bodies.text(body)))
-    return _submission(bodies.yaml_campaign(body), given, asked.digest(body))
+    return _submission(campaign, given, asked.digest(body))
 
 
 def from_json(body: bytes, given: RunSubmit, asked: Asked) -> Submission:
@@ -70,7 +72,7 @@ def _submission(campaign: Campaign, given: RunSubmit, digest: str) -> Submission
     return Submission(campaign, name, tags, given.priority, digest, given.text, *labelled)
 
 
-def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSubmitted:
+def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> RunSubmitted:
     """Queue a run, or return the one queued earlier with the same key; a refused request leaves no row."""
     with read(engine) as reader:
         repeated = _repeated(reader, submission, visitor, key)
@@ -91,6 +93,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         elif reused is not None:
             run_id, at = reused, now(writer)
         else:
+            refuse_beyond(writer, quota, visitor)
             run_id, at = _queue(writer, submission, asked, visitor, catalogue), now(writer)
         if key is not None and repeated is None:
             values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id, "created": at}

@@ -65,11 +65,15 @@ async def change_password(given: PasswordChange, request: Request, engine: Engin
 
 
 @router.get("/sessions")
-def list_sessions(visitor: CurrentVisitor, reader: Reader) -> list[BrowserSession]:
+def list_sessions(request: Request, visitor: CurrentVisitor, reader: Reader) -> list[BrowserSession]:
     """The browsers that are signed in as you, newest first; for administrators those of all users."""
     rows = access.sessions(reader, None if visitor.sees_all else visitor.account)
     own = visitor.key[: access.SESSION_ID]
-    return [BrowserSession(**row.__dict__, current=visitor.scope is None and row.id == own) for row in rows]
+    used = request.app.state.door.last_uses()
+    return [
+        BrowserSession(**row.__dict__, last_used=used.get(row.id), current=visitor.scope is None and row.id == own)
+        for row in rows
+    ]
 
 
 @router.delete("/sessions/{session}", status_code=status.HTTP_204_NO_CONTENT, responses=problems("not-found"))

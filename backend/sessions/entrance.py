@@ -15,6 +15,7 @@ from backend.http import forms
 from backend.http.deps import Engine
 from backend.sessions import service
 from backend.sessions.cookies import browser_of, put_session
+from backend.sessions.failures import INVITATION, LINK
 from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout, seconds
 
@@ -32,6 +33,7 @@ async def open_session(request: Request, engine: Engine, code: str = "", next: s
     good = await attempts.good(code)
     secret = await run_in_threadpool(service.open_by_link, engine, code, browser_of(request)) if good else None
     if secret is None:
+        request.app.state.failures.wrong(LINK, browser_of(request).address)
         wrong = "This login link is invalid or expired"
         # Above the rate of wrong codes nothing is read for each of them.
         with_passwords = not attempts.over and await _door(request).ask(users.with_passwords)
@@ -74,6 +76,8 @@ async def sign_in(request: Request, engine: Engine) -> Response:
 async def show_invitation(request: Request, code: str = "") -> Response:
     """The form of an invitation; only sending it uses the invitation."""
     user = await _door(request).ask(lambda reader: users.invited(reader, code))
+    if user is None and code:
+        request.app.state.failures.wrong(INVITATION, browser_of(request).address)
     return forms.no_invitation() if user is None else forms.invitation(200, user, code)
 
 
@@ -84,6 +88,7 @@ async def accept_invitation(request: Request, engine: Engine) -> Response:
     code, password = given.get("code", ""), given.get("password", "")
     user = await _door(request).ask(lambda reader: users.invited(reader, code))
     if user is None:
+        request.app.state.failures.wrong(INVITATION, browser_of(request).address)
         return forms.no_invitation()
     wrong = passwords.problem(password, user)
     if wrong is None and password != given.get("again", ""):

@@ -41,6 +41,8 @@ class BrowserSession(Schema):
     via: Literal["link", "password", "provider"]
     created: float
     expires: float
+    last_used: float | None
+    """Null if it was not used since the service was started."""
     agent: str
     """The browser's description of itself."""
     address: str

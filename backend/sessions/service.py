@@ -10,10 +10,8 @@ from backend.db import access, audit, identities, passwords, users
 from backend.db.access import Visitor
 from backend.db.engine import read
 from backend.http.errors import RefusedError
+from backend.sessions.failures import UNKNOWN
 from campaigns import Problem
-
-UNKNOWN = "unknown"
-"""Recorded for a failed sign-in with a name that no user has: what was typed there may be a password."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,7 @@ def accept(engine: sa.Engine, code: str, password: str, browser: Browser) -> str
 
 
 def note_failure(engine: sa.Engine, name: str, failures: int, address: str) -> None:
-    """Record a failed sign-in, with the name only if a user has it."""
+    """Record a failed sign-in, with the name only if a user has it: what was typed there may be a password."""
     with engine.begin() as writer:
         known = name if users.role_of(writer, name) is not None else UNKNOWN
         told = {"address": address, "failures": failures}

@@ -40,7 +40,13 @@ TABLE: dict[int | str, JsonObject] = {
     openapi_extra={"requestBody": BODY},
     responses=LOCATION
     | problems(
-        "unsupported-media-type", "unreadable", "invalid-campaign", "idempotency-key-reused", "no-catalogue", "busy"
+        "unsupported-media-type",
+        "unreadable",
+        "invalid-campaign",
+        "idempotency-key-reused",
+        "no-catalogue",
+        "busy",
+        "quota-reached",
     ),
 )
 async def submit_sweep(
@@ -51,7 +57,7 @@ async def submit_sweep(
         raise RefusedError(415, "unsupported-media-type", "send a sweep as application/json: campaign, path, values")
     body = await request.body()
     submission = await bodies.apart(request, lambda: _submission(body))
-    sweep = await run_in_threadpool(service.submit, engine, submission, visitor, key)
+    sweep = await run_in_threadpool(service.submit, engine, submission, visitor, key, request.app.state.quota)
     response.headers["Location"] = at(f"{request.url.path}/{sweep.id}")
     return sweep
 

@@ -18,6 +18,7 @@ from backend.db.tables import Run, Sweep, SweepRun
 from backend.http import bodies, keys
 from backend.http.errors import not_found
 from backend.runs.outcomes import outcomes
+from backend.runs.quota import Quota, refuse_beyond
 from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSummary
 from backend.sweeps.variants import described, variants
 from campaigns import Campaign, CampaignError, Catalogue
@@ -50,7 +51,7 @@ def number(sweep: str) -> int:
     return found
 
 
-def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> SweepDetail:
+def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> SweepDetail:
     """Queue all runs in one transaction, or return the sweep launched earlier with the same key."""
     with read(engine) as reader:
         catalogue = required(reader)
@@ -62,6 +63,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         with engine.begin() as writer:
             sweep_id = _repeated(writer, submission, visitor, key)
             if sweep_id is None:
+                refuse_beyond(writer, quota, visitor, len(campaigns))
                 sweep_id = _launch(writer, submission, campaigns, visitor, key, catalogue)
     except sa.exc.IntegrityError:  # the same request, at the same time
         with read(engine) as reader:

@@ -1,14 +1,15 @@
-"""GET and POST /users, PATCH of one, new links, and the settings of access."""
+"""GET and POST /users, GET and PATCH of one, new links, and the settings of access."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Request, status
+from fastapi import APIRouter, Path, Request, Response, status
 
 from backend.access.auth import CurrentVisitor
 from backend.http.deps import Engine, Reader
 from backend.http.errors import problems
+from backend.http.matches import TAGGED, IfMatch
 from backend.users import service
 from backend.users.schemas import AccessSettings, AccessSettingsChange, Invitation, User, UserChange, UserInvite
 
@@ -29,10 +30,27 @@ def invite_user(given: UserInvite, request: Request, engine: Engine, visitor: Cu
     return service.invite(engine, given, request.app.state.settings.public_url, visitor)
 
 
-@router.patch("/users/{user}", responses=problems("not-found", "access-conflict", "invalid"))
-def change_user(user: UserName, given: UserChange, engine: Engine, visitor: CurrentVisitor) -> User:
+@router.get("/users/{user}", responses=TAGGED | problems("not-found"))
+def get_user(user: UserName, response: Response, reader: Reader) -> User:
+    """One user."""
+    found = service.one(reader, user)
+    response.headers["ETag"] = found.etag
+    return found
+
+
+@router.patch("/users/{user}", responses=TAGGED | problems("not-found", "access-conflict", "invalid", "changed"))
+def change_user(
+    user: UserName,
+    given: UserChange,
+    response: Response,
+    engine: Engine,
+    visitor: CurrentVisitor,
+    match: IfMatch = None,
+) -> User:
     """Change a user's role, or withdraw or grant access; both apply at once, to tokens and open browsers, too."""
-    return service.change(engine, user, given, visitor)
+    changed = service.change(engine, user, given, visitor, match)
+    response.headers["ETag"] = changed.etag
+    return changed
 
 
 @router.post(
@@ -45,13 +63,19 @@ def renew_invitation(user: UserName, request: Request, engine: Engine, visitor: 
     return service.renew(engine, user, request.app.state.settings.public_url, visitor)
 
 
-@router.get("/settings")
-def get_settings(reader: Reader) -> AccessSettings:
+@router.get("/settings", responses=TAGGED)
+def get_settings(response: Response, reader: Reader) -> AccessSettings:
     """The settings that administrators change while the service runs."""
-    return service.settings(reader)
+    found = service.settings(reader)
+    response.headers["ETag"] = service.etag(found)
+    return found
 
 
-@router.patch("/settings")
-def change_settings(given: AccessSettingsChange, engine: Engine, visitor: CurrentVisitor) -> AccessSettings:
+@router.patch("/settings", responses=TAGGED | problems("changed"))
+def change_settings(
+    given: AccessSettingsChange, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
+) -> AccessSettings:
     """Change the settings."""
-    return service.change_settings(engine, given.own_sign_offs, visitor)
+    changed = service.change_settings(engine, given.own_sign_offs, visitor, match)
+    response.headers["ETag"] = service.etag(changed)
+    return changed

@@ -31,6 +31,8 @@ class User(Schema):
     """Whether the user signs in through the provider, whose groups determine the role."""
     fixed: bool
     """Whether role and access cannot be changed: the user of the login link."""
+    etag: str
+    """For `If-Match` when role or access are changed."""
 
 
 class UserInvite(Given):

@@ -11,6 +11,7 @@ from backend.db import audit, identities, users
 from backend.db.access import LOCAL, AccessError, Visitor
 from backend.db.engine import now
 from backend.http.errors import RefusedError, not_found
+from backend.http.matches import require_match, tag
 from backend.users.schemas import AccessSettings, Invitation, User, UserChange, UserInvite
 from campaigns import Problem
 
@@ -36,7 +37,7 @@ def invite(engine: sa.Engine, given: UserInvite, public_url: str, visitor: Visit
 def renew(engine: sa.Engine, name: str, public_url: str, visitor: Visitor) -> Invitation:
     """A new link for a user who lost the first one or forgot the password. 409 for a disabled user."""
     with engine.begin() as writer:
-        user = _one(writer, name)
+        user = one(writer, name)
         if user.disabled is not None:
             raise RefusedError(409, "access-conflict", f"the access of {name} is withdrawn: grant it again first")
         if user.provided:
@@ -47,16 +48,26 @@ def renew(engine: sa.Engine, name: str, public_url: str, visitor: Visitor) -> In
         return _link(writer, name, code, public_url)
 
 
-def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor) -> User:
-    """Change role or access; 409 for yourself and for the user of the login link, 422 without a change."""
+def one(reader: sa.Connection, name: str) -> User:
+    """A user, or 404."""
+    found = next((user for user in listed(reader) if user.name == name), None)
+    if found is None:
+        raise not_found("user", name)
+    return found
+
+
+def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor, match: str | None = None) -> User:
+    """Change role or access; 409 for yourself and for the user of the login link, 422 without a change, 412 if `match`
+    (If-Match) is not the user's tag."""
     if given.role is None and given.disabled is None:
         message = "give at least one of role and disabled"
         raise RefusedError(422, "invalid", message, [Problem("role", "", message)])
     with engine.begin() as writer:
-        user = _one(writer, name)
+        user = one(writer, name)
         if name == visitor.account:
             detail = "you cannot change your own role or access: ask another administrator"
             raise RefusedError(409, "access-conflict", detail)
+        require_match(match, user.etag, f"the user {name}")
         if user.provided and given.role is not None and given.role != user.role:
             detail = f"the role of {name} follows the groups of the sign-in provider: change them there"
             raise RefusedError(409, "access-conflict", detail)
@@ -69,7 +80,7 @@ def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor) ->
             audit.note(writer, visitor, "user.role_changed", name, {"before": user.role, "after": given.role})
         if given.disabled is not None and given.disabled != (user.disabled is not None):
             audit.note(writer, visitor, "user.disabled" if given.disabled else "user.enabled", name, {})
-        return _one(writer, name)
+        return one(writer, name)
 
 
 def settings(reader: sa.Connection) -> AccessSettings:
@@ -77,10 +88,18 @@ def settings(reader: sa.Connection) -> AccessSettings:
     return AccessSettings(own_sign_offs=users.own_sign_offs(reader))
 
 
-def change_settings(engine: sa.Engine, own_sign_offs: bool, visitor: Visitor) -> AccessSettings:
-    """Store the settings."""
+def etag(found: AccessSettings) -> str:
+    """The entity tag of the settings."""
+    return tag(found.own_sign_offs)
+
+
+def change_settings(
+    engine: sa.Engine, own_sign_offs: bool, visitor: Visitor, match: str | None = None
+) -> AccessSettings:
+    """Store the settings; 412 if `match` (If-Match) is not their tag."""
     with engine.begin() as writer:
         before = users.own_sign_offs(writer)
+        require_match(match, tag(before), "a setting")
         users.set_own_sign_offs(writer, own_sign_offs)
         told = {"before": before, "after": own_sign_offs}
         audit.note(writer, visitor, "setting.changed", users.OWN_SIGN_OFFS, told)
@@ -95,13 +114,6 @@ def _conflicts() -> Iterator[None]:
         raise RefusedError(409, "access-conflict", f"{error}") from None
 
 
-def _one(reader: sa.Connection, name: str) -> User:
-    found = next((user for user in listed(reader) if user.name == name), None)
-    if found is None:
-        raise not_found("user", name)
-    return found
-
-
 def _link(writer: sa.Connection, name: str, code: str, public_url: str) -> Invitation:
     expires = now(writer) + users.INVITATION_LIFETIME
     address = public_url.rstrip("/") or None
@@ -113,4 +125,6 @@ def _user(row: users.UserRow) -> User:
     joined = row.has_password or row.name == LOCAL or provided
     state = "disabled" if row.disabled is not None else "active" if joined else "invited"
     shown = {**row.__dict__, "created_by": PROVIDER if provided else row.created_by, "provided": provided}
-    return User.model_validate({**shown, "state": state, "fixed": row.name == LOCAL})
+    return User.model_validate(
+        {**shown, "state": state, "fixed": row.name == LOCAL, "etag": tag(row.role, row.disabled)}
+    )

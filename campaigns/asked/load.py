@@ -5,6 +5,7 @@ Start reading at `load_text`; how text becomes plain values is in `campaigns.ask
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -114,8 +115,9 @@ def load_document(document: Any, source: str = "campaign") -> Campaign:
     """Read a campaign from plain JSON values."""
     if not isinstance(document, Mapping):
         raise CampaignError(source, [Problem("", shown(document), "a campaign is a mapping with name, scenario, ...")])
-    if problems := list(misshapen(document)):
-        raise CampaignError(source, problems)
+    if problems := list(itertools.islice(misshapen(document), MOST + 1)):
+        more = [Problem("", "", "and more problems; correct these first")] if len(problems) > MOST else []
+        raise CampaignError(source, [*problems[: MOST - len(more)], *more])
     try:
         return Campaign.model_validate(document)
     except ValidationError as error:

@@ -8,7 +8,7 @@ import yaml
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from campaigns.asked.reading import Dumper
+from campaigns.asked.reading import MOST_VALUES, Dumper
 from campaigns.asked.spec import Campaign
 
 _ALWAYS = frozenset({"version", "component", "kind", "seed"})
@@ -19,6 +19,18 @@ def to_yaml(campaign: Campaign) -> str:
     """YAML text that reads back as an equal campaign (the same digest)."""
     text: str = yaml.dump(_said(campaign), Dumper=Dumper, sort_keys=False, allow_unicode=True, width=100)
     return text
+
+
+def readable_yaml(campaign: Campaign) -> str | None:
+    """The same; None if it has more values than are read back, as with very many starts."""
+    return None if _values(_said(campaign)) > MOST_VALUES else to_yaml(campaign)
+
+
+def _values(said: Any) -> int:
+    """The number of values and keys, as `campaigns.asked.reading` counts them."""
+    if isinstance(said, dict):
+        return 1 + len(said) + sum(map(_values, said.values()))
+    return 1 + sum(map(_values, said)) if isinstance(said, list) else 1
 
 
 def _said(value: Any) -> Any:

@@ -5,7 +5,11 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import httpx
+
 from backend import openapi
+
+JSON = "application/problem+json"
 
 DOCUMENT = json.loads(openapi.text())
 
@@ -44,3 +48,25 @@ def conforms(value: Any, schema: dict[str, Any], where: str = "") -> None:
         for i, inner in enumerate(value):
             conforms(inner, schema["items"], f"{where}.{i}")
     return None
+
+
+def held(answer: httpx.Response, operation: dict[str, Any], elsewhere: bool = False) -> None:
+    """The answer is one of those that the operation declares, its problem's type and its headers included.
+
+    elsewhere: what was put into its path made it the address of something else, or of nothing.
+    """
+    status = str(answer.status_code)
+    assert answer.status_code < 500 or status == "503", answer.text[:400]
+    if answer.status_code >= 400:
+        assert answer.headers["content-type"] == JSON
+        assert answer.json()["status"] == answer.status_code
+        assert len(answer.content) < 100_000
+        answer.content.decode()
+    if elsewhere:
+        return
+    assert status in operation["responses"], (status, answer.text[:300])
+    declared = operation["responses"][status]
+    if answer.status_code >= 400:
+        assert answer.json()["type"] in declared["x-problem-types"]
+    for header in ("Location", "ETag", "Retry-After"):
+        assert header not in answer.headers or header in declared["headers"]

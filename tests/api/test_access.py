@@ -12,6 +12,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
+from backend.db import audit
 from backend.db.access import create_login_code, hashed, revoke_token
 from backend.db.engine import connect, read
 from backend.db.tables import LoginLink, Session, Token
@@ -74,12 +75,16 @@ def test_a_login_link_is_good_once(service: Service) -> None:
 
 
 @pytest.mark.parametrize("code", ["wrong", "x" * 5000, "é\0"])
-def test_a_wrong_login_link_is_refused_and_stores_nothing(still: Service, code: str) -> None:
-    before = still.rows()
+def test_a_wrong_login_link_is_refused_and_recorded_without_the_code(service: Service, code: str) -> None:
+    still, before = service, service.rows()
     with still.visitor() as stranger:
         assert stranger.get("/login", params={"code": code}).status_code == 403
         assert stranger.get("/api/v1/health").status_code == 200
-    assert still.rows() == before
+    until(lambda: still.rows() == before | {"audit": before["audit"] + 1})
+    with read(still.engine) as reader:
+        [row] = list(audit.rows(reader))[-1:]
+    assert (row["user"], row["action"], row["subject"]) == ("unknown", "session.link_failed", "unknown")
+    assert row["detail"] == {"address": "127.0.0.1", "attempts": 1}
 
 
 @BOTH
@@ -195,6 +200,12 @@ def test_wrong_codes_are_bounded_in_number_and_a_good_one_is_taken_all_the_same(
         assert len([sql for sql in looked if "users" in sql]) < BURST + 15
         assert stranger.get("/login", params={"code": code}).status_code == 303
         assert stranger.get("/api/v1/session").status_code == 200
+    service.stop()
+    with read(service.engine) as reader:
+        rows = [row["detail"]["attempts"] for row in audit.rows(reader) if row["action"] == "session.link_failed"]
+    service.engine.dispose()
+    assert len(rows) <= 11, "an attacker cannot fill the disk"
+    assert sum(rows) == BURST + 30, "and none is left out"
 
 
 def test_a_session_or_token_has_so_many_requests_open_and_others_have_theirs(fresh: Fresh, tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ class Asked:
     ) -> None:
         self._socket = socket.create_connection(("127.0.0.1", service.port), timeout=60)
         cookie = f"{service.settings.cookie}={client.cookies[service.settings.cookie]}"
-        head = f"{method} {path} HTTP/1.1\r\nHost: x\r\nCookie: {cookie}\r\n{more}Connection: close\r\n\r\n"
+        head = f"{method} {path} HTTP/1.1\r\nHost: localhost\r\nCookie: {cookie}\r\n{more}Connection: close\r\n\r\n"
         self._socket.sendall((head + body).encode())
 
     def fileno(self) -> int:

@@ -27,7 +27,7 @@ from tests.api.viewing import PROTOCOL, viewing
 
 PATIENCE = 0.4
 MOST = 6
-POST = b"POST /api/v1/campaigns/check HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
+POST = b"POST /api/v1/campaigns/check HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +59,9 @@ def cookie(service: Service, client: httpx.Client) -> bytes:
     return f"Cookie: {name}={client.cookies[name]}\r\n".encode()
 
 
-@pytest.mark.parametrize("half", [b"", b"GET / HTTP/1.1\r\nHost: x\r\nX-A: ", b"G"], ids=["silent", "head", "a byte"])
+@pytest.mark.parametrize(
+    "half", [b"", b"GET / HTTP/1.1\r\nHost: localhost\r\nX-A: ", b"G"], ids=["silent", "head", "a byte"]
+)
 def test_a_request_that_does_not_come_is_not_waited_for(strict: Service, half: bytes) -> None:
     begun = time.monotonic()
     with opened(strict) as connection:
@@ -94,7 +96,7 @@ def test_a_body_that_does_not_come_is_not_waited_for(strict: Service) -> None:
 def test_the_next_request_of_a_connection_has_its_own_time(strict: Service) -> None:
     with opened(strict) as connection:
         for _ in range(2):
-            connection.sendall(b"GET /api/v1/health HTTP/1.1\r\nHost: x\r\n\r\n")
+            connection.sendall(b"GET /api/v1/health HTTP/1.1\r\nHost: localhost\r\n\r\n")
             received = b""
             while b'"ok"}' not in received:
                 received += connection.recv(65536)
@@ -127,7 +129,7 @@ def unread(service: Service, head: str, client: httpx.Client) -> socket.socket:
     connection = socket.socket()
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
     connection.connect(("127.0.0.1", service.port))
-    connection.sendall(head.encode() + b"Host: x\r\n" + cookie(service, client) + b"\r\n")
+    connection.sendall(head.encode() + b"Host: localhost\r\n" + cookie(service, client) + b"\r\n")
     return connection
 
 
@@ -153,7 +155,7 @@ def unread_view(service: Service) -> Iterator[socket.socket]:
         upgrade = (
             f"GET /view/{submit(client)}/ HTTP/1.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
             f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {'A' * 22}==\r\n"
-            f"Sec-WebSocket-Protocol: {PROTOCOL}\r\nOrigin: http://x\r\n"
+            f"Sec-WebSocket-Protocol: {PROTOCOL}\r\nOrigin: http://localhost\r\n"
         )
         with unread(service, upgrade, client) as connection:
             held = until(lambda: waiting(service))
@@ -180,10 +182,10 @@ def test_beyond_so_many_connections_there_is_a_refusal_and_one_gone_makes_room(s
     with strict.signed_in() as client:
         streams = [opened(strict) for _ in range(MOST - 1)]
         for stream in streams:
-            stream.sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: x\r\n" + cookie(strict, client) + b"\r\n")
+            stream.sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n" + cookie(strict, client) + b"\r\n")
         until(lambda: strict.app.state.hub.listeners == MOST - 1)
         streams.append(opened(strict))
-        streams[-1].sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: x\r\n" + cookie(strict, client) + b"\r\n")
+        streams[-1].sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\n" + cookie(strict, client) + b"\r\n")
         until(lambda: strict.app.state.hub.listeners == MOST)
         with strict.visitor() as late:
             refused = late.get("/api/v1/health")

@@ -9,7 +9,6 @@ from __future__ import annotations
 import ast
 import base64
 import json
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,36 +23,21 @@ from backend.db.engine import read
 from backend.db.tables import Run
 from backend.http.errors import KINDS
 from backend.http.schema import Given
-from backend.previews.service import Previews
-from backend.scenes.live.live import Live
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
-from tests.api.conftest import Fresh, running
-from tests.api.document import DOCUMENT, OPERATIONS
-from tests.api.finished import finish
+from tests.api.conftest import Fresh
+from tests.api.document import DOCUMENT, JSON, OPERATIONS, held
+from tests.api.occupied import occupied
 from tests.api.server import Service
-from tests.api.stand_in import STAND_IN
 from tests.api.strange import requests
-from tests.api.submitting import submit
 
 PREFIX = "urn:clearance:problem:"
-JSON = "application/problem+json"
 
 
 @pytest.fixture(scope="module")
 def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service with a finished run, a draft, and a stand-in simulation process."""
-    folder = tmp_path_factory.mktemp("edge")
-    (folder / "dist" / "assets").mkdir(parents=True)  # a folder that is not there has no names that are too long
-    with running(fresh_sqlite, folder) as service:
-        service.publish()
-        live = Live((sys.executable, "-c", STAND_IN), limit=10, first_limit=10)
-        service.app.state.previews = Previews(live)
-        with service.signed_in() as client:
-            submit(client)
-            finish(service)
-            submit(client, seed=2)
-            client.post("/api/v1/drafts", json={"name": "", "text": "name:"})
+    with occupied(fresh_sqlite, tmp_path_factory.mktemp("edge")) as service:
         yield service
 
 
@@ -61,28 +45,6 @@ def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> It
 def client(service: Service) -> Iterator[httpx.Client]:
     with service.visitor(authorization=f"Bearer {service.token()}") as client:
         yield client
-
-
-def held(answer: httpx.Response, operation: dict[str, Any], elsewhere: bool = False) -> None:
-    """The answer is one of those that the operation declares, its problem's type and its headers included.
-
-    elsewhere: what was put into its path made it the address of something else, or of nothing.
-    """
-    status = str(answer.status_code)
-    assert answer.status_code < 500 or status == "503", answer.text[:400]
-    if answer.status_code >= 400:
-        assert answer.headers["content-type"] == JSON
-        assert answer.json()["status"] == answer.status_code
-        assert len(answer.content) < 100_000
-        answer.content.decode()
-    if elsewhere:
-        return
-    assert status in operation["responses"], (status, answer.text[:300])
-    declared = operation["responses"][status]
-    if answer.status_code >= 400:
-        assert answer.json()["type"] in declared["x-problem-types"]
-    for header in ("Location", "ETag", "Retry-After"):
-        assert header not in answer.headers or header in declared["headers"]
 
 
 @pytest.mark.parametrize(("path", "method", "operation"), OPERATIONS, ids=lambda v: v if isinstance(v, str) else "")

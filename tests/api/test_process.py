@@ -54,7 +54,8 @@ def test_it_migrates_prints_a_link_serves_and_ends_before_its_streams_do(tmp_pat
         (data / name).touch()
     for path in (data, *data.rglob("*")):
         path.chmod(path.stat().st_mode | 0o055)
-    with started(data) as process:
+    hooks = {"CLEARANCE_WEBHOOKS": f"http://hook:{HOOK}@127.0.0.1:9/{HOOK}", "CLEARANCE_WEBHOOK_SECRET": SIGNING}
+    with started(data, **hooks, CLEARANCE_WEBHOOK_PRIVATE="true") as process:
         assert process.stdout is not None
         line = process.stdout.readline()
         assert line.startswith("Open http://127.0.0.1:")
@@ -63,14 +64,48 @@ def test_it_migrates_prints_a_link_serves_and_ends_before_its_streams_do(tmp_pat
         assert (data / "service-address").read_text().strip() == base
         private(data, link.partition("code=")[2])
         with httpx.Client(base_url=base, trust_env=False, timeout=20) as client:
-            assert client.get(link).status_code == 303
+            first = client.get(link)
+            assert (first.status_code, first.headers["location"]) == (303, "/runs"), "no code in any later address"
             assert client.get("/api/v1/runs").json()["items"] == []
+            secrets = [HOOK, SIGNING, link.partition("code=")[2], *client.cookies.values(), *used(client)]
+            until(lambda: client.get("/api/v1/webhooks/deliveries").json()[0]["attempts"] > 0, WAIT)
             with client.stream("GET", "/api/v1/events") as stream:
                 assert next(stream.iter_lines()) == "retry: 2000"
                 process.send_signal(number)
                 assert process.wait(WAIT) == 0  # the stream is still open
         out, err = process.communicate()
-        assert (out, err) == ("", "")
+        assert out == ""
+        assert [line for line in err.splitlines() if "backend.webhooks" not in line] == []
+        assert len(secrets) == 8
+        stored = b"".join(path.read_bytes() for path in data.rglob("*") if path.is_file())
+        for secret in secrets:
+            assert len(secret) >= 12
+            assert secret not in err, "in the log"
+            assert secret.encode() not in stored, "in the database"
+
+
+HOOK = "a-secret-part-of-an-address"
+SIGNING = "whsec_MDEyMzQ1Njc4OTAxMjM0NTY3ODkwMTIzNDU2Nzg5MDE="
+PASSWORD = "several words of ada"
+
+
+def used(client: httpx.Client) -> list[str]:
+    """Every other secret that a service handles, used once, and once wrongly."""
+    token = client.post("/api/v1/tokens", json={"name": "t", "scope": "run"}).json()["secret"]
+    path = client.post("/api/v1/users", json={"name": "ada", "role": "viewer"}).json()["path"]
+    assert client.post("/api/v1/webhooks/test").status_code == 202
+    with httpx.Client(base_url=client.base_url, trust_env=False, timeout=20) as other:
+        for given in (token, f"{token}x"):
+            other.get("/api/v1/runs", headers={"authorization": f"Bearer {given}"})
+        code = path.partition("code=")[2]
+        assert other.get(path).status_code == 200
+        assert other.get(f"/invite?code={code}x").status_code == 403
+        form = {"code": code, "password": PASSWORD, "again": PASSWORD}
+        assert other.post("/invite", data=form).headers["location"] == "/runs"
+        cookie = next(iter(other.cookies.values()))
+        other.post("/login", data={"name": "ada", "password": f"{PASSWORD} wrong"})
+        other.get("/login", params={"code": f"{code}y"})
+    return [token, code, PASSWORD, cookie]
 
 
 def private(data: Path, code: str) -> None:

@@ -20,6 +20,7 @@ from starlette.routing import Match, Mount
 from backend.access import routes
 from backend.access.auth import Guard
 from backend.access.printed import table
+from backend.access.rates import Rates
 from backend.access.routes import MissingRuleError, Rules
 from backend.access.rules import RULES, Method, Rule
 from backend.app import create
@@ -55,7 +56,7 @@ def desk(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Itera
     async def inside(scope: Any, receive: Any, send: Any) -> None:
         scope["entered"].append(scope["path"])
 
-    yield Desk(app, Guard(inside, app.state.door, 100), visitors)
+    yield Desk(app, Guard(inside, app.state.door, 100, Rates(10**7)), visitors)
     asyncio.run(app.state.door.close())
     app.state.engine.dispose()
 

@@ -233,6 +233,6 @@ def test_the_service_stops_at_once_with_streams_and_viewers_open(service: Servic
     ):
         frames_until(connection, b"/flights/nominal/path")
         cookie = f"{service.settings.cookie}={client.cookies[service.settings.cookie]}"
-        raw.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: x\r\nCookie: {cookie}\r\n\r\n".encode())
+        raw.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\nCookie: {cookie}\r\n\r\n".encode())
         until(lambda: service.app.state.hub.listeners == 1)
         service.stop()  # within its patience, although nobody closes them

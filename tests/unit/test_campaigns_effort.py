@@ -17,12 +17,13 @@ from campaigns.asked import reading
 from campaigns.asked.load import LARGEST_FILE, load_document, load_text
 from campaigns.asked.problem import shown
 from campaigns.asked.reading import _Fast, _Loader, parse
+from campaigns.asked.text import readable_yaml
 from tests.unit.cases import document
 
 LIMIT = 10.0
 """Time that any text may take [s]; each of these takes a second, and took half a minute."""
 
-KEYS = [f"k{i}" for i in range(33_000)]
+KEYS = [f"k{i}" for i in range(29_000)]
 
 
 @cache
@@ -37,11 +38,11 @@ def told(text: str) -> str:
 
 
 LATE = {
-    "json, the key before": ("{" + ",".join(f'"{k}":1' for k in KEYS) + ',"k32999":2}', "the key 'k32999' is"),
+    "json, the key before": ("{" + ",".join(f'"{k}":1' for k in KEYS) + ',"k28999":2}', "the key 'k28999' is"),
     "json, the first key": ("{" + ",".join(f'"{k}":1' for k in KEYS) + ',"k0":2}', "the key 'k0' is given twice"),
     "yaml": (
         "\n".join(f"{k}: 1" for k in KEYS) + "\nk0: 2",
-        "line 33001, column 1: not readable as YAML: the key 'k0'",
+        "line 29001, column 1: not readable as YAML: the key 'k0'",
     ),
     "yaml in braces": ("{" + ",".join(f"{k}: 1" for k in KEYS) + ", k0: 2}", "the key 'k0' is given twice"),
 }
@@ -66,16 +67,49 @@ def test_a_long_text_is_read_or_refused_soon(name: str) -> None:
 
 
 def test_too_many_values_are_refused_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "more than 200,000 values" in told(LARGE["yaml list"])
+    assert "more than 60,000 values" in told(LARGE["yaml list"])
     monkeypatch.setattr(reading, "MOST_VALUES", 1000)
     assert "line 1, column 1999: not readable as YAML: more than" in told("a: [" + "1," * 998 + "]")
     assert len(parse("a: [" + "1," * 997 + "]")["a"]) == 997
+
+
+@pytest.mark.parametrize("piece", ["[[]]", '{"":0}'])
+def test_too_many_lists_are_refused_before_their_places_are_noted(piece: str) -> None:
+    text = f'{{"name": [{",".join([piece] * 160_000)}]}}'
+    tracemalloc.start()
+    try:
+        with pytest.raises(CampaignError, match="more than 150,000 lists and mappings: shorten the campaign"):
+            load_document(json.loads(text))
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 100_000_000
+
+
+def test_of_very_many_unreadable_texts_only_the_first_are_described() -> None:
+    with pytest.raises(CampaignError) as caught:
+        load_document({"name": ["\ud800"] * 100_000})
+    assert len(caught.value.problems) == 50
+    assert caught.value.problems[-1].message == "and more problems; correct these first"
 
 
 def test_as_many_starts_as_a_campaign_can_have_are_read() -> None:
     starts = [{f"vehicle.m{i}": 5.0 for i in range(30)}] * 10_000
     found = load_document(document(stages__search=[{"method": "sqp", "evaluations": 10, "starts": starts}]))
     assert len(found.stages.search[0].starts) == 10_000
+
+
+def test_yaml_is_written_where_it_can_be_read_back() -> None:
+    def started(count: int) -> str | None:
+        starts = [{"vehicle.m": 5.0, "vehicle.J": 0.05}] * count
+        search = [{"method": "sqp", "evaluations": 10, "starts": starts}]
+        return readable_yaml(load_document(document(stages__search=search)))
+
+    text = started(10_000)
+    assert text is not None
+    assert len(load_text(text).stages.search[0].starts) == 10_000
+    search = {"method": "sqp", "evaluations": 10, "starts": [{f"vehicle.m{i}": 5.0 for i in range(8)}] * 10_000}
+    assert readable_yaml(load_document(document(stages__search=[search]))) is None
 
 
 def test_of_many_problems_fifty_are_worked_out_and_all_are_counted() -> None:

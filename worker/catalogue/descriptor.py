@@ -178,16 +178,25 @@ class DescribedProgram(Described):
         )
 
 
+LARGEST = 200_000
+"""The largest descriptor that is read [bytes]."""
+
+LONGEST = 400
+"""Characters of what a reader of YAML said."""
+
+
 def read(folder: Path) -> Described:
     """The descriptor of a folder; raises BadDescriptor."""
     file = folder / FILE
     try:
+        if file.stat().st_size > LARGEST:
+            raise BadDescriptor(f"{file}: a descriptor has at most {LARGEST:,} bytes")
         document = yaml.safe_load(file.read_text(encoding="utf-8"))
         if isinstance(document, dict) and "fmu" in document:
             return fmu.read(folder.resolve(), document)
         return DescribedProgram(folder.resolve(), Descriptor.model_validate(document))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise BadDescriptor(f"{file}: {' '.join(str(error).split())}") from None
+    except RecursionError:
+        raise BadDescriptor(f"{file}: nested too deeply") from None
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"] if part != "[key]") or "the file"
@@ -197,6 +206,10 @@ def read(folder: Path) -> Described:
         raise BadDescriptor(f"{file}: {place}: {message}") from None
     except Unusable as error:
         raise BadDescriptor(f"{file}: {error}") from None
+    except BadDescriptor:
+        raise
+    except (OSError, yaml.YAMLError, ValueError) as error:  # such as a date that does not exist
+        raise BadDescriptor(f"{file}: {' '.join(str(error).split())[:LONGEST]}") from None
 
 
 def folders() -> list[Path]:

@@ -19,6 +19,9 @@ from worker.examination.mistake import Mistake, listed, meant
 LARGEST = 1_000_000
 """The largest file that is read [bytes]."""
 
+DEEPEST = 400
+"""The deepest nesting of its syntax tree: a sum of 300 terms is fine."""
+
 KINDS = ("Vehicle", "Controller", "Avoider", "Obstacle", "Environment", "Fault", "Criterion")
 
 Function = ast.FunctionDef
@@ -116,7 +119,10 @@ def read(file: Path) -> Source:
     try:
         encoding, _ = tokenize.detect_encoding(io.BytesIO(content).readline)
         text = content.decode(encoding)
-        return Source(file, text, ast.parse(content, str(file)))
+        tree = ast.parse(content, str(file))
+        if _depth(tree) > DEEPEST:
+            raise RecursionError
+        return Source(file, text, tree)
     except SyntaxError as error:
         text = str(error.msg).rstrip(".")
         raise Mistake(f"this is not Python: {text}; correct the line", error.lineno) from None
@@ -124,6 +130,16 @@ def read(file: Path) -> Source:
         raise Mistake("the file is not text in UTF-8: save it as UTF-8", 1) from None
     except (RecursionError, MemoryError):
         raise Mistake("an expression is nested too deeply to be read: divide it", 1) from None
+
+
+def _depth(tree: ast.AST) -> int:
+    """How deep a tree is nested, found without recursion."""
+    deepest, waiting = 0, [(tree, 1)]
+    while waiting:
+        node, depth = waiting.pop()
+        deepest = max(deepest, depth)
+        waiting += [(inner, depth + 1) for inner in ast.iter_child_nodes(node)]
+    return deepest
 
 
 def check(source: Source) -> None:

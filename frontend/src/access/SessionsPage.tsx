@@ -70,6 +70,7 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
             <th>Browser</th>
             <th>Address</th>
             <th>Signed in</th>
+            <th>Last used</th>
             <th>Ends</th>
             <th>
               <span className="sr">Sign out</span>
@@ -85,6 +86,7 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
               <td className="sec nw" title={moment(session.created)}>
                 {when(session.created)}, by {{ link: 'login link', password: 'password', provider: 'single sign-on' }[session.via]}
               </td>
+              <td className="sec nw">{session.last_used === null ? 'not since the service started' : when(session.last_used)}</td>
               <td className="sec nw">{moment(session.expires)}</td>
               <td className="num">
                 {session.current ? (

@@ -121,8 +121,10 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
   const [role, setRole] = useState<Role>(user.role)
   const refresh = () => cache.invalidateQueries({ queryKey: ['users'] })
   const change = useMutation({
-    mutationFn: (given: { role?: Role; disabled?: boolean }) => changeUser(user.name, given),
+    mutationFn: (given: { role?: Role; disabled?: boolean }) => changeUser(user, given),
     onSuccess: () => refresh().then(onDone),
+    // Refused because another administrator has changed the user: show the current state.
+    onError: refresh,
   })
   const renew = useMutation({ mutationFn: () => renewInvitation(user.name), onSuccess: refresh })
   if (renew.data) return <InvitationLink invitation={renew.data} onDone={onDone} />

@@ -43,7 +43,9 @@ export const sessionsQuery = queryOptions({
 
 export const inviteUser = (body: UserInvite): Promise<Invitation> => answer(sdk.inviteUser({ body }))
 export const renewInvitation = (user: string): Promise<Invitation> => answer(sdk.renewInvitation({ path: { user } }))
-export const changeUser = (user: string, body: UserChange): Promise<User> => answer(sdk.changeUser({ path: { user }, body }))
+/** Refused with 412 if another administrator has changed the user since they were read. */
+export const changeUser = (user: User, body: UserChange): Promise<User> =>
+  answer(sdk.changeUser({ path: { user: user.name }, body, headers: { 'If-Match': user.etag } }))
 export const changeSettings = (body: AccessSettings): Promise<AccessSettings> => answer(sdk.changeSettings({ body }))
 export const createToken = (body: TokenRequest): Promise<NewToken> => answer(sdk.createToken({ body }))
 export const revokeToken = (token: string): Promise<Token> => answer(sdk.revokeToken({ path: { token } }))

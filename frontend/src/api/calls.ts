@@ -79,14 +79,31 @@ export const getLibrary = (): Promise<LibraryCampaign[]> => answer(sdk.listCampa
 export const listRuns = (filter: RunFilter, cursor: string | null, limit = 100): Promise<RunPage> =>
   answer(sdk.listRuns({ query: { ...filter, limit, ...(cursor ? { cursor } : {}) } }))
 
-export const getRun = (run: string): Promise<RunDetail> => answer(sdk.getRun({ path: { run } }))
+/** Entity tags of runs as they were read last, for edits. */
+const tags = new Map<string, string>()
+
+async function tagged(run: string, request: Promise<Answer<RunDetail>>): Promise<RunDetail> {
+  const found = await answer(request)
+  const tag = (await request).response?.headers.get('ETag')
+  if (tag) tags.set(run, tag)
+  return found
+}
+
+export const getRun = (run: string): Promise<RunDetail> => tagged(run, sdk.getRun({ path: { run } }))
 /** Its campaign as a file: the original text if it was submitted as text. */
 export const getRunText = (run: string): Promise<string> =>
   answer(sdk.getRunCampaign({ path: { run }, parseAs: 'text' }))
 export const cancelRun = (run: string): Promise<RunSummary> => answer(sdk.cancelRun({ path: { run } }))
 export const getFacets = (): Promise<RunFacets> => answer(sdk.listFacets())
 export const editRun = (run: string, change: RunEdit): Promise<RunDetail> =>
-  answer(sdk.editRun({ path: { run }, body: change }))
+  tagged(run, sdk.editRun({ path: { run }, body: change, headers: matching(run, change) }))
+
+/** A name or tags replace those that were read; notes have their own check, and the pin is set whatever it was. */
+function matching(run: string, change: RunEdit): { 'If-Match'?: string } {
+  const tag = tags.get(run)
+  return tag !== undefined && (change.name !== undefined || change.tags !== undefined) ? { 'If-Match': tag } : {}
+}
+
 export const cancelRuns = (runs: string[]): Promise<RunSummary[]> => answer(sdk.cancelRuns({ body: { runs } }))
 export const removeRuns = (runs: string[], reason: string): Promise<RunSummary[]> =>
   answer(sdk.removeRuns({ body: { runs, reason } }))

@@ -4,6 +4,7 @@ import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { useMemo, useRef, useState } from 'react'
+import { useBarred } from '../api/may'
 import { checkCampaign, submitRun } from '../api/calls'
 import { asCampaign, hasScenario } from '../api/campaign'
 import { type FieldProblem, Refusal } from '../api/problems'
@@ -105,7 +106,8 @@ export function Editor(props: EditorProps) {
   const ok = draft.problems.length === 0
   const live = usePreview(draft.checked, !draft.checking)
   const wrong = regression.problem.labels || regression.problem.baseline
-  const blocked = name.trim() === '' || !ok || wrong !== ''
+  const barred = useBarred('engineer')
+  const blocked = name.trim() === '' || !ok || wrong !== '' || barred !== undefined
   const begin = () => {
     if (!blocked && !launch.isPending) launch.mutate()
   }
@@ -119,7 +121,7 @@ export function Editor(props: EditorProps) {
     onTab(undefined)
     requestAnimationFrame(() => focusField(field))
   }
-  const why = name.trim() === '' ? 'Give the run a name.' : ok ? wrong : problems.length === 1 ? 'Solve the problem first.' : `Solve the ${problems.length} problems first.`
+  const why = barred !== undefined ? barred : name.trim() === '' ? 'Give the run a name.' : ok ? wrong : problems.length === 1 ? 'Solve the problem first.' : `Solve the ${problems.length} problems first.`
   return (
     <ProblemsProvider value={problems}>
       <Leaving

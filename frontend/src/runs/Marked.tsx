@@ -7,6 +7,7 @@ import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { cancelRuns, editRun } from '../api/calls'
 import { putRun } from '../api/events'
+import { useBarred } from '../api/may'
 import { isLive } from '../api/queries'
 import type { RunSummary } from '../client'
 import { MOST, olderFirst } from '../compare/search'
@@ -27,6 +28,7 @@ export function Marked({ runs, onClear }: MarkedProps) {
   const live = runs.filter((run) => isLive(run) && run.state !== 'cancelling')
   const pinned = runs.every((run) => run.pinned)
   const cache = useQueryClient()
+  const barred = useBarred('engineer')
   const pin = useMutation({
     mutationFn: () => Promise.all(runs.map((run) => editRun(run.id, { pinned: !pinned }))),
     onSettled: () => cache.invalidateQueries({ queryKey: ['runs'] }),
@@ -37,7 +39,7 @@ export function Marked({ runs, onClear }: MarkedProps) {
         {count(runs.length)} selected
       </span>
       {runs.every((run) => run.removed === null) && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => pin.mutate()} disabled={pin.isPending}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => pin.mutate()} disabled={pin.isPending || barred !== undefined} title={barred}>
           <IconPinned className="i s" aria-hidden />
           {pinned ? 'Unpin' : 'Pin'}
         </button>
@@ -69,12 +71,13 @@ function CancelMarked({ live }: { live: RunSummary[] }) {
     },
   })
   // It stays, no narrower, when the last of the selected runs ends: removal must not take its place under the pointer.
+  const barred = useBarred('engineer')
   const [offered, setOffered] = useState(false)
   if (live.length > 0 && !offered) setOffered(true)
   if (!offered) return null
   return (
     <>
-      <button type="button" className={clsx(buttons.btn, buttons.s, buttons.danger)} disabled={live.length === 0} onClick={() => setAsking(true)}>
+      <button type="button" className={clsx(buttons.btn, buttons.s, buttons.danger)} disabled={live.length === 0 || barred !== undefined} title={barred} onClick={() => setAsking(true)}>
         <IconPlayerStop className="i s" aria-hidden />
         {live.length > 0 ? `Cancel ${plural(live.length)}` : 'Nothing left to cancel'}
       </button>

@@ -4,6 +4,7 @@ import { Modal, TagsInput } from '@mantine/core'
 import { IconPencil, IconPin, IconPinnedFilled } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
+import { useBarred } from '../../api/may'
 import { facetsQuery } from '../../api/queries'
 import type { RunDetail } from '../../client'
 import { useEdit } from './useEdit'
@@ -14,6 +15,7 @@ import layout from '../../ui/layout.module.css'
 export function EditRun({ run }: { run: RunDetail }) {
   const [open, setOpen] = useState(false)
   const edit = useEdit(run)
+  const barred = useBarred('engineer')
   const pin = run.pinned ? 'Unpin this run' : 'Pin this run to the top of the list'
   return (
     <span className="nw">
@@ -21,8 +23,9 @@ export function EditRun({ run }: { run: RunDetail }) {
         type="button"
         className={buttons.iconbtn}
         onClick={() => setOpen(true)}
+        disabled={barred !== undefined}
         aria-label="Change name and tags"
-        title="Change name and tags"
+        title={barred ?? 'Change name and tags'}
       >
         <IconPencil className="i s" aria-hidden />
       </button>
@@ -30,10 +33,10 @@ export function EditRun({ run }: { run: RunDetail }) {
         type="button"
         className={buttons.iconbtn}
         onClick={() => edit.mutate({ pinned: !run.pinned })}
-        disabled={edit.isPending}
+        disabled={edit.isPending || barred !== undefined}
         aria-pressed={run.pinned}
         aria-label={pin}
-        title={pin}
+        title={barred ?? pin}
       >
         {run.pinned ? <IconPinnedFilled className="i s" aria-hidden /> : <IconPin className="i s" aria-hidden />}
       </button>

@@ -8,6 +8,7 @@ import { useState } from 'react'
 import { asCampaign, hasScenario } from '../../api/campaign'
 import { cancelRun } from '../../api/calls'
 import { putRun, useStreamStatus } from '../../api/events'
+import { useBarred } from '../../api/may'
 import { isLive } from '../../api/queries'
 import type { RunDetail } from '../../client'
 import { ExportMenu } from '../../exports/ExportMenu'
@@ -151,13 +152,14 @@ function Cancel({ run }: { run: RunDetail }) {
   })
   const cancelling = run.state === 'cancelling'
   const over = !isLive(run)
+  const barred = useBarred('engineer')
   return (
     <>
       <button
         type="button"
         className={clsx(buttons.btn, buttons.danger)}
-        disabled={cancelling || over}
-        title={over ? 'This run has ended.' : undefined}
+        disabled={cancelling || over || barred !== undefined}
+        title={over ? 'This run has ended.' : barred}
         onClick={() => setAsking(true)}
       >
         <IconPlayerStop className="i s" aria-hidden />

@@ -2,6 +2,7 @@
 import { clsx } from 'clsx'
 import { IconPencil } from '@tabler/icons-react'
 import { lazy, Suspense, useState } from 'react'
+import { useBarred } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
 import { Card } from '../../ui/Card'
@@ -22,6 +23,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string | 
   const [read, setRead] = useState('')
   const edit = useEdit(run, () => setDraft(null))
   const writing = draft !== null
+  const barred = useBarred('engineer')
   const begin = () => {
     setRead(run.notes)
     setDraft(run.notes)
@@ -35,7 +37,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string | 
       right={
         !writing &&
         run.removed === null && (
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={begin}>
+          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={begin} disabled={barred !== undefined} title={barred}>
             <IconPencil className="i s" aria-hidden /> {run.notes ? 'Edit' : 'Write'}
           </button>
         )

@@ -5,6 +5,7 @@ import { IconArrowBackUp, IconTrash } from '@tabler/icons-react'
 import { type QueryClient, useMutation, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
 import { removeRuns, restoreRuns } from '../../api/calls'
+import { useBarred } from '../../api/may'
 import { isLive } from '../../api/queries'
 import type { RunDetail, RunSummary } from '../../client'
 import { count } from '../../format/numbers'
@@ -41,16 +42,17 @@ export function RemoveMarked({ runs, onDone }: { runs: readonly RunSummary[]; on
   const over = runs.filter((run) => !isLive(run) && run.removed === null)
   const gone = runs.filter((run) => run.removed !== null)
   const restore = useRestore(gone, onDone)
+  const barred = useBarred('admin')
   return (
     <>
       {over.length > 0 && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setAsking(true)}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setAsking(true)} disabled={barred !== undefined} title={barred}>
           <IconTrash className="i s" aria-hidden />
           Remove {plural(over.length)}
         </button>
       )}
       {gone.length > 0 && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => restore.mutate()} disabled={restore.isPending}>
+        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => restore.mutate()} disabled={restore.isPending || barred !== undefined} title={barred}>
           <IconArrowBackUp className="i s" aria-hidden />
           Restore {plural(gone.length)}
         </button>

@@ -3,6 +3,7 @@ import { clsx } from 'clsx'
 import { IconArrowBackUp, IconTrash } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
+import { useBarred } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { moment } from '../../format/time'
 import { RemoveDialog, useRestore } from './Removal'
@@ -14,9 +15,10 @@ import layout from '../../ui/layout.module.css'
 
 export function Remove({ run }: { run: RunDetail }) {
   const [asking, setAsking] = useState(false)
+  const barred = useBarred('admin')
   return (
     <>
-      <button type="button" className={buttons.btn} onClick={() => setAsking(true)}>
+      <button type="button" className={buttons.btn} onClick={() => setAsking(true)} disabled={barred !== undefined} title={barred}>
         <IconTrash className="i s" aria-hidden />
         Remove
       </button>
@@ -27,6 +29,7 @@ export function Remove({ run }: { run: RunDetail }) {
 
 export function Removed({ run }: { run: RunDetail }) {
   const restore = useRestore([run])
+  const barred = useBarred('admin')
   return (
     <div className={clsx(cards.note, cards.warn)} role="status" style={{ marginBottom: 'var(--gap)', alignItems: 'center' }}>
       <IconTrash className="i" aria-hidden />
@@ -38,7 +41,8 @@ export function Removed({ run }: { run: RunDetail }) {
         type="button"
         className={clsx(buttons.btn, buttons.s, layout.atend)}
         onClick={() => restore.mutate()}
-        disabled={restore.isPending}
+        disabled={restore.isPending || barred !== undefined}
+        title={barred}
       >
         <IconArrowBackUp className="i s" aria-hidden /> Restore
       </button>

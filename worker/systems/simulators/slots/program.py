@@ -89,10 +89,17 @@ def unframed(buffer: bytearray, longest: int) -> list[Any]:
         if len(buffer) - at - LENGTH.size < size:
             break
         at += LENGTH.size
-        found.append(json.loads(bytes(buffer[at : at + size])))
+        found.append(_message(bytes(buffer[at : at + size])))
         at += size
     del buffer[:at]
     return found
+
+
+def _message(text: bytes) -> Any:
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
 
 
 def unlined(buffer: bytearray, longest: int) -> tuple[list[Any], bytes]:

@@ -1,0 +1,33 @@
+"""A service with a finished run, a draft and a stand-in simulation process, to which anything may be sent."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from backend.previews.service import Previews
+from backend.scenes.live.live import Live
+from tests.api.conftest import Fresh, running
+from tests.api.finished import finish
+from tests.api.server import Service
+from tests.api.stand_in import STAND_IN
+from tests.api.submitting import submit
+
+
+@contextmanager
+def occupied(fresh: Fresh, folder: Path, **settings: Any) -> Iterator[Service]:
+    """The service; its runs are R-0001, which has ended, and R-0002, its draft D-0001."""
+    (folder / "dist" / "assets").mkdir(parents=True)  # a folder that is not there has no names that are too long
+    with running(fresh, folder, **settings) as service:
+        service.publish()
+        live = Live((sys.executable, "-c", STAND_IN), limit=10, first_limit=10)
+        service.app.state.previews = Previews(live)
+        with service.signed_in() as client:
+            submit(client)
+            finish(service)
+            submit(client, seed=2)
+            client.post("/api/v1/drafts", json={"name": "", "text": "name:"})
+        yield service

@@ -1,0 +1,50 @@
+"""The names to which the service answers."""
+
+from __future__ import annotations
+
+import pytest
+
+from backend.middleware.hosts import Hosts
+
+STRICT = Hosts("127.0.0.1", "https://clearance.example:8443/", "Lab lab.example", any_host=True)
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        *("127.0.0.1", "127.0.0.1:8000", "localhost:9", "LOCALHOST", "[::1]:8000", "[::1]", "127.8.8.8", "localhost."),
+        *("clearance.example", "clearance.example:8443", "CLEARANCE.example:1", "lab", "lab.example:80"),
+    ],
+)
+def test_its_own_names(host: str) -> None:
+    assert STRICT.allows(host)
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        *("", "evil.example", "evil.example:8000", "127.0.0.1.evil.example", "localhost.evil.example", "[evil]:80"),
+        *(
+            "clearance.example.evil",
+            "xclearance.example",
+            "192.168.1.1",
+            "0.0.0.0",
+            "[::]",
+            "2130706433",
+            "*",
+            "[",
+            ":",
+        ),
+        *("clearance.example@evil.example", "evil.example#clearance.example", "\xe9", "8.8.8.8:8000"),
+    ],
+)
+def test_names_of_others(host: str) -> None:
+    assert not STRICT.allows(host)
+
+
+def test_every_name_only_where_the_operator_said_so() -> None:
+    assert Hosts("0.0.0.0", "", "", any_host=True).allows("10.0.0.7")
+    assert not Hosts("127.0.0.1", "", "", any_host=False).allows("10.0.0.7")
+    assert not Hosts("0.0.0.0", "https://a.example", "", any_host=True).allows("10.0.0.7")
+    assert Hosts("0.0.0.0", "https://a.example", "*", any_host=True).allows("10.0.0.7")
+    assert Hosts("192.168.1.5", "", "", any_host=False).allows("192.168.1.5:8000")

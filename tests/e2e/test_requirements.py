@@ -11,11 +11,9 @@ from playwright.sync_api import Browser, expect
 from backend.db.tables import CatalogueDocument
 from tests.api.reported import finish_fully
 from tests.api.submitting import submit
-from tests.e2e.axe import AXE
+from tests.e2e.axe import AXE, violations
 from tests.e2e.browser import visiting
 from tests.e2e.stored import served
-from tests.e2e.test_accessibility import clean
-from tests.e2e.test_narrow import WINDOW, beyond
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
 
@@ -36,7 +34,7 @@ def test_from_a_file_of_requirements_to_suspect_evidence(tmp_path: Path, browser
         dialog.get_by_role("button", name="Import").click()
         expect(dialog.get_by_role("alert")).to_contain_text("no column for the id")
         visit.wrong.clear()  # the browser reports the refusal on its console
-        clean(page, ["[role=dialog]"])
+        assert violations(page, within=["[role=dialog]"]) == []
         dialog.get_by_label("File").set_input_files(WRITTEN)
         dialog.get_by_role("button", name="Import").click()
         expect(dialog.get_by_role("status")).to_contain_text("2 added, 0 changed, 0 unchanged")
@@ -64,9 +62,12 @@ def test_from_a_file_of_requirements_to_suspect_evidence(tmp_path: Path, browser
         expect(page.locator("[data-requirement]")).to_have_count(1)
         visit.go("/requirements")
         expect(page.locator("[data-requirement]")).to_have_count(2)
-        clean(page)
-        page.set_viewport_size(WINDOW)
-        assert beyond(visit) == []
+        for theme in ("light", "dark"):
+            page.emulate_media(color_scheme=theme)
+            expect(page.locator("html")).to_have_attribute("data-theme", theme)
+            assert violations(page) == [], theme
+        page.set_viewport_size({"width": 390, "height": 844})
+        assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
         with page.expect_download() as saved:
             page.get_by_role("link", name="Download written.reqif").click()
         assert Path(saved.value.path()).read_bytes() == WRITTEN.read_bytes()

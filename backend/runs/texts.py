@@ -29,8 +29,8 @@ def with_schema(text: str, service: str) -> str:
     service: its address. A comment changes no digest.
     """
     own = _OURS.match(text)
-    rest = text[own.end() :] if own else text
-    if rest.lstrip("\ufeff \t\r\n").startswith("{") or (not own and rest.startswith("# yaml-language-server:")):
+    rest = text[own.end() :] if own else text.removeprefix("\ufeff")
+    if rest.lstrip().startswith("{") or (not own and rest.startswith("# yaml-language-server:")):
         return text
     return f"{MODELINE}{service}{SCHEMA}\n{rest}"
 

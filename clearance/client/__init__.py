@@ -5,6 +5,7 @@ It imports nothing of the physics, so that a script that only talks to a service
 
 from __future__ import annotations
 
+from campaigns.asked.problem import CampaignError
 from clearance.client.client import AsyncClient, Client
 from clearance.client.errors import (
     ClearanceError,
@@ -24,6 +25,7 @@ from clearance.client.errors import (
 
 __all__ = [
     "AsyncClient",
+    "CampaignError",
     "ClearanceError",
     "Client",
     "ConflictError",

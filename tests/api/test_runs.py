@@ -14,6 +14,7 @@ from backend.db.records import StagePlan
 from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
+from backend.runs.texts import with_schema
 from campaigns import Campaign
 from campaigns.asked.load import load_text
 from campaigns.stages.plan import plan
@@ -55,7 +56,8 @@ def test_a_run_keeps_its_campaign_as_it_was_typed(service: Service, client: http
     third = submit(client)
     files = [client.get(f"/api/v1/runs/{run}/campaign.yaml") for run in ("R-0001", "R-0002", third)]
     assert [file.headers["content-type"].partition(";")[0] for file in files] == ["application/yaml"] * 3
-    assert [file.text for file in files[:2]] == [text, together["text"]]
+    modeline = f"# yaml-language-server: $schema={service.url}/api/v1/campaigns/schema\n"
+    assert [file.text for file in files[:2]] == [modeline + text, modeline + together["text"]]
     assert load_text(files[2].text).digest == Campaign.model_validate(document).digest
     other = client.post("/api/v1/runs", json=together | {"text": text.replace("threshold: 0.5", "threshold: 0.6")})
     found = problem(other, 422)
@@ -66,6 +68,27 @@ def test_a_run_keeps_its_campaign_as_it_was_typed(service: Service, client: http
     with service.engine.begin() as writer:
         writer.execute(sa.update(CampaignRow).values(document=document | {"version": 0}))
     assert yaml.safe_load(client.get(f"/api/v1/runs/{third}/campaign.yaml").text)["version"] == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("name: x\n", "{}name: x\n"),
+        ("\ufeffname: x\n", "{}name: x\n"),
+        ("# yaml-language-server: $schema=http://old/api/v1/campaigns/schema\r\nname: x\n", "{}name: x\n"),
+        (
+            "# yaml-language-server: $schema=ours.json\nname: x\n",
+            "# yaml-language-server: $schema=ours.json\nname: x\n",
+        ),
+        ('\n{"name": "x"}', '\n{"name": "x"}'),
+        ("", "{}"),
+    ],
+)
+def test_yaml_names_its_schema_once(text: str, shown: str) -> None:
+    found = with_schema(text, "http://new")
+    modeline = "# yaml-language-server: $schema=http://new/api/v1/campaigns/schema\n"
+    assert found == (shown if "ours" in shown or '"' in shown else shown.format(modeline))
+    assert with_schema(found, "http://new") == found
 
 
 def test_a_run_names_the_one_it_extends(service: Service, client: httpx.Client) -> None:

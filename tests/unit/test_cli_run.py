@@ -72,8 +72,15 @@ def violating() -> Campaign:
     return searching(DIRECT, SQP, criterion__threshold=0.943, **SHORT)
 
 
-def test_violated_is_1(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
-    assert invoke(["run", file(violating())]) == VIOLATED == 1
+def test_violated_is_1(file: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = tmp_path / "run.sarif"
+    given = file(violating())
+    assert invoke(["run", given, "--sarif", str(log)]) == VIOLATED == 1
+    results = json.loads(log.read_text())["runs"][0]["results"]
+    assert (results[0]["ruleId"], results[0]["level"]) == ("violation", "error")
+    place = results[0]["locations"][0]["physicalLocation"]
+    assert place["artifactLocation"] == {"uri": Path(given).as_uri()}
+    assert results[0]["properties"]["margin"] <= 0
     out = capsys.readouterr().out
     assert "✗ Violated" in out
     assert "d_min falls to or below 0.943 m" in out

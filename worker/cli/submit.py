@@ -86,7 +86,13 @@ def submit(
         if sweep:
             raise typer.Exit(launched(client, document, sweep, wait, out, as_json, **asked))
         with terminated() if cancel_on_exit else nullcontext():
-            queued = client.submit(document, text=text, **asked, **how)
+            try:
+                queued = client.submit(document, text=text, **asked, **how)
+            except KeyboardInterrupt:
+                typer.echo(
+                    "the submission was interrupted, so a run may be queued: `clearance runs` lists them", err=True
+                )
+                raise
             if not wait:
                 _print_submitted(queued)
                 return

@@ -26,6 +26,9 @@ KEPT = 3600.0
 AGAIN = 10.0
 """Keys are fetched again for an unknown key at most this often [s]: providers replace their keys."""
 
+PAUSE = 2.0
+"""After a failure the configuration is not fetched again so long [s]: of many clients one waits for a provider."""
+
 LARGEST = 1_000_000
 """Maximum size of an answer of the provider [bytes]."""
 
@@ -38,11 +41,24 @@ class Documents:
         self._metadata: JsonObject = {}
         self._keys: KeySet | None = None
         self._metadata_at = self._keys_at = -KEPT
+        self._failure: SignInError | None = None
+        self._failed_at = 0.0
 
     async def metadata(self) -> JsonObject:
         """The configuration; its issuer is the configured one, and its addresses are encrypted or on this machine."""
-        if time.monotonic() - self._metadata_at < KEPT:
+        at = time.monotonic()
+        if at - self._metadata_at < KEPT:
             return self._metadata
+        if self._failure is not None and at - self._failed_at < PAUSE:
+            raise self._failure
+        try:
+            self._metadata, self._metadata_at = await self._fetched(), time.monotonic()
+        except SignInError as error:
+            self._failure, self._failed_at = error, time.monotonic()
+            raise
+        return self._metadata
+
+    async def _fetched(self) -> JsonObject:
         address = f"{self._of.issuer.rstrip('/')}/.well-known/openid-configuration"
         found = await fetch(self._of.name, "GET", address)
         if found.get("issuer") != self._of.issuer:
@@ -50,7 +66,6 @@ class Documents:
         for name in ("authorization_endpoint", "token_endpoint", "jwks_uri"):
             if not safe_address(str(found.get(name, ""))):
                 raise unreachable(self._of.name, f"the configuration has no safe {name}")
-        self._metadata, self._metadata_at = found, time.monotonic()
         return found
 
     async def keys(self, fresh: bool = False) -> KeySet:

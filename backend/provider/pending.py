@@ -20,7 +20,7 @@ from backend.provider.configured import PENDING_LIFETIME
 from backend.provider.errors import stale
 
 MOST = 20_000
-"""Used states that are remembered; beyond that no further sign-in is accepted until the oldest have expired."""
+"""Used states that are remembered; beyond that the oldest are forgotten, whose codes the provider accepts only once."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,9 @@ class Pending:
         for old in [one for one, expires in self._used.items() if expires <= at]:
             del self._used[old]
         same = hmac.compare_digest(started.state.encode(), state.encode("utf-8", "surrogatepass"))
-        if not same or started.expires <= at or started.state in self._used or len(self._used) >= MOST:
+        if not same or started.expires <= at or started.state in self._used:
             raise stale()
+        while len(self._used) >= MOST:
+            del self._used[next(iter(self._used))]
         self._used[started.state] = started.expires
         return started

@@ -47,6 +47,8 @@ class Local:
     """More parameters of its answers to the browser."""
     asked: list[dict[str, str]] = field(default_factory=list)
     """The parameters of every authorization request."""
+    answered: int = 0
+    """Requests for its configuration."""
     codes: dict[str, dict[str, str]] = field(default_factory=dict)
     keys: dict[str, Any] = field(default_factory=dict)
 
@@ -102,6 +104,7 @@ class _Handler(BaseHTTPRequestHandler):
         if local.down:
             self.send_error(503)
         elif address.path == "/.well-known/openid-configuration":
+            local.answered += 1
             names = {"authorization_endpoint": "authorize", "token_endpoint": "token", "jwks_uri": "keys"}
             found = {name: f"{local.issuer}/{path}" for name, path in (names | {"userinfo_endpoint": "me"}).items()}
             self._json(200, {"issuer": local.said_issuer or local.issuer, **found})

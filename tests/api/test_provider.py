@@ -21,6 +21,8 @@ import sqlalchemy as sa
 from backend.db import audit, users
 from backend.db.engine import read
 from backend.db.tables import Audit, Session
+from backend.provider import pending
+from backend.provider.errors import SignInError
 from backend.provider.noted import BURST, Noted
 from backend.settings import Settings
 from tests.api.answers import problem
@@ -303,10 +305,16 @@ def test_a_provider_that_is_down_is_a_sentence(service: Service, browser: httpx.
     assert begun.status_code == 502
     assert f"{ROOT}/login?next=%2Fclearance%2Fruns%3Fq%3Dx" in begun.text
     local.down, local.said_issuer = False, "https://other.example"
+    local.answered = 0
+    provider._documents._failed_at += 1e6  # just now, however long the machine took
     assert browser.get(BEGIN).status_code == 502
+    assert local.answered == 0, "the failure is remembered for a moment: clients do not wait one after another"
+    provider._documents._failure = None
+    assert browser.get(BEGIN).status_code == 502
+    assert local.answered == 1
     with service.signed_in() as admin:  # the login link needs no provider
         assert admin.get(f"{API}/session").json()["user"] == "local"
-    provider._documents._metadata_at = -1e9
+    provider._documents._failure = None
 
 
 def test_failures_beyond_a_rate_are_not_recorded(service: Service, browser: httpx.Client, local: Local) -> None:
@@ -333,6 +341,17 @@ def test_no_secret_is_stored_and_the_trail_is_unbroken(service: Service, browser
         stored = str(reader.execute(sa.select(Session.__table__)).all()) + str(users.users(reader))
     for hidden in (SECRET, "access-1", browser.cookies[service.settings.cookie], local.asked[-1]["state"]):
         assert hidden not in rows + stored
+
+
+def test_many_sign_ins_neither_fill_the_memory_nor_keep_others_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pending, "MOST", 3)
+    waiting = pending.Pending(lambda: 0.0)
+    for _ in range(10):
+        started, cookie = waiting.start("/runs")
+        assert waiting.finish(cookie, started.state) == started
+        with pytest.raises(SignInError):
+            waiting.finish(cookie, started.state)
+    assert len(waiting._used) == 3
 
 
 @pytest.mark.parametrize(

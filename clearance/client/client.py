@@ -13,7 +13,8 @@ from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
 
 from clearance.client import answers, calls, scripts
 from clearance.client.drivers import Awaiting, Blocking
-from clearance.client.scripts import Script, Session, asking
+from clearance.client.effects import Script, Session
+from clearance.client.scripts import asking
 
 P = ParamSpec("P")
 T = TypeVar("T")

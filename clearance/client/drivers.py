@@ -15,8 +15,9 @@ import anyio
 import httpx
 
 from clearance.client.calls import Call
+from clearance.client.effects import Effect, Emit, Line, Listen, Pause, Reply, Save, Script, Send
 from clearance.client.errors import InvalidAddressError
-from clearance.client.scripts import SILENCE, Effect, Emit, Line, Listen, Pause, Reply, Save, Script, Send
+from clearance.client.scripts import SILENCE
 
 T = TypeVar("T")
 TIMEOUT = 30.0

@@ -8,18 +8,13 @@ from __future__ import annotations
 
 import functools
 import json
-import random
-import time
-from collections.abc import Callable, Generator, Iterable, Mapping
-from dataclasses import dataclass, field
-from datetime import UTC, datetime
-from email.utils import parsedate_to_datetime
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
-from campaigns.documents import JsonObject
 from clearance.client import answers, calls
 from clearance.client.calls import Call, Given, Named
+from clearance.client.effects import Emit, Line, Listen, Pause, Reply, Save, Script, Send, Session
 from clearance.client.errors import NotAClearanceServiceError, RunFailedError, UnreachableError, refused
 
 if TYPE_CHECKING:
@@ -33,111 +28,10 @@ FIRST_PAUSE, LONGEST_PAUSE = 0.5, 10.0
 """Before the first and the later repetitions of a request; doubled each time, with jitter [s]."""
 SILENCE = 40.0
 """A stream of events that is silent for longer has ended; the service sends a heartbeat every 15 s [s]."""
-BUSY = (429, 502, 503, 504)
 REPEATED_500 = 2
 """An internal error is asked again so many times; it may be one of a moment, such as a lost database."""
 MOST_POINTS = 100_000
 """Rows of a trace."""
-
-
-@dataclass
-class Session:
-    """The service: its address; patience: how long to repeat a request that it does not answer [s]."""
-
-    address: str
-    patience: float
-    clock: Callable[[], float] = field(default=time.monotonic)
-    jitter: Callable[[], float] = field(default=random.random)
-
-
-@dataclass(frozen=True)
-class Send:
-    """Send a request; results in a `Reply`."""
-
-    call: Call[Any]
-
-
-@dataclass(frozen=True)
-class Save:
-    """Send a request and write its answer to a file; results in a `Reply` without content."""
-
-    call: Call[Any]
-    file: Path
-
-
-@dataclass(frozen=True)
-class Pause:
-    """Wait [s]."""
-
-    seconds: float
-
-
-@dataclass(frozen=True)
-class Listen:
-    """Open a stream of events; results in whether there is one."""
-
-    call: Call[Any]
-
-
-@dataclass(frozen=True)
-class Line:
-    """Results in the next line of the stream, None once it has ended."""
-
-
-@dataclass(frozen=True)
-class Emit:
-    """Hand a value to the caller."""
-
-    value: Any
-
-
-@dataclass(frozen=True)
-class Reply:
-    """An answer; status 0: there was none, and content is the reason."""
-
-    status: int
-    phrase: str
-    headers: JsonObject
-    content: bytes
-
-    @property
-    def problem(self) -> JsonObject:
-        """The problem document; empty if there is none or it is incomplete."""
-        if not str(self.headers.get("content-type", "")).startswith("application/problem+json"):
-            return {}
-        try:
-            document = json.loads(self.content)
-        except ValueError:
-            return {}
-        return document if isinstance(document, dict) else {}
-
-    @property
-    def retry_after(self) -> float | None:
-        """Seconds, from either form of the header (RFC 9110, 10.2.3)."""
-        given = str(self.headers.get("retry-after", "")).strip()
-        if given.isascii() and given.isdigit():
-            return float(given)
-        try:
-            return max(0.0, (parsedate_to_datetime(given) - datetime.now(UTC)).total_seconds())
-        except (ValueError, TypeError):
-            return None
-
-    @property
-    def again(self) -> bool:
-        """Whether the same request may be answered later: nothing was answered, or the service is busy."""
-        final = self.problem and self.retry_after is None  # such as a report that cannot be printed
-        return self.status == 0 or (self.status in BUSY and not final)
-
-    @property
-    def told(self) -> str:
-        """What was answered, in words."""
-        if self.status == 0:
-            return self.content.decode(errors="replace")
-        return str(self.problem.get("detail") or f"it responded with {self.status}")
-
-
-Effect: TypeAlias = Send | Save | Pause | Listen | Line | Emit
-Script: TypeAlias = Generator[Effect, Any, T]
 
 
 def ask(session: Session, call: Call[T]) -> Script[T]:

@@ -24,8 +24,18 @@ def test_its_own_names(host: str) -> None:
     "host",
     [
         *("", "evil.example", "evil.example:8000", "127.0.0.1.evil.example", "localhost.evil.example", "[evil]:80"),
-        *("clearance.example.evil", "xclearance.example", "192.168.1.1", "0.0.0.0", "[::]", "2130706433", "*", "[", ":"),
-        *("clearance.example@evil.example", "evil.example#clearance.example", "\xe9", "8.8.8.8:8000"),
+        *(
+            "clearance.example.evil",
+            "xclearance.example",
+            "192.168.1.1",
+            "0.0.0.0",
+            "[::]",
+            "2130706433",
+            "*",
+            "[",
+            ":",
+        ),
+        *(":", "clearance.example@evil.example", "evil.example#clearance.example", "\xe9", "8.8.8.8:8000"),
     ],
 )
 def test_names_of_others(host: str) -> None:

@@ -93,7 +93,7 @@ class Door:
         visitor = await self.ask(lambda reader: access.by_session(reader, cookie))
         if visitor is not None:
             self._used.pop(visitor.key, None)
-            self._used[visitor.key] = time.time()  # the last one of the order
+            self._used[visitor.key] = float(int(time.time()))  # the last one of the order
             if len(self._used) > REMEMBERED:
                 del self._used[next(iter(self._used))]
         return visitor

@@ -42,7 +42,7 @@ class BrowserSession(Schema):
     created: float
     expires: float
     last_used: float | None
-    """Null if it was not used since the service was started."""
+    """Null if it was not used since the service was started; accurate to a second."""
     agent: str
     """The browser's description of itself."""
     address: str

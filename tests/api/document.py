@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 import httpx
@@ -70,3 +71,8 @@ def held(answer: httpx.Response, operation: dict[str, Any], elsewhere: bool = Fa
         assert answer.json()["type"] in declared["x-problem-types"]
     for header in ("Location", "ETag", "Retry-After"):
         assert header not in answer.headers or header in declared["headers"]
+
+
+def filled(path: str) -> str:
+    """A path that the route has: `{run}` becomes x1, and `{rest:path}` x1/x2."""
+    return re.sub(r"{[a-z]+}", "x1", re.sub(r"{[a-z]+:path}", "x1/x2", path))

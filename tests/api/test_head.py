@@ -33,7 +33,7 @@ def test_head_is_answered_at_every_address_that_answers_get(
     monkeypatch.setattr(recording, "RATE", 0.2)  # few frames: making a recording takes a second otherwise
     run = submit(client)
     finish(service)
-    values = {"run": run, "flight": "F1", "name": "F1", "draft": "1", "key": KEY, "sweep": "S-0001"}
+    values = {"run": run, "flight": "F1", "name": "F1", "draft": "1", "key": KEY, "sweep": "S-0001", "user": "local"}
     paths = [path for path, kinds in service.app.openapi()["paths"].items() if "get" in kinds]
     assert len(paths) > 20
     for path in [*paths, "/", "/runs", f"/view/{run}/", f"/view/{run}", f"/view/{run}/F1/recorded/", "/login"]:

@@ -22,9 +22,9 @@ from backend.scenes.endpoints import CSP as VIEW
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.conftest import Fresh, running
+from tests.api.document import filled
 from tests.api.occupied import occupied
 from tests.api.server import Service
-from tests.api.test_rules import filled
 
 HOST = "clearance.example"
 

@@ -81,7 +81,7 @@ def test_answers_are_as_described(service: Service, client: httpx.Client) -> Non
         content = operation["responses"]["200"]["content"]
         if "application/json" not in content:  # files are tested in test_exports and test_reports
             continue
-        address = path.replace("{run}", "R-0001").replace("{draft}", "D-0001")
+        address = path.replace("{run}", "R-0001").replace("{draft}", "D-0001").replace("{user}", "local")
         address = address.replace("{name}", "F1" if "traces" in path else "unicycle_static")
         # The code of a run is compared with that of another one.
         answer = client.get(address, params={"against": "R-0002"} if path.endswith("/code") else None)

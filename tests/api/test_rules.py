@@ -7,7 +7,6 @@ reading at `test_every_route_and_every_visitor`.
 from __future__ import annotations
 
 import asyncio
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -30,6 +29,7 @@ from backend.db.roles import ROLES, SCOPES, Role
 from backend.db.tables import Token
 from backend.settings import Settings
 from tests.api.conftest import Fresh
+from tests.api.document import filled
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "access.md"
 HOST = b"clearance.test"
@@ -110,11 +110,6 @@ async def asked(desk: Desk, key: routes.Key, visitor: str, origin: bytes | None 
         assert not sent
         return 0
     return 403 if sent[0]["type"] == "websocket.close" else int(sent[0]["status"])
-
-
-def filled(path: str) -> str:
-    """A path that the route has: `{run}` becomes x1, and `{rest:path}` x1/x2."""
-    return re.sub(r"{[a-z]+}", "x1", re.sub(r"{[a-z]+:path}", "x1/x2", path))
 
 
 def expected(rule: Rule, visitor: str) -> bool:

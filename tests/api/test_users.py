@@ -5,6 +5,7 @@ Every test makes users of its own. Start reading at `test_an_invitation_is_good_
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -326,6 +327,8 @@ def test_sessions_are_listed_and_revoked_by_their_owner_and_by_administrators(
         (there,) = [found for found in mine if not found["current"]]
         assert there["agent"].endswith("Firefox/133.0")
         assert there["address"] == "127.0.0.1"
+        assert here["last_used"] == pytest.approx(time.time(), abs=60)
+        assert there["last_used"] is None, "it has sent no request yet"
         cookie = two.cookies[service.settings.cookie]
         assert cookie not in one.get(f"{API}/sessions").text
         assert {"local", user} <= {found["user"] for found in admin.get(f"{API}/sessions").json()}

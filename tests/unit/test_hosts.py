@@ -35,7 +35,7 @@ def test_its_own_names(host: str) -> None:
             "[",
             ":",
         ),
-        *("clearance.example@evil.example", "evil.example#clearance.example", "\xe9", "8.8.8.8:8000"),
+        *(":", "clearance.example@evil.example", "evil.example#clearance.example", "\xe9", "8.8.8.8:8000"),
     ],
 )
 def test_names_of_others(host: str) -> None:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
 import sqlalchemy as sa
+from numpy.typing import NDArray
 
 from backend.db import codes, continuation, snapshots
 from backend.db.digest import results_digest
@@ -28,6 +32,8 @@ def content(reader: sa.Connection, run_id: int, label: str) -> Content:
     first = next(iter(runs.stages(reader, run_id)), None)
     nominal = None if first is None else first.result
     verdict = detail.summary
+    with readable(f"a trajectory of {run_name(run_id)}"):
+        trajectories = list(_trajectories(reader, run_id, label))
     return Content(
         origin=Origin(
             run=detail.id,
@@ -43,16 +49,15 @@ def content(reader: sa.Connection, run_id: int, label: str) -> Content:
         modules=codes.modules(reader, versions.code),
         components=snapshots.of_run(reader, run_id),
         measured=nominal.measured if isinstance(nominal, NominalResult) else None,
-        trajectories=[
-            (
-                Trajectory(
-                    name=row.name,
-                    columns=[TraceColumn.model_validate(column) for column in row.columns],
-                    head=TraceHead.model_validate(row.meta),
-                ),
-                results.table(row),
-            )
-            for name in ("nominal", label)
-            if (row := results.stored(reader, run_id, name)) is not None
-        ],
+        trajectories=trajectories,
     )
+
+
+def _trajectories(reader: sa.Connection, run_id: int, label: str) -> Iterator[tuple[Trajectory, NDArray[np.float64]]]:
+    """Those of the nominal case and of the finding, if they are stored."""
+    for name in ("nominal", label):
+        row = results.stored(reader, run_id, name)
+        if row is None:
+            continue
+        columns = [TraceColumn.model_validate(column) for column in row.columns]
+        yield Trajectory(name=row.name, columns=columns, head=TraceHead.model_validate(row.meta)), results.table(row)

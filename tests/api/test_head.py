@@ -34,6 +34,7 @@ def test_head_is_answered_at_every_address_that_answers_get(
     run = submit(client)
     finish(service)
     values = {"run": run, "flight": "F1", "name": "F1", "draft": "1", "key": KEY, "sweep": "S-0001", "user": "local"}
+    values |= {"finding": "F1", "file": "1"}
     paths = [path for path, kinds in service.app.openapi()["paths"].items() if "get" in kinds]
     assert len(paths) > 20
     for path in [*paths, "/", "/runs", f"/view/{run}/", f"/view/{run}", f"/view/{run}/F1/recorded/", "/login"]:

@@ -141,7 +141,7 @@ def test_it_sees_what_is_too_wide(visit: Visit) -> None:
 def test_every_main_page_is_one_tap_away(visit: Visit) -> None:
     visit.go("/help")
     links = visit.page.get_by_role("navigation", name="Main").get_by_role("link")
-    expect(links).to_have_text(["Runs", "Launch", "Compare", "Reports", "Help"])
+    expect(links).to_have_text(["Runs", "Launch", "Compare", "Requirements", "Reports", "Help"])
     for box in (link.bounding_box() for link in links.all()):
         assert box is not None
         assert box["x"] >= 0

@@ -134,7 +134,7 @@ def test_wrong_input_is_3(file: Write, capsys: pytest.CaptureFixture[str], comma
         (["run", "unicycle_static", "--threads", "-1"], "--threads"),
         (["run", "unicycle_static", "--threads", "many"], "--threads"),
         (["run", "unicycle_static", "unicycle_static"], "unexpected extra argument"),
-        (["validate"], "Missing argument"),
+        (["validate"], "give a campaign file, or --schema"),
     ],
 )
 def test_wrong_usage_is_3(capsys: pytest.CaptureFixture[str], arguments: list[str], said: str) -> None:

@@ -375,7 +375,7 @@ def test_ctrl_c_keeps_what_was_evaluated() -> None:
 
 
 def test_an_unknown_name_is_refused() -> None:
-    with pytest.raises(AttributeError, match="it has Column, Evaluations, Finding"):
+    with pytest.raises(AttributeError, match="it has AsyncClient, Client, Column, Evaluations, Finding"):
         clearance.serach  # noqa: B018
 
 

@@ -11,6 +11,7 @@ from backend.http.errors import RefusedError
 from backend.reports import figures, plan_view
 from backend.reports.held import Held, load
 from backend.reports.plot import INK, INK2
+from campaigns.claims.legible import legible
 from campaigns.claims.numbers import signed
 
 PAD, HEAD, LINE = 12, 44, 14
@@ -38,7 +39,7 @@ def picture(reader: sa.Connection, run_id: int) -> bytes:
         '<text x="{4}" y="20" fill="{5}" font-size="13" font-weight="600">{3}</text>'
         '<text x="{4}" y="36" fill="{6}">{7}</text><g transform="translate({4} {8})">{9}</g>{10}</svg>\n'
     )
-    values = (width, whole, FONT, _title(held), PAD, INK, INK2, _plain(held.run.name), HEAD, figure, told)
+    values = (width, whole, FONT, _title(held), PAD, INK, INK2, legible(held.run.name), HEAD, figure, told)
     return str(Markup(form).format(*values)).encode()
 
 
@@ -53,11 +54,6 @@ def _drawn(held: Held) -> tuple[Markup, str, float] | None:
     if not timed:
         return None
     return figures.separation(timed, held.of), f"{held.of.symbol} over time.", figures.SEPARATION_HEIGHT
-
-
-def _plain(text: str) -> str:
-    """The text without what XML cannot contain."""
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
 def _title(held: Held) -> str:

@@ -116,7 +116,9 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
 
 def plain(text: str) -> str:
     """The text without what a terminal would obey: names and reasons may contain any character."""
-    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    from campaigns.claims.legible import legible
+
+    return legible(text, "\n")
 
 
 def superseded(found: Run) -> str:

@@ -42,7 +42,7 @@ def _head(found: RunDetail) -> list[str]:
     lines += [plain(text) for text in (found.reason, found.error, found.waits, superseded(found)) if text]
     if found.stage is not None:
         lines.append(f"Running: {found.stage.kind} {found.stage.method or ''}".rstrip())
-    lines += [counts(found), f"Campaign: {found.campaign_name}, sha256 {found.campaign_digest[:16]}"]
+    lines += [counts(found), f"Campaign: {plain(found.campaign_name)}, sha256 {found.campaign_digest[:16]}"]
     times = {"Submitted": found.created, "started": found.started, "ended": found.finished}
     lines.append(", ".join(f"{word} {at.strftime('%Y-%m-%dT%H:%M:%SZ')}" for word, at in times.items() if at))
     if found.labels:
@@ -53,8 +53,10 @@ def _head(found: RunDetail) -> list[str]:
 
 
 def _checks(found: RunDetail) -> list[str]:
+    from worker.cli._following import plain
+
     checks = [] if found.summary is None else found.summary.checks
-    return [f"  {check.standing:5}  {check.title}: {check.text}" for check in checks]
+    return [f"  {check.standing:5}  {check.title}: {plain(check.text)}" for check in checks]
 
 
 def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import RequirementRow, RequirementRun
+from campaigns.cells import Writer, plain
 
 IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
 TEXTS = ("text", "description", "statement", "object text", "reqif.text")
@@ -49,7 +50,8 @@ def _requirements(lines: Iterator[list[str]], id_name: str, text_name: str) -> t
     key = _column(header, (id_name,) if id_name else IDS, "id")
     text = _column(header, (text_name,) if text_name else TEXTS, "text")
     found, skipped = [], 0
-    for number, line in enumerate(lines, 2):
+    for number, cells in enumerate(lines, 2):
+        line = [plain(cell) for cell in cells]
         if not any(cell.strip() for cell in line):
             continue
         if len(line) != len(header):
@@ -119,5 +121,5 @@ def _date(at: float) -> str:
 
 def _line(cells: Iterable[object]) -> bytes:
     out = io.StringIO(newline="")
-    csv.writer(out, lineterminator="\r\n").writerow(cells)
+    Writer(out).writerow(cells)
     return out.getvalue().encode()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+import unicodedata
 
 import sqlalchemy as sa
 from markupsafe import Markup
@@ -57,7 +58,8 @@ def _drawn(held: Held) -> tuple[Markup, str, float] | None:
 
 def _plain(text: str) -> str:
     """The text without what XML cannot contain."""
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    kept = (c.isprintable() or unicodedata.category(c) == "Zs" for c in text)  # Zs: spaces of any width
+    return "".join(c if keep else "\N{REPLACEMENT CHARACTER}" for c, keep in zip(text, kept, strict=True))
 
 
 def _title(held: Held) -> str:

@@ -48,6 +48,7 @@ def argument(
     when = datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     met = sum(row.status == "met" for row in rows)
     top: JsonObject = {"text": "The requirements are met, as far as the searches of the runs below can show"}
+    top["status"] = "met" if rows and met == len(rows) else "not met"
     known = "not known" if code is None else f"sha256 {code}"
     context = f"Exported {when}: {met} of {len(rows)} requirements are met. Code of the workers: {known}"
     document: dict[str, JsonObject] = {TOP: top | {"inContextOf": ["C-export", "A-search"]}}

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import unicodedata
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -116,7 +117,8 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
 
 def plain(text: str) -> str:
     """The text without what a terminal would obey: names and reasons may contain any character."""
-    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    kept = (c.isprintable() or c == "\n" or unicodedata.category(c) == "Zs" for c in text)  # Zs: spaces of any width
+    return "".join(c if keep else "\N{REPLACEMENT CHARACTER}" for c, keep in zip(text, kept, strict=True))
 
 
 def superseded(found: Run) -> str:

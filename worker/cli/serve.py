@@ -20,6 +20,7 @@ import typer
 from backend.db import access, workers
 from backend.db.engine import connect, migrate, read
 from backend.db.private import SharedFolderError, keep_private
+from backend.settings import Settings
 from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
 from worker.cli._where import DATA, Data, Database, url_of
 from worker.cli.login_link import ADDRESS_FILE
@@ -84,6 +85,8 @@ class _Serving:
     def run(self) -> int:
         """Returns the exit code."""
         _say(f"Starting the service and {_counted(len(self.workers), 'worker')} on {self.data} ...")
+        for sentence in Settings.unknown(os.environ):
+            _say(f"Warning: {sentence}")
         begun = time.time()
         self.servers.start()
         try:

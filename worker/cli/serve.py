@@ -20,7 +20,6 @@ import typer
 from backend.db import access, workers
 from backend.db.engine import connect, migrate, read
 from backend.db.private import SharedFolderError, keep_private
-from backend.settings import Settings
 from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
 from worker.cli._where import DATA, Data, Database, url_of
 from worker.cli.login_link import ADDRESS_FILE
@@ -33,6 +32,9 @@ PATIENCE = 300.0
 
 UNUSABLE_SETTINGS = 2
 """The exit code of a backend that cannot start because of its settings."""
+
+WARNING = "WARNING clearance: "
+"""How a line of the service's log begins that its operator must read."""
 
 _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 """Connects directly to this machine, ignoring any proxy of the environment."""
@@ -85,8 +87,6 @@ class _Serving:
     def run(self) -> int:
         """Returns the exit code."""
         _say(f"Starting the service and {_counted(len(self.workers), 'worker')} on {self.data} ...")
-        for sentence in Settings.unknown(os.environ):
-            _say(f"Warning: {sentence}")
         begun = time.time()
         self.servers.start()
         try:
@@ -135,6 +135,9 @@ class _Serving:
                 code = access.create_login_code(connection)
         finally:
             engine.dispose()
+        for line in self.backend.tail(100).splitlines():
+            if WARNING in line:  # such as a misspelled setting; only the service knows the settings
+                _say(f"Warning: {line.partition(WARNING)[2]}")
         link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"
         _say("\nClearance is ready. Open this link to log in (it can be used once, within 15 minutes):\n")
         _say(f"    {link}\n")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import os
 import signal
 import socket
 import sys
@@ -56,6 +57,8 @@ def main() -> int:
         logging.getLogger(chatty).setLevel(logging.WARNING)
     try:
         settings = Settings.load()
+        for sentence in Settings.unknown(os.environ):
+            logging.getLogger("clearance").warning(sentence)
         keep_private(settings.data, settings.database_url)
         migrate(settings.database_url)
         listening = _listen(settings)

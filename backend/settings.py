@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import ipaddress
 import os
 import re
@@ -18,6 +19,14 @@ from backend.provider.configured import Configured, default_of, roles_of, safe_a
 from backend.webhooks import configured as hooked
 
 PREFIX = "CLEARANCE_"
+_OTHERS = frozenset(
+    PREFIX + name
+    for name in (
+        "CHILD_MEMORY", "COMMAND", "COMPONENTS", "DESCRIBING", "EVALUATOR", "EXAMINATION_TIMEOUT", "FMU", "FUNCTION",
+        "KERNEL_CACHE", "SERVICE", "SIMULATORS", "SLOT", "THREADS", "TOKEN",
+    )
+)  # fmt: skip
+"""Variables of workers, simulators and the command line."""
 _PATH = re.compile(r"(/[A-Za-z0-9_~-][A-Za-z0-9._~-]*)*")
 
 
@@ -181,6 +190,14 @@ class Settings(BaseModel):
         except ValidationError as error:
             lines = (_line(e) for e in error.errors(include_url=False))
             raise ValueError("\n".join(lines)) from None
+
+    @classmethod
+    def unknown(cls, environment: Mapping[str, str]) -> list[str]:
+        """A sentence for each variable that looks like a setting and is none; a misspelled one has no effect."""
+        names = [PREFIX + name.upper() for name in cls.model_fields]
+        found = sorted(key for key in environment if key.startswith(PREFIX) and key not in {*names, *_OTHERS})
+        near = [(key, difflib.get_close_matches(key, names, 1, 0.85)) for key in found]
+        return [f"{key} is not a setting and has no effect{f': is {n[0]} meant?' if n else ''}" for key, n in near]
 
     @property
     def database_url(self) -> str:

@@ -6,7 +6,6 @@ Start reading at `FILES`.
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import io
 import json
@@ -32,6 +31,7 @@ from backend.runs import service as runs
 from backend.runs.components import components
 from backend.runs.schemas import RunSummary
 from backend.signoffs import service as signoffs
+from campaigns.cells import Writer
 from campaigns.documents import JsonObject
 from campaigns.results import NominalResult
 from campaigns.results.base import Status
@@ -361,7 +361,7 @@ def _field(name: str) -> str:
 
 def _lines(rows: list[list[Any]]) -> bytes:
     text = io.StringIO()
-    csv.writer(text).writerows(rows)
+    Writer(text).writerows(rows)
     return text.getvalue().encode()
 
 

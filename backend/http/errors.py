@@ -114,6 +114,7 @@ KINDS = {
     "busy": Kind(503, "The service is busy: try again in a few seconds."),
     "case-failed": Kind(503, "The case of a simulator could not be evaluated."),
     "flight-failed": Kind(503, "The flight could not be simulated."),
+    "no-space": Kind(503, "The disk of the database is full."),
     "no-browser": Kind(503, "The service's machine has no Chromium."),
     "no-catalogue": Kind(503, "No worker has published its components yet."),
     "preview-busy": Kind(503, "The queue of previews is full."),
@@ -206,6 +207,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(sa.exc.TimeoutError, _waited)
+    app.add_exception_handler(sa.exc.OperationalError, _unusable)
 
 
 async def _refused(request: Request, error: Exception) -> JSONResponse:
@@ -217,6 +219,19 @@ async def _waited(request: Request, error: Exception) -> JSONResponse:
     """The pool had no free database connection within its timeout."""
     detail = "the database is busy: try again in a few seconds"
     return respond(RefusedError(503, "busy", detail, headers={"Retry-After": "5"}), request.url.path)
+
+
+async def _unusable(request: Request, error: Exception) -> JSONResponse:
+    """The disk is full, or another process has locked the database for too long; anything else is an internal error."""
+    assert isinstance(error, sa.exc.OperationalError)
+    code = getattr(error.orig, "sqlite_errorname", None) or getattr(error.orig, "sqlstate", None) or ""
+    if code in ("SQLITE_FULL", "53100"):
+        detail = "the disk of the database is full; nothing was changed: an administrator must free space"
+        _log.error("the disk of the database is full")
+        return respond(RefusedError(503, "no-space", detail), request.url.path)
+    if code.startswith(("SQLITE_BUSY", "SQLITE_LOCKED")):
+        return await _waited(request, error)
+    raise error
 
 
 _SAID = {

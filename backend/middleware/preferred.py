@@ -20,8 +20,9 @@ from backend.http.errors import MEDIA_TYPE
 TIMES, LISTS = "times=rfc3339", "lists=envelope"
 NAMES = frozenset(
     (
-        "at", "beat", "created", "expires", "finished", "invited_until", "joined", "last_seen", "last_used", "now",
-        "next_attempt", "opened", "removed", "revoked", "saved", "since", "started", "withdrawn",
+        "at", "attempted", "beat", "changed", "created", "delivered", "disabled", "expires", "finished",
+        "imported", "invited_until", "joined", "last_seen", "last_used", "next_attempt", "now", "opened",
+        "removed", "revoked", "saved", "since", "started", "withdrawn",
     )
 )  # fmt: skip
 """Numbers of these names are seconds since 1970."""

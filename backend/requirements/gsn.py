@@ -48,6 +48,7 @@ def argument(
     when = datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     met = sum(row.status == "met" for row in rows)
     top: JsonObject = {"text": "The requirements are met, as far as the searches of the runs below can show"}
+    top["status"] = "met" if rows and met == len(rows) else "not met"
     known = "not known" if code is None else f"sha256 {code}"
     context = f"Exported {when}: {met} of {len(rows)} requirements are met. Code of the workers: {known}"
     document: dict[str, JsonObject] = {TOP: top | {"inContextOf": ["C-export", "A-search"]}}
@@ -81,7 +82,12 @@ def _goal(nodes: dict[str, JsonObject], name: str, row: RequirementRow, claims: 
     if not counting:
         goal |= {"undeveloped": True}
         return f"G-{name}"
-    subgoals = [_subgoal(nodes, name, run, claims, address) for run in counting]
+    against = [run for run in counting if run.part == "violation"]
+    subgoals = [
+        _subgoal(nodes, name, run, [one for one in against if one.campaign_name == run.campaign_name], claims, address)
+        for run in counting
+        if run not in against
+    ]
     goal |= {"supportedBy": [f"S-{name}"]}
     nodes[f"S-{name}"] = {
         "text": f"Argument over each campaign that states {row.id}; the requirement is {row.status}",
@@ -91,18 +97,27 @@ def _goal(nodes: dict[str, JsonObject], name: str, row: RequirementRow, claims: 
 
 
 def _subgoal(
-    nodes: dict[str, JsonObject], name: str, run: RequirementRun, claims: Mapping[str, str], address: str
+    nodes: dict[str, JsonObject],
+    name: str,
+    run: RequirementRun,
+    against: Sequence[RequirementRun],
+    claims: Mapping[str, str],
+    address: str,
 ) -> str:
-    """Add the goal that one campaign meets its criterion, supported only by evidence that stands."""
+    """Add the goal that one campaign meets its criterion, supported only by evidence that stands.
+
+    against: runs that found a value that would violate it, without a verdict that confirms it.
+    """
     key = f"{name}-{run.id}"
     above = "its threshold" if run.threshold is None else f"{number(run.threshold)} {run.unit}".strip()
     goal: JsonObject = {"text": f"{run.campaign_name}: {run.quantity or 'the criterion'} stays above {above}"}
     nodes[f"G-{key}"] = goal
-    if run.verdict == "cleared" and run.signed and not run.suspect:
+    if run.verdict == "cleared" and run.signed and not run.suspect and not against:
         nodes[f"Sn-{key}"] = _leaf(run, claims, address)
         return _with(goal, f"G-{key}", supportedBy=[f"Sn-{key}"])
     goal |= {"undeveloped": True}
-    return _with(goal, f"G-{key}", inContextOf=[_context(nodes, name, run, claims, address)])
+    contexts = [_context(nodes, name, one, claims, address) for one in (run, *against)]
+    return _with(goal, f"G-{key}", inContextOf=contexts)
 
 
 def _context(

@@ -7,7 +7,7 @@ page shows are read in full, by the index of `run_requirements`.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,13 +18,13 @@ from backend.db.digest import results_digest
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement, Signoff
 from backend.http.errors import RefusedError
-from backend.requirements import present
+from backend.requirements import against, present
 from backend.requirements.present import CHUNK
 from backend.requirements.schemas import EdgeSignoff, RequirementPage, RequirementRow, RequirementRun
 from backend.requirements.standing import Edge, Model, Standing, standing
 from backend.runs.outcomes import Outcome, outcomes
 from campaigns.results.verdict import VerdictWord
-from campaigns.runs import RunState, run_number
+from campaigns.runs import run_number
 
 _UNKNOWN = Model(None)
 
@@ -75,18 +75,21 @@ def every(reader: sa.Connection, runs: int, size: int = 200) -> Iterator[Require
 def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[RequirementRow]:
     """The rows of these requirements."""
     edges = _edges(reader, ids)
+    others = against.against(reader, edges)
     registered = {row.id: row for row in reader.execute(_registered(ids))}
     now = present.present(reader, {e.campaign for found in edges.values() for e in found})
-    shown = {key: _shown(standing(found), found, most) for key, found in edges.items()}
+    shown = {key: _shown(standing(found, others), found, most) for key, found in edges.items()}
     known = _known(reader, {n for found in shown.values() for n in found}, now)
     texts = _texts(reader, ids)
-    ignored = _ignored(reader, ids)
+    ignored, similar = against.ignored(reader, ids), against.similar(reader, ids, _ids(""))
     made = []
     for key in ids:
-        row = registered.get(key)
-        text = texts.get(key, {})
-        whole = [_whole(e, known.get(e.run_id), row, text.get(e.run_id, "")) for e in edges.get(key, [])]
-        made.append(_row(key, row, text, whole, shown.get(key, []), known, ignored[key]))
+        row, text = registered.get(key), texts.get(key, {})
+        now_text = row.text if row is not None else text[max(text)] if text else ""
+        whole = [_whole(e, known.get(e.run_id), row, text.get(e.run_id, ""), now_text) for e in edges.get(key, [])]
+        found = standing(whole, others)
+        notes = " ".join([found.sentence, *against.notes(ignored[key], similar.get(key, []))])
+        made.append(_row(key, row, now_text, whole, others, replace(found, sentence=notes), shown, known, ignored))
     return made
 
 
@@ -115,33 +118,24 @@ def _read(cursor: str) -> str:
 def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     """The runs of each requirement that count, the newest first; models only where a violation may rest on them."""
     columns = (RunRequirement.requirement, RunRequirement.run_id, RunRequirement.question, Run.state, Run.verdict)
-    of = sa.select(*columns, CampaignRow.name).join(Run, Run.id == RunRequirement.run_id)
+    of = sa.select(*columns, CampaignRow.name, Run.threshold).join(Run, Run.id == RunRequirement.run_id)
     of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     of = of.where(RunRequirement.requirement.in_(ids), *present.counted()).order_by(RunRequirement.run_id.desc())
     found: dict[str, list[Edge]] = defaultdict(list)
     compared: set[int] = set()
     newest: set[tuple[str, str]] = set()
-    for key, run_id, question, state, word, name in reader.execute(of):
-        verdict = None if word is None or state != RunState.DONE else VerdictWord(word)
-        found[key].append(Edge(run_id, name, question, verdict, _UNKNOWN))
+    for key, run_id, asked, state, word, name, threshold in reader.execute(of):
+        verdict = against.judged(state, word)
+        found[key].append(Edge(run_id, name, asked, verdict, _UNKNOWN, threshold=threshold))
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)
         if verdict is not None:
             newest.add((key, name))
-    models = _models(reader, sorted(compared))
+    models = against.models(reader, sorted(compared))
     return {
         key: [replace(e, model=models[e.run_id]) if e.run_id in models else e for e in edges]
         for key, edges in found.items()
     }
-
-
-def _models(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, Model]:
-    """What ran these runs."""
-    found: dict[int, Model] = {}
-    for first in range(0, len(run_ids), CHUNK):
-        of = sa.select(Run.id, Run.flown).where(Run.id.in_(run_ids[first : first + CHUNK]))
-        found |= {run_id: present.model(flown) for run_id, flown in reader.execute(of)}
-    return found
 
 
 def _shown(now: Standing, edges: Sequence[Edge], most: int) -> list[int]:
@@ -196,59 +190,49 @@ def _registered(ids: Sequence[str]) -> sa.Select[Any]:
 
 
 def _texts(reader: sa.Connection, ids: Sequence[str]) -> dict[str, dict[int, str]]:
-    """The text that the campaign of each run gives, where it gives one."""
+    """The text that the campaign of each run that counts gives, where it gives one."""
     of = sa.select(RunRequirement.requirement, RunRequirement.run_id, RunRequirement.text)
+    of = of.join(Run, Run.id == RunRequirement.run_id).where(*present.counted())
     found: dict[str, dict[int, str]] = defaultdict(dict)
     for key, run_id, text in reader.execute(of.where(RunRequirement.requirement.in_(ids), RunRequirement.text != "")):
         found[key][run_id] = text
     return found
 
 
-def _ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, tuple[int, int]]:
-    """How many removed runs each requirement has, and how many of sweeps."""
-    gone = sa.or_(Run.removed.is_not(None), Run.purged.is_not(None))
-    columns = (RunRequirement.requirement, gone.label("gone"), sa.func.count().label("runs"))
-    of = sa.select(*columns).join(Run, Run.id == RunRequirement.run_id)
-    of = of.where(RunRequirement.requirement.in_(ids), sa.or_(gone, present.in_sweep()))
-    found: dict[str, tuple[int, int]] = defaultdict(lambda: (0, 0))
-    for row in reader.execute(of.group_by(RunRequirement.requirement, gone)):
-        removed, sweeps = found[row.requirement]
-        found[row.requirement] = (removed + row.runs, sweeps) if row.gone else (removed, sweeps + row.runs)
-    return found
-
-
-def _whole(edge: Edge, known: Known | None, row: Any, stated: str) -> Edge:
-    """The edge with sign-off and changes, if its run is one that may count."""
+def _whole(edge: Edge, known: Known | None, row: Any, stated: str, text: str) -> Edge:
+    """The edge with sign-off and changes, if its run is one that may count; text: that of the row."""
     if known is None:
         return edge
-    return replace(edge, signed=known.signed, changes=(*known.changes, *_text_changes(known, row, stated)))
+    changes = (*known.changes, *_text_changes(known, row, stated, text))
+    own = all(one.own for one in known.signoffs if one.current)
+    return replace(edge, signed=known.signed, own=own, changes=changes)
 
 
-def _text_changes(known: Known, row: Any, stated: str) -> Iterator[str]:
+def _text_changes(known: Known, row: Any, stated: str, text: str) -> Iterator[str]:
     """What the run is evidence for is the text in its campaign; without one, the registered text at the sign-off."""
-    if row is None:
-        return
     signed = [one.created for one in known.signoffs if one.current]
     if stated:
-        if " ".join(stated.split()) != " ".join(row.text.split()):
+        if " ".join(stated.split()) != " ".join(text.split()):
             yield "its campaign states another text of the requirement"
-    elif signed and row.changed > max(signed):
+    elif row is not None and signed and row.changed >= max(signed):
         yield "the text of the requirement was registered or changed after the sign-off"
 
 
 def _row(
     key: str,
     row: Any,
-    texts: dict[int, str],
+    text: str,
     edges: Sequence[Edge],
-    shown: Sequence[int],
+    others: Sequence[Edge],
+    now: Standing,
+    shown: Mapping[str, Sequence[int]],
     known: dict[int, Known],
-    ignored: tuple[int, int],
+    ignored: Mapping[str, against.Ignored],
 ) -> RequirementRow:
-    now, by = standing(edges), {e.run_id: e for e in edges}
+    by = {e.run_id: e for e in (*others, *edges)}
     return RequirementRow(
         id=key,
-        text=row.text if row is not None else texts[max(texts)] if texts else "",
+        text=text,
         status=now.status,
         sentence=now.sentence,
         registered=row is not None,
@@ -256,10 +240,10 @@ def _row(
         attributes={} if row is None else row.attributes,
         changed=None if row is None else row.changed,
         changed_by=None if row is None else row.changed_by,
-        runs=[_run(by[run_id], known[run_id], now) for run_id in shown if run_id in known],
+        runs=[_run(by[run_id], known[run_id], now) for run_id in shown.get(key, ()) if run_id in known],
         total=len(edges),
-        removed=ignored[0],
-        sweeps=ignored[1],
+        removed=ignored[key].removed,
+        sweeps=ignored[key].sweeps,
     )
 
 

@@ -39,7 +39,7 @@ class RequirementRun(Outcome):
 
     part: Literal["evidence", "violation", "other"]
     """`evidence`: the newest run of its campaign with a verdict, or the newest if none has one; `violation`: it
-    violates, and nothing has changed since; `other`: it does not count."""
+    violates, or found a value that would, and nothing has changed since; `other`: it does not count."""
     signoffs: list[EdgeSignoff]
     signed: bool
     """Whether a sign-off covers the current results."""

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import RequirementRow, RequirementRun
+from campaigns.cells import Writer, plain
 
 IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
 TEXTS = ("text", "description", "statement", "object text", "reqif.text")
 """Headers of the columns, in any case."""
 LONGEST_FIELD = 131_072
 """Characters; the limit of Python's reader."""
+MOST_COLUMNS = 200
+"""Attributes with a column of their own."""
 
 _MATRIX = (
     "requirement", "text", "status", "why", "run", "counts", "campaign", "verdict", "quantity", "unit", "threshold",
@@ -49,7 +53,8 @@ def _requirements(lines: Iterator[list[str]], id_name: str, text_name: str) -> t
     key = _column(header, (id_name,) if id_name else IDS, "id")
     text = _column(header, (text_name,) if text_name else TEXTS, "text")
     found, skipped = [], 0
-    for number, line in enumerate(lines, 2):
+    for number, cells in enumerate(lines, 2):
+        line = [plain(cell) for cell in cells]
         if not any(cell.strip() for cell in line):
             continue
         if len(line) != len(header):
@@ -77,14 +82,20 @@ def _column(header: list[str], names: Iterable[str], what: str) -> int:
 
 
 def requirements(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
-    """All requirements with id, text and status, and the other attributes of their files."""
+    """All requirements with id, text and status, and the other attributes of their files.
+
+    The most frequent attributes have columns of their own: every row has all columns, and files may name any number.
+    """
     listed = list(rows)
     fixed = ("id", "text", "status", "why", "file")
-    more = sorted({name for row in listed for name in row.attributes} - {*fixed})
-    yield _line([*fixed, *more])
+    used = Counter(name for row in listed for name in row.attributes if name not in fixed)
+    more = sorted(name for name, _ in used.most_common(MOST_COLUMNS))
+    rest = set(used) - set(more)
+    yield _line([*fixed, *more, *(["other attributes"] if rest else [])])
     for row in listed:
         values = (row.id, row.text, row.status, row.sentence, row.file or "")
-        yield _line([*values, *(row.attributes.get(name, "") for name in more)])
+        told = "; ".join(f"{name}: {value}" for name, value in row.attributes.items() if name in rest)
+        yield _line([*values, *(row.attributes.get(name, "") for name in more), *([told] if rest else [])])
 
 
 def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
@@ -119,5 +130,5 @@ def _date(at: float) -> str:
 
 def _line(cells: Iterable[object]) -> bytes:
     out = io.StringIO(newline="")
-    csv.writer(out, lineterminator="\r\n").writerow(cells)
+    Writer(out).writerow(cells)
     return out.getvalue().encode()

@@ -1,7 +1,8 @@
 """Whether a requirement is met, from all runs whose campaigns state it. Pure functions; start reading at `standing`.
 
 A requirement stands as its worst evidence does. Every campaign that states it, by name, must have evidence of its own;
-the evidence of a campaign is its newest run with a verdict, and every violation that nothing has changed since.
+the evidence of a campaign is its newest run with a verdict, and every violation that nothing has changed since. A run
+that does not count as evidence, such as a cancelled one, can still speak against it.
 """
 
 from __future__ import annotations
@@ -29,15 +30,17 @@ class Model:
 
     def may_equal(self, other: Model) -> bool:
         """False only if both are known and differ."""
-        codes = None in (self.code, other.code) or self.code == other.code
         simulators = None in (self.simulator, other.simulator) or self.simulator == other.simulator
-        return codes and simulators and self.own == other.own
+        if None in (self.code, other.code):  # then the digests of own components were not stored either
+            return simulators
+        return simulators and self.code == other.code and self.own == other.own
 
 
 @dataclass(frozen=True)
 class Edge:
     """One run of a requirement. question: see `campaigns.asked.requirements`; signed: whether a valid sign-off covers
-    its results; changes: what has changed since it ran, as clauses."""
+    its results; own: whether only users who launched it have signed; changes: what has changed since it ran, as
+    clauses; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
 
     run_id: int
     campaign: str
@@ -45,7 +48,10 @@ class Edge:
     verdict: VerdictWord | None
     model: Model
     signed: bool = False
+    own: bool = False
     changes: tuple[str, ...] = ()
+    threshold: float | None = None
+    worst: float | None = None
 
 
 @dataclass(frozen=True)
@@ -57,21 +63,28 @@ class Standing:
     evidence: frozenset[int] = frozenset()
     """The newest run with a verdict of each campaign; the newest one, if none has a verdict."""
     violations: frozenset[int] = frozenset()
-    """Runs that violate, and that nothing has changed since."""
+    """Runs that violate, or found a value that would, and that nothing has changed since."""
 
 
-def standing(edges: Sequence[Edge]) -> Standing:
-    """The standing of a requirement with these runs, without removed ones and those of sweeps."""
+def standing(edges: Sequence[Edge], others: Sequence[Edge] = ()) -> Standing:
+    """The standing of a requirement with these runs, without removed ones and those of sweeps.
+
+    others: further runs of these campaigns that are no evidence for it, such as those of sweeps, and those that do not
+    state it; they can violate it.
+    """
     if not edges:
         return Standing("no evidence", "No run states this requirement.")
-    found = [_of_campaign(name, [e for e in edges if e.campaign == name]) for name in _names(edges)]
+    found = [
+        _of_campaign(name, [e for e in edges if e.campaign == name], [e for e in others if e.campaign == name])
+        for name in _names(edges)
+    ]
     worst = min((one.status for one in found), key=ORDER.index)
     sentences = [one.sentence for one in found if one.status == worst]
-    others = len(found) - len(sentences)
-    rest = f" In {others} other campaign{'s' if others > 1 else ''} it stands no worse."
+    better = len(found) - len(sentences)
+    rest = f" In {better} other campaign{'s' if better > 1 else ''} it stands no worse."
     return Standing(
         worst,
-        " ".join(sentences) + (rest if others else ""),
+        " ".join(sentences) + (rest if better else ""),
         frozenset().union(*(one.evidence for one in found)),
         frozenset().union(*(one.violations for one in found)),
     )
@@ -81,7 +94,7 @@ def _names(edges: Sequence[Edge]) -> list[str]:
     return list(dict.fromkeys(e.campaign for e in edges))
 
 
-def _of_campaign(name: str, edges: Sequence[Edge]) -> Standing:
+def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> Standing:
     """The standing of the runs of one campaign."""
     judged = sorted((e for e in edges if e.verdict is not None), key=lambda e: -e.run_id)
     if not judged:
@@ -89,11 +102,19 @@ def _of_campaign(name: str, edges: Sequence[Edge]) -> Standing:
         return Standing("no verdict", text, frozenset({max(e.run_id for e in edges)}))
     newest = judged[0]
     evidence = frozenset({newest.run_id})
-    violations = [e for e in judged if _stands(e, newest)]
+    every = {e.run_id: e for e in (*edges, *others)}
+    against = [e for _, e in sorted(every.items(), reverse=True) if _stands(e, newest)]
+    violations = [e for e in against if e.verdict == VerdictWord.VIOLATED]
+    runs = frozenset(e.run_id for e in against)
     if violations:
-        runs = frozenset(e.run_id for e in violations)
         return Standing("violated", _violated(name, violations, newest), evidence, runs)
     run, before = run_name(newest.run_id), _before(judged)
+    if against:
+        text = (
+            f"{name}: {', '.join(run_name(e.run_id) for e in against)} found a value at or below the threshold of "
+            f"{run}, the newest with a verdict, on the same question and model; no verdict confirms it.{before}"
+        )
+        return Standing("inconclusive", text, evidence, runs)
     if newest.verdict != VerdictWord.CLEARED:
         text = f"{name}: {run}, the newest with a verdict, is {newest.verdict}.{before}"
         return Standing("inconclusive", text, evidence)
@@ -103,7 +124,8 @@ def _of_campaign(name: str, edges: Sequence[Edge]) -> Standing:
     if newest.changes:
         text = f"{name}: {run} is signed off, but {'; '.join(newest.changes)}.{before}"
         return Standing("suspect", text, evidence)
-    text = f"{name}: {run} is cleared and signed off, and no change is known since.{before}"
+    by = " only by who launched it" if newest.own else ""
+    text = f"{name}: {run} is cleared and signed off{by}, and no change is known since.{before}"
     return Standing("met", text, evidence)
 
 
@@ -114,13 +136,21 @@ def _before(judged: Sequence[Edge]) -> str:
 
 
 def _stands(edge: Edge, newest: Edge) -> bool:
-    """Whether a run violates, and no newer run of the campaign asks another question or has another model.
+    """Whether a run violates, or found a value that would, with the question and the model of the newest verdict.
 
-    A newer cleared run of the same question on the same model has missed a case that exists.
+    A cleared run of the same question on the same model has missed a case that exists.
     """
-    if edge.verdict != VerdictWord.VIOLATED:
+    if edge.run_id == newest.run_id:
+        return edge.verdict == VerdictWord.VIOLATED
+    if edge.question != newest.question or not edge.model.may_equal(newest.model):
         return False
-    return edge is newest or (edge.question == newest.question and edge.model.may_equal(newest.model))
+    if edge.verdict == VerdictWord.VIOLATED and not _above(edge.threshold, newest.threshold):
+        return True
+    return edge.worst is not None and newest.threshold is not None and edge.worst <= newest.threshold
+
+
+def _above(one: float | None, other: float | None) -> bool:
+    return one is not None and other is not None and one > other
 
 
 def _violated(name: str, violations: Sequence[Edge], newest: Edge) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 import io
 
 from backend.sweeps.schemas import SweepDetail, SweepPoint
+from campaigns.cells import Writer
 
 PURGED = "purged"
 
@@ -21,7 +21,7 @@ def csv_of(sweep: SweepDetail) -> str:
         "samples", "confidence", "seed", "code", "error",
     ]  # fmt: skip
     text = io.StringIO()
-    rows = csv.writer(text)
+    rows = Writer(text)
     rows.writerow(headers)
     rows.writerows(_row(point) for point in sweep.points)
     return text.getvalue()

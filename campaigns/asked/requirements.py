@@ -24,6 +24,9 @@ LONGEST_ID = 120
 _ASKED = ("scenario", "simulator", "uncertain", "correlations", "criterion")
 """What a violation depends on. Seed, methods and budgets decide whether it is found, not whether it is there."""
 
+_STATED = ("requirements", "threshold", "from_centre")
+"""Of the criterion; no value of an evaluation depends on them."""
+
 
 def _no_default(schema: JsonObject) -> None:
     schema.pop("default", None)
@@ -67,9 +70,12 @@ Requirements = Annotated[
 
 
 def question(document: Mapping[str, Any]) -> str:
-    """SHA-256 of what a stored campaign asks: system, bounds and criterion, without seed, methods and budgets."""
+    """SHA-256 of what a stored campaign asks: system, bounds and criterion, without seed, methods and budgets.
+
+    Without the threshold as well: a value that violates a threshold violates every higher one.
+    """
     asked = {key: document[key] for key in _ASKED if document.get(key)}
-    asked["criterion"] = {k: v for k, v in (document.get("criterion") or {}).items() if k != "requirements"}
+    asked["criterion"] = {k: v for k, v in (document.get("criterion") or {}).items() if k not in _STATED}
     canonical = json.dumps(asked, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(canonical.encode()).hexdigest()
 

@@ -10,6 +10,7 @@ import hashlib
 import io
 import json
 import re
+import struct
 import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
@@ -43,6 +44,11 @@ _HEADER = re.compile(rb"\{'descr': '<f8', 'fortran_order': False, 'shape': \(([0
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 """Control characters, and those that turn the direction of writing."""
 _LABEL = re.compile(r"F[1-9][0-9]{0,3}")
+_COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_UNREADABLE = (
+    zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, NotImplementedError, RuntimeError, ValueError,
+)  # fmt: skip
+"""What the readers of Python raise for files that are damaged."""
 _ENTRY, _MOST_ENTRIES = b"PK\x01\x02", 100
 """How a zip file begins each entry of its directory; a capsule has a few."""
 
@@ -135,12 +141,16 @@ def _files(data: bytes) -> dict[str, bytes]:
                 name = entry.filename
                 if not (name in LARGEST or _TRAJECTORY.fullmatch(name)) or name in found:
                     raise CapsuleError(f"it contains {name[:60]!r}, or that twice, which no capsule does")
+                if entry.compress_type not in _COMPRESSIONS:  # others take memory as the file states, up to 4 GiB
+                    raise CapsuleError(f"{name} in it is not compressed as a capsule is")
                 most = LARGEST.get(name, LARGEST[".npy"])
                 with archive.open(entry) as file:
                     found[name] = file.read(most + 1)
                 if len(found[name]) > most or sum(map(len, found.values())) > 2 * LARGEST_FILE:
                     raise CapsuleError(f"{name} in it is larger than is allowed")
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+    except CapsuleError:
+        raise
+    except _UNREADABLE as error:
         raise CapsuleError(f"it is not a zip file of a capsule: {error}") from None
     return found
 

@@ -20,6 +20,22 @@ from tests.api.submitting import submit
 BOTH = {"Prefer": f"{TIMES}, {LISTS}"}
 
 
+QUANTITIES = frozenset(
+    (
+        "agreement", "allowed", "alpha", "angle", "band", "barrier", "best", "beta", "bound", "call_seconds",
+        "change", "confidence", "cost", "default", "deviation", "difference", "distance", "elapsed",
+        "excluded_fraction", "first", "first_confidence", "free_radius", "gap", "height", "high", "highest",
+        "horizon", "largest", "low", "lower_bound", "lower_by", "lowest", "margin", "margin_again",
+        "margin_before", "mean", "median", "mode", "moved", "mu", "mu_star", "mu_star_confidence", "nominal",
+        "nominal_cost", "obstacle_x", "obstacle_y", "outside", "period", "plus_minus", "quantile", "radius",
+        "rate", "reach", "reference", "remaining", "seconds", "share", "sigma", "speed", "spread",
+        "start_seconds", "step", "target_probability", "threshold", "time", "times", "tolerance", "total",
+        "total_confidence", "upper_bound", "value", "way", "worst_cost", "x", "y",
+    )
+)  # fmt: skip
+"""Numbers of answers that are no times."""
+
+
 def numbers() -> Iterator[tuple[str, str, str]]:
     """Model, field and description of every number in an answer."""
     for model, schema in DOCUMENT["components"]["schemas"].items():
@@ -33,6 +49,9 @@ def test_every_number_that_is_a_time_is_known_by_its_name() -> None:
     said = {(model, field) for model, field, text in numbers() if "since 1970" in text}
     assert said
     assert {field for _, field in said} <= NAMES
+    new = {field for _, field, _ in numbers()} - NAMES - QUANTITIES
+    assert not new, f"{sorted(new)}: add what is a time to NAMES, anything else to QUANTITIES"
+    assert not NAMES & QUANTITIES
     named = {(model, field) for model, field, _ in numbers() if field in NAMES}
     assert named.isdisjoint({("Curve", "at"), ("Trend", "since")})
     assert {field for _, field in named} == NAMES, "each name is one of a field"

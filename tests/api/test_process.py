@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import signal
 import socket
 import stat
@@ -184,6 +185,33 @@ def test_settings_come_from_the_environment_and_mistakes_are_named() -> None:
     assert (settings.cookie, settings.url(9000)) == ("clearance_9000", "https://c.example")
     with pytest.raises(ValueError, match=r"CLEARANCE_PORT: .* given '99999'"):
         Settings.load({"CLEARANCE_PORT": "99999"})
+
+
+def test_a_misspelled_setting_is_named() -> None:
+    given = {
+        "CLEARANCE_MAX_VIEWER": "3",
+        "CLEARANCE_THREADS": "2",
+        "CLEARANCE_DATA": "x",
+        "HOME": "/",
+        "CLEARANCE_XYZ": "",
+    }
+    assert Settings.unknown(given) == [
+        "CLEARANCE_MAX_VIEWER is not a setting and has no effect: is CLEARANCE_MAX_VIEWERS meant?",
+        "CLEARANCE_XYZ is not a setting and has no effect",
+    ]
+
+
+def test_every_variable_of_the_code_is_known() -> None:
+    """One that is read somewhere must not be called unknown."""
+    root = Path(__file__).parents[2]
+    files = [
+        file for folder in ("backend", "worker", "campaigns", "clearance") for file in (root / folder).rglob("*.py")
+    ]
+    named = {
+        name for file in files for name in re.findall(r"\"(CLEARANCE_[A-Z_]+)\"", file.read_text(encoding="utf-8"))
+    }
+    assert len(named) > 10
+    assert Settings.unknown(dict.fromkeys(named, "1")) == []
 
 
 def test_an_answer_does_not_wait_for_the_acknowledgement_of_its_head() -> None:

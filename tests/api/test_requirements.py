@@ -97,7 +97,7 @@ def test_a_newer_campaign_makes_a_sign_off_suspect_and_its_verdict_counts(
 ) -> None:
     sign(client, ran(service, client, "REQ-1"))
     assert row(client, "REQ-1")["status"] == "met"
-    submit(client, criterion=stating("REQ-1", threshold=0.4))
+    submit(client, criterion=stating("REQ-1", threshold=0.6))
     assert row(client, "REQ-1")["runs"][0]["changes"] == ["its campaign has changed, see R-0002"]
     finish_fully(service, "violated")
     found = row(client, "REQ-1")
@@ -121,6 +121,49 @@ def test_a_violation_is_neither_outrun_nor_hidden(service: Service, client: http
     client.delete("/api/v1/runs/R-0001", params={"reason": "wrong bounds"})
     found = row(client, "REQ-1")
     assert (found["status"], found["removed"], found["total"]) == ("met", 1, 3)
+    assert "Removed runs do not count; of them, R-0001 violated it." in found["sentence"]
+
+
+@BOTH
+def test_a_run_that_is_no_evidence_can_still_speak_against_it(service: Service, client: httpx.Client) -> None:
+    """Cancelled, with the requirement left out, of a sweep, or with another threshold; and no goal is supported."""
+    ran(service, client)
+    sign(client, ran(service, client, "REQ-1", seed=2))
+    assert row(client, "REQ-1")["status"] == "met"
+    first = sa.update(Run).where(Run.id == 1)
+    with changed(service.engine, first.values(state="cancelled", verdict=None, worst_cost=0.5)):
+        found = row(client, "REQ-1")
+        assert (found["status"], found["total"]) == ("inconclusive", 1), found["sentence"]
+        assert [(one["id"], one["part"]) for one in found["runs"]] == [("R-0002", "evidence"), ("R-0001", "violation")]
+        argument = yaml.safe_load(client.get(f"{AT}/export/argument.gsn.yaml").text)
+        assert not [name for name in argument if name.startswith("Sn-")]
+    with changed(service.engine, first.values(verdict="violated")):
+        assert row(client, "REQ-1")["status"] == "violated", "it does not state the requirement"
+    with changed(service.engine, first.values(verdict="violated", threshold=0.4, worst_cost=0.3)):
+        assert row(client, "REQ-1")["status"] == "violated"
+    with changed(service.engine, first.values(verdict="violated", threshold=0.9, worst_cost=0.8)):
+        assert row(client, "REQ-1")["status"] == "met"
+
+
+def test_the_text_of_a_requirement_is_that_of_runs_that_count(service: Service, client: httpx.Client) -> None:
+    sign(client, ran(service, client, {"id": "REQ-1", "text": TEXT}))
+    better = submit(client, name="Z", criterion=stating({"id": "REQ-1", "text": "Keep 50 m."}))
+    finish_fully(service)
+    sign(client, better)
+    found = row(client, "REQ-1")
+    assert (found["text"], found["status"]) == ("Keep 50 m.", "suspect")
+    assert "its campaign states another text of the requirement" in found["sentence"]
+    with changed(service.engine, sa.update(Run).where(Run.id == 2).values(removed=1.0)):
+        assert (row(client, "REQ-1")["text"], row(client, "REQ-1")["status"]) == (TEXT, "met")
+
+
+def test_ids_that_look_the_same_name_each_other(service: Service, client: httpx.Client) -> None:
+    sign(client, ran(service, client, "REQ-1"))
+    ran(service, client, "req\u20111", verdict="violated", name="Z")
+    assert client.put(AT, json={"id": "REQ-10", "text": TEXT}).status_code == 200
+    assert "form of characters: 'req\u20111'." in row(client, "REQ-1")["sentence"]
+    assert "form of characters: 'REQ-1'." in row(client, "req\u20111")["sentence"]
+    assert "form of characters" not in row(client, "REQ-10")["sentence"]
 
 
 def test_a_trend_names_the_requirements_of_each_run(client: httpx.Client) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import random
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -225,6 +226,25 @@ def test_what_is_no_capsule_is_a_sentence(data: bytes, tmp_path: Path, capsys: p
     said = capsys.readouterr().err
     assert "is no capsule that can be replayed" in said
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_a_damaged_file_is_a_sentence(method: int) -> None:
+    """Bytes anywhere in it are changed; only a compression that takes a bounded amount of memory is read."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", method) as archive:
+        archive.writestr("capsule.json", b"{}" * 200)
+    data = buffer.getvalue()
+    said = "not JSON" if method == zipfile.ZIP_DEFLATED else "is not compressed as a capsule is"
+    with pytest.raises(CapsuleError, match=said):
+        unpacked(data)
+    for seed in range(300):
+        changes = random.Random(seed)
+        damaged = bytearray(data)
+        for _ in range(3):
+            damaged[changes.randrange(len(damaged))] = changes.randrange(256)
+        with pytest.raises(CapsuleError):
+            unpacked(bytes(damaged))
 
 
 def test_a_command_in_a_capsule_is_executed_only_if_that_is_permitted(

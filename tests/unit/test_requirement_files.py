@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from pathlib import Path
 
@@ -9,6 +11,7 @@ import pytest
 
 from backend.requirements import reqif, sheet
 from backend.requirements.reqif import CannotRead, Read
+from backend.requirements.schemas import RequirementRow
 
 WRITTEN = Path(__file__).parents[1] / "api" / "requirements" / "written.reqif"
 PUBLIC = os.environ.get("CLEARANCE_REQIF_EXAMPLES", "")
@@ -122,3 +125,21 @@ def test_a_file_that_is_no_acceptable_csv_is_refused_with_a_sentence(content: by
 def test_columns_may_be_named() -> None:
     found, _ = sheet.read(b"id,key,words,text\n1,K,W,T\n", "key", "words")
     assert found == [Read("K", "W", {"id": "1", "text": "T"})]
+
+
+def test_an_export_has_columns_for_the_most_frequent_attributes_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files may name any number of attributes, and every row of a CSV file has every column."""
+    monkeypatch.setattr(sheet, "MOST_COLUMNS", 2)
+    given = [{"b": "1", "a": "2", "x": "=3"}, {"b": "4", "y": "5"}, {"a": "6"}]
+    rows = [
+        RequirementRow(
+            id=f"R{i}", text="t", status="no evidence", sentence="", registered=True, file=None, attributes=attributes,
+            changed=None, changed_by=None, runs=[], total=0, removed=0, sweeps=0,
+        )
+        for i, attributes in enumerate(given)
+    ]  # fmt: skip
+    lines = list(csv.reader(io.StringIO(b"".join(sheet.requirements(rows)).decode())))
+    assert lines[0][5:] == ["a", "b", "other attributes"]
+    assert [line[5:] for line in lines[1:]] == [["2", "1", "x: =3"], ["", "4", "y: 5"], ["6", "", ""]]
+    found, _ = sheet.read(b"".join(sheet.requirements(rows)))
+    assert found[0].attributes["other attributes"] == "x: =3"

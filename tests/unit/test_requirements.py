@@ -66,7 +66,7 @@ def test_the_question_is_without_methods_and_the_definition_without_the_baseline
     one = campaign().document()
     again = {**campaign(seed=2, stages__search=[{"method": "direct", "evaluations": 10}]).document(), "name": "Other"}
     assert question(one) == question(again) == question(asked("REQ-1").document())
-    assert question(one) != question(campaign(criterion__threshold=0.4).document())
+    assert question(one) == question(campaign(criterion__threshold=0.4).document())
     assert question(one) != question(campaign(**{"uncertain__vehicle.m": {"low": 4, "high": 5}}).document())
     assert definition(one) == definition({**one, "baseline": {"run": "R-0001"}})
     assert definition(one) != definition(again)
@@ -111,3 +111,37 @@ def test_a_violation_is_resolved_by_another_model_or_question_and_still_named(ch
     assert (found.evidence, found.violations) == (frozenset({2}), frozenset())
     assert "violated it: R-0001" in found.sentence
     assert standing([edge(1, "v", **changes), edge(2, "v")]).violations == {2}
+
+
+CONTRADICTING: list[tuple[str, dict[str, Any], str]] = [
+    ("-", {"worst": 0.5}, "inconclusive"),  # cancelled after it had found a violation
+    ("-", {"worst": 0.51}, "met"),
+    ("-", {"worst": 0.4, "question": "r"}, "met"),
+    ("-", {"worst": 0.4, "model": NEW}, "met"),
+    ("i", {"worst": 0.4}, "inconclusive"),
+    ("c", {"worst": 0.4, "threshold": 0.3}, "inconclusive"),  # cleared with a threshold that is easier to meet
+    ("v", {"worst": 0.2, "threshold": 0.3}, "violated"),  # even that one was violated
+    ("v", {"worst": 0.55, "threshold": 0.6}, "met"),
+    ("v", {"worst": 0.45, "threshold": 0.6}, "violated"),
+]
+
+
+@pytest.mark.parametrize("evidence", [True, False])
+@pytest.mark.parametrize(("word", "changes", "expected"), CONTRADICTING)
+def test_a_value_that_violates_counts_whoever_found_it(
+    word: str, changes: dict[str, Any], expected: str, evidence: bool
+) -> None:
+    """evidence: the run states the requirement and is of no sweep."""
+    given = edge(1, word, **({"threshold": 0.5} | changes))
+    newest = edge(2, threshold=0.5, worst=0.7)
+    found = standing([given, newest]) if evidence else standing([newest], [given])
+    assert found.status == expected, found.sentence
+    assert found.evidence == {2}
+    assert found.violations == (set() if expected == "met" else {1})
+    assert ("R-0001" in found.sentence) == (expected != "met" or (word == "v" and evidence))
+    apart = standing([newest], [edge(1, word, **({"threshold": 0.5} | changes | {"campaign": "B"}))])
+    assert apart.status == "met", "the runs of other campaigns are not compared"
+
+
+def test_a_sign_off_by_who_launched_the_run_is_named() -> None:
+    assert "signed off only by who launched it" in standing([edge(1, own=True)]).sentence

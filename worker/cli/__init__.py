@@ -12,6 +12,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 
+import sqlalchemy as sa
 import typer
 
 from backend.db.access import AccessError
@@ -44,6 +45,9 @@ def invoke(arguments: Sequence[str]) -> int:
     except (typer.TyperException, CampaignError, AccessError, WrongInputError, JitDisabledError) as error:
         _explain(error)
         return WRONG_INPUT
+    except sa.exc.OperationalError as error:
+        typer.echo(f"Error: the database cannot be used: {error.orig}", err=True)
+        return INTERNAL
     except UnreachableError as error:
         _explain(error)
         return INTERNAL

@@ -6,7 +6,6 @@ the other evidence of the verdict, for `clearance audit DIR`. Start reading at `
 
 from __future__ import annotations
 
-import csv
 import json
 import zipfile
 from pathlib import Path
@@ -15,6 +14,7 @@ import numpy as np
 
 from backend.db.rows import plain
 from campaigns import Campaign, Catalogue, load_file
+from campaigns.cells import Writer
 from campaigns.checked.snapshot import snapshot
 from campaigns.documents import JsonObject
 from campaigns.results.base import OK, STATUS
@@ -110,7 +110,7 @@ def _read_bits(path: Path, stages: int) -> dict[int, Columns]:
 
 def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
+        writer = Writer(file)
         beside = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in criteria(problem)[1:]]
         paths = [r.path for r in problem.ranges]
         writer.writerow(["stage", "kind", "method", "index", "status", "cost", *beside, *paths, "reason"])
@@ -129,6 +129,6 @@ def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None
 
 def _write_trace(path: Path, trace: Trace) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
+        writer = Writer(file)
         writer.writerow([f"{c.name} [{c.unit}]" for c in trace.columns])
         writer.writerows([repr(v) for v in row] for row in trace.data.tolist())

@@ -5,7 +5,6 @@ One file per figure; every column header states its unit. Start reading at `writ
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from campaigns.cells import Writer
 from campaigns.results.base import OK
 from campaigns.results.trace import TraceColumn
 from worker.reproduce import aircraft, robots
@@ -111,7 +111,7 @@ def write(folder: Path, flights: Flights, cases: Collection[int]) -> tuple[list[
             missing.append(f"figure {figure}: not available: {error}")
             continue
         with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
+            writer = Writer(file)
             writer.writerow(headings)
             writer.writerows([repr(v) if isinstance(v, float) else v for v in row] for row in rows)
         written.append(path)

@@ -50,6 +50,11 @@ it('CSV quotes what needs it and keeps every digit', () => {
   expect(toCsv(table)).toBe('"a, b",c\r\n"say ""x""",0.30000000000000004\r\n,-1\r\n')
 })
 
+it('CSV marks text that a spreadsheet would calculate, and no number', () => {
+  const table = { name: 't', columns: ['=1+1', 'c'], rows: [['@x', -1]] }
+  expect(toCsv(table)).toBe("'=1+1,c\r\n'@x,-1\r\n")
+})
+
 describe('isFar', () => {
   it('detects a criterion that would flatten the values, below or above them', () => {
     const values = [10, 11, 12]

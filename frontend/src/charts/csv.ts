@@ -9,9 +9,13 @@ export interface DataTable {
   rows: Value[][]
 }
 
+/** Text that a spreadsheet would calculate is marked as text (OWASP, "CSV Injection"), as in campaigns/cells.py. */
+const FORMULA = /^[=+\-@\t\r\n＝＋－＠]/
+
 const quoted = (value: Value): string => {
   if (value === null) return ''
-  const text = String(value)
+  const marked = typeof value === 'string' && FORMULA.test(value)
+  const text = marked ? `'${value}` : String(value)
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text
 }
 

@@ -1,0 +1,143 @@
+"""What speaks against evidence besides its own run: other runs of the campaign, removed runs, ids that look the same.
+
+A value below the threshold was found, whoever found it: a cancelled run, one of a sweep, one whose campaign does not
+state the requirement. Start reading at `against`.
+"""
+
+from __future__ import annotations
+
+import math
+import unicodedata
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run, RunRequirement, Stage
+from backend.requirements import present
+from backend.requirements.present import CHUNK
+from backend.requirements.standing import Edge, Model
+from campaigns.asked.requirements import question
+from campaigns.results.verdict import VerdictWord
+from campaigns.runs import RunState, run_name
+
+MOST_NAMED = 20
+"""Runs or ids that a sentence names."""
+
+
+def judged(state: str, word: str | None) -> VerdictWord | None:
+    return None if word is None or state != RunState.DONE else VerdictWord(word)
+
+
+def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[Edge]:
+    """All other runs of the campaigns of these names that violate, or found a value that would violate one of these.
+
+    They need not state the requirement, and may be cancelled, or of a sweep: the value was found all the same. The
+    questions of `edges` decide which of them count, see `standing`.
+    """
+    highest: dict[str, float] = {}
+    for edge in (e for found in edges.values() for e in found if e.verdict is not None and e.threshold is not None):
+        highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), edge.threshold or 0.0)
+    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, Stage.kind.in_(("search", "certify")))
+    worst = lowest.scalar_subquery().label("worst")
+    columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.campaign_digest, CampaignRow.name)
+    rows: list[Any] = []
+    ordered = sorted(highest)
+    for first in range(0, len(ordered), CHUNK):
+        of = sa.select(*columns, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+        of = of.where(CampaignRow.name.in_(ordered[first : first + CHUNK]), Run.removed.is_(None), Run.purged.is_(None))
+        rows += reader.execute(of)
+    found = []
+    for row in rows:
+        values = [value for value in (row.worst_cost, row.worst) if value is not None]
+        value = min(values, default=math.inf)
+        if judged(row.state, row.verdict) == VerdictWord.VIOLATED or value <= highest[row.name]:
+            found.append((row, value))
+    asked = _questions(reader, sorted({row.campaign_digest for row, _ in found}))
+    flown = models(reader, sorted(row.id for row, _ in found))
+    return [
+        Edge(
+            row.id,
+            row.name,
+            asked[row.campaign_digest],
+            judged(row.state, row.verdict),
+            flown[row.id],
+            threshold=row.threshold,
+            worst=value,
+        )
+        for row, value in found
+    ]
+
+
+def _questions(reader: sa.Connection, digests: Sequence[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for first in range(0, len(digests), CHUNK):
+        of = sa.select(CampaignRow.digest, CampaignRow.document)
+        of = of.where(CampaignRow.digest.in_(digests[first : first + CHUNK]))
+        found |= {row.digest: question(row.document) for row in reader.execute(of)}
+    return found
+
+
+def models(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, Model]:
+    """What ran these runs."""
+    found: dict[int, Model] = {}
+    for first in range(0, len(run_ids), CHUNK):
+        of = sa.select(Run.id, Run.flown).where(Run.id.in_(run_ids[first : first + CHUNK]))
+        found |= {run_id: present.model(flown) for run_id, flown in reader.execute(of)}
+    return found
+
+
+@dataclass(frozen=True)
+class Ignored:
+    """Runs of a requirement that do not count."""
+
+    removed: int = 0
+    sweeps: int = 0
+    violated: tuple[int, ...] = ()
+    """The removed ones that violated it."""
+
+
+def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
+    """The runs of each requirement that are removed or of sweeps."""
+    gone = sa.or_(Run.removed.is_not(None), Run.purged.is_not(None))
+    columns = (RunRequirement.requirement, Run.id, gone.label("gone"), Run.verdict)
+    of = sa.select(*columns).join(Run, Run.id == RunRequirement.run_id)
+    of = of.where(RunRequirement.requirement.in_(ids), sa.or_(gone, present.in_sweep())).order_by(Run.id)
+    found: dict[str, Ignored] = defaultdict(Ignored)
+    for row in reader.execute(of):
+        now = found[row.requirement]
+        if not row.gone:
+            found[row.requirement] = replace(now, sweeps=now.sweeps + 1)
+            continue
+        violated = (row.id,) if row.verdict == VerdictWord.VIOLATED else ()
+        found[row.requirement] = replace(now, removed=now.removed + 1, violated=now.violated + violated)
+    return found
+
+
+def _fold(key: str) -> str:
+    """Equal for ids that a reader would take for the same."""
+    plain = "".join("-" if unicodedata.category(c) == "Pd" else c for c in unicodedata.normalize("NFKC", key))
+    return "".join(plain.casefold().split())
+
+
+def similar(reader: sa.Connection, ids: Sequence[str], every: sa.CompoundSelect[Any]) -> dict[str, list[str]]:
+    """The other ids that differ from each only in case, spaces or the form of characters."""
+    wanted: dict[str, list[str]] = {_fold(key): [] for key in ids}
+    for key in reader.scalars(every):
+        if (folded := _fold(key)) in wanted:
+            wanted[folded].append(key)
+    return {key: [one for one in wanted[_fold(key)] if one != key] for key in ids}
+
+
+def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
+    """What a reader of the status must know besides: exports have it as well."""
+    if ignored.violated:
+        runs = ", ".join(run_name(run_id) for run_id in ignored.violated[:MOST_NAMED])
+        rest = len(ignored.violated) - MOST_NAMED
+        yield f"Removed runs do not count; of them, {runs}{f' and {rest} more' if rest > 0 else ''} violated it."
+    if similar:
+        others = ", ".join(map(repr, similar[:MOST_NAMED]))
+        yield f"Other ids differ only in case, spaces or the form of characters: {others}."

@@ -1,0 +1,60 @@
+"""CSV files (RFC 4180) whose cells a spreadsheet cannot take for formulas. Source: OWASP, "CSV Injection".
+
+Start reading at `Writer`.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable
+from typing import Protocol
+
+
+class Out(Protocol):
+    """What a file is written to."""
+
+    def write(self, text: str, /) -> object:
+        """Write a part of it."""
+
+
+class Writer:
+    """Writes rows; text that a spreadsheet would calculate is marked as text."""
+
+    def __init__(self, out: Out) -> None:
+        self._writer = csv.writer(out)
+
+    def writerow(self, cells: Iterable[object]) -> None:
+        """Write a row."""
+        self._writer.writerow([safe(cell) for cell in cells])
+
+    def writerows(self, rows: Iterable[Iterable[object]]) -> None:
+        """Write some."""
+        self._writer.writerows([safe(cell) for cell in row] for row in rows)
+
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
+"""With these a cell begins that a spreadsheet calculates."""
+MARK = "'"
+"""With this a cell begins that is text to a spreadsheet."""
+
+
+def safe(cell: object) -> object:
+    """The cell; text that a spreadsheet would calculate is marked as text; numbers are unchanged."""
+    if not isinstance(cell, str) or not cell.startswith(FORMULA) or _is_number(cell):
+        return cell
+    return MARK + cell
+
+
+def plain(cell: str) -> str:
+    """The text of a cell that `safe` has written."""
+    return cell[1:] if cell.startswith(MARK) and cell[1:].startswith(FORMULA) else cell
+
+
+def _is_number(cell: str) -> bool:
+    if not cell.isascii() or cell != cell.strip():
+        return False
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

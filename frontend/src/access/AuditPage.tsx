@@ -1,4 +1,4 @@
-// The audit trail for administrators: in pages, newest first, by user and action; its head, and its export.
+// The audit trail for reviewers and administrators: in pages, newest first, by user and action; its head, and its export.
 import { clsx } from 'clsx'
 import { IconDownload } from '@tabler/icons-react'
 import { infiniteQueryOptions, useInfiniteQuery } from '@tanstack/react-query'

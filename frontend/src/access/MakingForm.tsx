@@ -43,7 +43,7 @@ export function MakingForm({ name, onName, hint, children, error, pending, make,
           data-autofocus
           onChange={(event) => onName(event.target.value)}
         />
-        <span className="small mut">{hint}</span>
+        <span className={clsx('small mut', styles.hint)}>{hint}</span>
       </label>
       {children}
       {error && (

@@ -13,6 +13,7 @@ import { Card } from '../ui/Card'
 import { AccessFrame } from './AccessFrame'
 import { MakingForm, MayChoice } from './MakingForm'
 import { Secret } from './Secret'
+import styles from './access.module.css'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
@@ -92,7 +93,7 @@ function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (toke
         {tokens.map((token) => (
           <tr key={token.name}>
             <td className="m nw">{token.name}</td>
-            <td className="nw">{token.owner}</td>
+            <td className={styles.who}>{token.owner}</td>
             <td>{token.scope}</td>
             <td className="nw">
               <State token={token} />

@@ -8,6 +8,7 @@ afterEach(() => {
 })
 
 test('every file is below the path of the service', async () => {
+  vi.resetModules() // the path is read once, perhaps by a module that another file has loaded
   vi.stubGlobal('document', { documentElement: { dataset: { root: '/clearance' } } })
   const { contentOf, EXPORTS } = await import('./requirements')
   const paths = [...EXPORTS.map(({ href }) => href), contentOf({ id: 3 } as RequirementFileOut)]

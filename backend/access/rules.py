@@ -31,6 +31,8 @@ RUN = Rule("engineer", "run")
 CHANGE_OWN = Rule("engineer", "run", own=True)
 SIGN = Rule("reviewer", "admin")
 SIGN_OWN = Rule("reviewer", "admin", own=True)
+AUDIT = Rule("reviewer", "admin")
+"""Whoever reviews must see who did what; only administrators can have a token with that scope."""
 ADMIN = Rule("admin", "admin")
 MINE = Rule("viewer", None)
 """What users do with their own access in the browser, such as changing their password."""
@@ -125,6 +127,6 @@ RULES: dict[tuple[Method, str], Rule] = {
     ("POST", f"{API}/users/{{user}}/invitation"): ADMIN,
     ("GET", f"{API}/settings"): ADMIN,
     ("PATCH", f"{API}/settings"): ADMIN,
-    ("GET", f"{API}/audit"): ADMIN,
-    ("GET", f"{API}/audit/export"): ADMIN,
+    ("GET", f"{API}/audit"): AUDIT,
+    ("GET", f"{API}/audit/export"): AUDIT,
 }

@@ -20,9 +20,9 @@ Number = Annotated[int, Path(ge=1, le=2**31 - 1, description="The number of the 
 
 
 @router.get("/runs/{run}/signoffs", responses=problems("not-found", "purged"))
-def list_signoffs(run: RunName, reader: Reader) -> Signoffs:
-    """The sign-offs of a run, and the digest that a new one must give."""
-    return service.listed(reader, number(run))
+def list_signoffs(run: RunName, reader: Reader, visitor: CurrentVisitor) -> Signoffs:
+    """The sign-offs of a run, the digest that a new one must give, and why the caller may not add one."""
+    return service.listed(reader, number(run), visitor)
 
 
 @router.post(

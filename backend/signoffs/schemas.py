@@ -54,4 +54,6 @@ class Signoffs(Schema):
     digest: str
     can_sign: bool
     """Whether the run can be signed off: it has a verdict and is not removed."""
+    barred: str | None = None
+    """Why the caller may not sign it off, such as having launched it; null if they may."""
     items: list[Signoff]

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
+from backend.access.auth import forbidden
 from backend.access.own import require_own
+from backend.access.rules import SIGN
 from backend.db import audit, users
 from backend.db.access import Visitor, account_of
 from backend.db.digest import results_digest
@@ -22,15 +24,17 @@ from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
 
-def listed(reader: sa.Connection, run_id: int) -> Signoffs:
-    """The sign-offs of a run, oldest first; 404 if there is no such run."""
+def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -> Signoffs:
+    """The sign-offs of a run, oldest first, and why the visitor, if given, may not add one; 404 without such a run."""
     verdict = _verdict(reader, run_id)
     removed = reader.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
     digest = results_digest(reader, run_id)
     rows = reader.execute(sa.select(Row.__table__).where(Row.run_id == run_id).order_by(Row.id)).mappings()
     launcher = _launcher(reader, run_id)
     items = [_signoff(reader, dict(row), digest, launcher) for row in rows]
-    return Signoffs(digest=digest, can_sign=verdict is not None and not removed, items=items)
+    can_sign = verdict is not None and not removed
+    barred = None if visitor is None else _barred(reader, run_id, visitor)
+    return Signoffs(digest=digest, can_sign=can_sign, barred=barred, items=items)
 
 
 def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor) -> Signoff:
@@ -43,9 +47,9 @@ def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor
         if _verdict(writer, run_id) is None:
             raise _conflict("no-verdict", f"{run_name(run_id)} has no verdict: it cannot be signed off")
         own = _launcher(writer, run_id) == visitor.account
-        if own and not users.own_sign_offs(writer):
-            detail = f"you launched {run_name(run_id)}: another reviewer must sign it off"
-            raise RefusedError(403, "own-run", detail)
+        dependent = _dependent(writer, run_id, visitor)
+        if dependent is not None:
+            raise dependent
         digest = results_digest(writer, run_id)
         if given.digest != digest:
             detail = (
@@ -107,6 +111,19 @@ def _verdict(reader: sa.Connection, run_id: int) -> str | None:
         raise not_found("run", run_name(run_id))
     verdict: str | None = found.verdict
     return verdict
+
+
+def _dependent(reader: sa.Connection, run_id: int, visitor: Visitor) -> RefusedError | None:
+    """The refusal of whoever launched the run, unless an administrator permits that."""
+    if _launcher(reader, run_id) != visitor.account or users.own_sign_offs(reader):
+        return None
+    return RefusedError(403, "own-run", f"you launched {run_name(run_id)}: another reviewer must sign it off")
+
+
+def _barred(reader: sa.Connection, run_id: int, visitor: Visitor) -> str | None:
+    """The sentences with which a sign-off by the visitor would be refused."""
+    refusals = (_dependent(reader, run_id, visitor), forbidden(visitor, SIGN))
+    return "; ".join(refusal.detail for refusal in refusals if refusal is not None) or None
 
 
 def _conflict(kind: str, detail: str) -> RefusedError:

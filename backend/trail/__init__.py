@@ -1,1 +1,1 @@
-"""The audit trail, for administrators: in pages, and as a file."""
+"""The audit trail, for reviewers and administrators: in pages, and as a file."""

@@ -173,8 +173,8 @@ WHO: dict[routes.Key, Role] = {
     ("POST", "/api/v1/runs/remove"): "admin",
     ("POST", "/api/v1/users"): "admin",
     ("PATCH", "/api/v1/settings"): "admin",
-    ("GET", "/api/v1/audit"): "admin",
-    ("GET", "/api/v1/audit/export"): "admin",
+    ("GET", "/api/v1/audit"): "reviewer",
+    ("GET", "/api/v1/audit/export"): "reviewer",
     ("GET", "/api/v1/runs"): "viewer",
     ("GET", "/view/{run}/{rest:path}"): "viewer",
     ("GET", "/{path:path}"): "viewer",
@@ -222,7 +222,7 @@ def test_files_of_the_pages_are_open_and_no_other_path_is_by_looking_like_one(de
     assert role("/assets/x.js", method="POST") == "viewer"
     assert role("/login", method="DELETE") == "viewer"
     assert role("/login", kind="websocket") == "viewer"
-    assert role("/api/v1/audit", method="HEAD") == "admin"
+    assert role("/api/v1/audit", method="HEAD") == "reviewer"
 
 
 def test_the_framework_selects_the_same_route(desk: Desk) -> None:

@@ -415,14 +415,19 @@ def test_nobody_signs_off_their_own_run_unless_it_is_permitted(alone: Service) -
             problem(program.post(signoffs, json={**signed, "digest": digest}), 403)
         refused = problem(ada.post(signoffs, json={**signed, "digest": digest}), 403)
         assert refused["type"] == "urn:clearance:problem:own-run"
+        assert ada.get(signoffs).json()["barred"] == refused["detail"], "the page says what the service would"
         with joined(alone, admin, "engineer") as (_, engineer):
             problem(engineer.post(signoffs, json={**signed, "digest": digest}), 403)
+            barred = str(engineer.get(signoffs).json()["barred"])
+            assert barred.startswith("this needs the role reviewer"), "who launched nothing hears of the role alone"
         with joined(alone, admin, "reviewer") as (_, bob):
             other = bob.post(signoffs, json={**signed, "name": "Bob", "digest": digest})
             assert (other.status_code, other.json()["own"]) == (201, False)
+            assert bob.get(signoffs).json()["barred"] is None
             problem(ada.post(f"{signoffs}/{other.json()['id']}/withdraw", json={"reason": "x"}), 403)
         assert admin.get(f"{API}/settings").json() == {"own_sign_offs": False}
         assert admin.patch(f"{API}/settings", json={"own_sign_offs": True}).json() == {"own_sign_offs": True}
+        assert ada.get(signoffs).json()["barred"] is None
         own = ada.post(signoffs, json={**signed, "digest": digest})
         assert (own.status_code, own.json()["own"]) == (201, True)
         assert [one["own"] for one in ada.get(signoffs).json()["items"]] == [False, True]

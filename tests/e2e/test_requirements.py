@@ -60,7 +60,10 @@ def test_from_a_file_of_requirements_to_suspect_evidence(tmp_path: Path, browser
         visit.go("/requirements?status=suspect")
         expect(one).to_contain_text("Suspect: the code has changed (sha256 c0dec0dec0de, now beefbeefbeef)")
         expect(page.locator("[data-requirement]")).to_have_count(1)
-        visit.go("/requirements")
+        visit.go("/requirements?q=nothing+like+this")
+        expect(page.get_by_text("No requirement matches.")).to_be_visible()
+        expect(page.get_by_role("button", name="Export")).to_be_enabled()  # all of them, whatever is searched for
+        page.get_by_role("button", name="Show all requirements").click()
         expect(page.locator("[data-requirement]")).to_have_count(2)
         for theme in ("light", "dark"):
             page.emulate_media(color_scheme=theme)

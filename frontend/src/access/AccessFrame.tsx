@@ -12,7 +12,7 @@ const PAGES = [
   { to: '/access/users', name: 'Users', least: 'admin' },
   { to: '/access/tokens', name: 'API tokens', least: 'viewer' },
   { to: '/access/sessions', name: 'Sessions', least: 'viewer' },
-  { to: '/access/audit', name: 'Audit trail', least: 'admin' },
+  { to: '/access/audit', name: 'Audit trail', least: 'reviewer' },
 ] as const satisfies readonly { to: string; name: string; least: Role }[]
 
 interface AccessFrameProps {

@@ -1,4 +1,4 @@
-// The audit trail for administrators: in pages, newest first, by user and action; its head, and its export.
+// The audit trail for reviewers and administrators: in pages, newest first, by user and action; its head, and its export.
 import { clsx } from 'clsx'
 import { IconDownload } from '@tabler/icons-react'
 import { infiniteQueryOptions, useInfiniteQuery } from '@tanstack/react-query'
@@ -29,6 +29,7 @@ const auditQuery = (actor: string, action: string) =>
 
 export function AuditPage() {
   const { actor = '', action = '' } = useSearch({ from: '/access/audit' })
+  const navigate = useNavigate({ from: '/access/audit' })
   const query = useInfiniteQuery(auditQuery(actor, action))
   const first = query.data?.pages[0]
   return (
@@ -61,7 +62,7 @@ export function AuditPage() {
               )
             }
           >
-            <Table entries={query.data?.pages.flatMap((page) => page.items) ?? []} />
+            <Table entries={query.data?.pages.flatMap((page) => page.items) ?? []} onAll={() => void navigate({ search: {}, replace: true })} />
           </Card>
           <Card title="Head" note="Number and hash of the newest row" right={<CopyButton text={() => first.head}>Copy the head</CopyButton>}>
             <code className={`mono ${styles.secret ?? ''}`}>{first.head}</code>
@@ -110,8 +111,16 @@ function Choice({ label, value, options, onChange }: ChoiceProps) {
   )
 }
 
-function Table({ entries }: { entries: readonly AuditEntry[] }) {
-  if (entries.length === 0) return <p className="sec" style={{ padding: 12 }}>No row matches.</p>
+function Table({ entries, onAll }: { entries: readonly AuditEntry[]; onAll: () => void }) {
+  if (entries.length === 0)
+    return (
+      <p className={clsx('sec', styles.none)}>
+        No row matches.{' '}
+        <button type="button" className={buttons.linkbtn} onClick={onAll}>
+          Show all rows
+        </button>
+      </p>
+    )
   return (
     <table className={tables.table}>
       <thead>
@@ -130,11 +139,11 @@ function Table({ entries }: { entries: readonly AuditEntry[] }) {
           <tr key={entry.id}>
             <td className="num">{entry.id}</td>
             <td className="sec nw">{moment(entry.at)}</td>
-            <td className="nw">
+            <td className={styles.who}>
               {entry.user} <span className="mut">{entry.via}</span>
             </td>
             <td className="nw">{entry.action}</td>
-            <td>{entry.subject}</td>
+            <td className={styles.who}>{entry.subject}</td>
             <td className={`small sec ${styles.detail ?? ''}`}>{told(entry.detail)}</td>
             <td>
               <span className="mono" title={entry.hash}>

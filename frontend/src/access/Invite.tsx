@@ -1,5 +1,4 @@
 // Inviting a user: name and role, then the link, which is shown only once.
-import { clsx } from 'clsx'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
@@ -7,12 +6,9 @@ import { inviteUser, type Role, ROLES } from '../api/access'
 import type { Invitation } from '../client'
 import { moment } from '../format/time'
 import { isLocal } from './hosts'
+import { MakingForm, MayChoice } from './MakingForm'
 import { Secret } from './Secret'
 import { ROOT } from '../format/root'
-import styles from './access.module.css'
-import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
 
 export function InviteForm({ onDone }: { onDone: () => void }) {
   const cache = useQueryClient()
@@ -24,43 +20,19 @@ export function InviteForm({ onDone }: { onDone: () => void }) {
   })
   if (invite.data) return <InvitationLink invitation={invite.data} onDone={onDone} />
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        invite.mutate()
-      }}
+    <MakingForm
+      name={name}
+      onName={setName}
+      hint="Lower-case letters, digits and . _ + @ -, for example an e-mail address. It stays in all records."
+      error={invite.error}
+      pending={invite.isPending}
+      make="Make the link"
+      making="Making the link …"
+      onMake={() => invite.mutate()}
+      onDone={onDone}
     >
-      <label className={fields.lbl}>
-        Name
-        <input
-          className={fields.inp}
-          value={name}
-          maxLength={64}
-          required
-          autoCapitalize="none"
-          autoComplete="off"
-          spellCheck={false}
-          data-autofocus
-          onChange={(event) => setName(event.target.value)}
-        />
-        <span className="small mut">Lower-case letters, digits and . _ + @ -, for example an e-mail address. It stays in all records.</span>
-      </label>
       <RoleChoice value={role} onChange={setRole} />
-      {invite.isError && (
-        <p className={fields.ferr} role="alert">
-          {invite.error.message}
-        </p>
-      )}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Not now
-        </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={invite.isPending || !name.trim()}>
-          Make the link
-        </button>
-      </div>
-    </form>
+    </MakingForm>
   )
 }
 
@@ -84,18 +56,8 @@ export function InvitationLink({ invitation, onDone }: { invitation: Invitation;
   )
 }
 
+const OPTIONS = ROLES.map(({ role, may }) => ({ value: role, may }))
+
 export function RoleChoice({ value, onChange }: { value: Role; onChange: (role: Role) => void }) {
-  return (
-    <fieldset className={styles.choices}>
-      <legend className={fields.lbl}>Role</legend>
-      {ROLES.map(({ role, may }) => (
-        <label key={role} className={fields.pickrow}>
-          <input type="radio" name="role" checked={role === value} onChange={() => onChange(role)} />
-          <span>
-            <b>{role}</b> <span className="sec">{may}</span>
-          </span>
-        </label>
-      ))}
-    </fieldset>
-  )
+  return <MayChoice title="Role" value={value} options={OPTIONS} onChange={onChange} />
 }

@@ -12,6 +12,7 @@ import { Loading, Trouble } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import { AccessFrame } from './AccessFrame'
 import { browserOf } from './browser'
+import styles from './access.module.css'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
@@ -80,7 +81,7 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
         <tbody>
           {sessions.map((session) => (
             <tr key={session.id}>
-              <td className="m nw">{session.user}</td>
+              <td className={`m ${styles.who ?? ''}`}>{session.user}</td>
               <td className="nw" title={session.agent}>{browserOf(session.agent)}</td>
               <td className="sec">{session.address || 'not recorded'}</td>
               <td className="sec nw" title={moment(session.created)}>

@@ -11,6 +11,7 @@ import { moment, when } from '../format/time'
 import { Loading, Trouble } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import { AccessFrame } from './AccessFrame'
+import { MakingForm, MayChoice } from './MakingForm'
 import { Secret } from './Secret'
 import styles from './access.module.css'
 import buttons from '../ui/buttons.module.css'
@@ -19,9 +20,9 @@ import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 
 const SCOPES = [
-  { scope: 'read', may: 'reads everything', least: 'viewer' },
-  { scope: 'run', may: 'also launches, cancels and edits what is yours: for clearance submit', least: 'engineer' },
-  { scope: 'admin', may: 'everything that you may', least: 'admin' },
+  { value: 'read', may: 'reads everything', least: 'viewer' },
+  { value: 'run', may: 'also launches, cancels and edits what is yours: for clearance submit', least: 'engineer' },
+  { value: 'admin', may: 'everything that you may', least: 'admin' },
 ] as const
 
 const LIFETIMES = [
@@ -92,7 +93,7 @@ function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (toke
         {tokens.map((token) => (
           <tr key={token.name}>
             <td className="m nw">{token.name}</td>
-            <td className="nw">{token.owner}</td>
+            <td className={styles.who}>{token.owner}</td>
             <td>{token.scope}</td>
             <td className="nw">
               <State token={token} />
@@ -145,38 +146,18 @@ function CreateForm({ onDone }: { onDone: () => void }) {
       </Secret>
     )
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        create.mutate()
-      }}
+    <MakingForm
+      name={name}
+      onName={setName}
+      hint="What it is for, such as nightly-ci. Runs that it launches show this name."
+      error={create.error}
+      pending={create.isPending}
+      make="Create"
+      making="Creating …"
+      onMake={() => create.mutate()}
+      onDone={onDone}
     >
-      <label className={fields.lbl}>
-        Name
-        <input
-          className={fields.inp}
-          value={name}
-          maxLength={64}
-          required
-          autoComplete="off"
-          spellCheck={false}
-          data-autofocus
-          onChange={(event) => setName(event.target.value)}
-        />
-        <span className="small mut">What it is for, such as nightly-ci. Runs that it launches show this name.</span>
-      </label>
-      <fieldset className={styles.choices}>
-        <legend className={fields.lbl}>Scope</legend>
-        {SCOPES.filter(({ least }) => hasRole(role, least)).map((one) => (
-          <label key={one.scope} className={fields.pickrow}>
-            <input type="radio" name="scope" checked={one.scope === scope} onChange={() => setScope(one.scope)} />
-            <span>
-              <b>{one.scope}</b> <span className="sec">{one.may}</span>
-            </span>
-          </label>
-        ))}
-      </fieldset>
+      <MayChoice title="Scope" value={scope} options={SCOPES.filter(({ least }) => hasRole(role, least))} onChange={setScope} />
       <label className={fields.lbl}>
         Expires
         <select className={fields.inp} value={days ?? ''} onChange={(event) => setDays(event.target.value ? Number(event.target.value) : null)}>
@@ -187,20 +168,7 @@ function CreateForm({ onDone }: { onDone: () => void }) {
           ))}
         </select>
       </label>
-      {create.isError && (
-        <p className={fields.ferr} role="alert">
-          {create.error.message}
-        </p>
-      )}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Not now
-        </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={create.isPending || !name.trim()}>
-          Create
-        </button>
-      </div>
-    </form>
+    </MakingForm>
   )
 }
 

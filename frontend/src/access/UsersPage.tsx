@@ -10,7 +10,7 @@ import { sessionQuery } from '../api/queries'
 import type { User } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
-import { Loading, Trouble } from '../page/Trouble'
+import { Failed, Loading, Trouble } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import { Pick } from '../ui/Menu'
 import { AccessFrame } from './AccessFrame'
@@ -170,13 +170,15 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
 
 function SignOffs() {
   const cache = useQueryClient()
-  const { data } = useQuery(settingsQuery)
+  const { data, error, refetch } = useQuery(settingsQuery)
   const change = useMutation({
     mutationFn: (own: boolean) => changeSettings({ own_sign_offs: own }),
     onSuccess: (stored) => cache.setQueryData(settingsQuery.queryKey, stored),
   })
   return (
     <Card title="Sign-offs" note="Independent review">
+      {!data && !error && <p className="mut">Loading the setting …</p>}
+      {!data && error && <Failed error={error} retry={() => void refetch()} />}
       {data && (
         <Pick on={data.own_sign_offs} onChange={(on) => change.mutate(on)}>
           Users may sign off runs that they launched; each such sign-off, and the report, says so

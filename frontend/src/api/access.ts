@@ -22,8 +22,8 @@ export type Role = SessionInfo['role']
 export const ROLES: readonly { role: Role; may: string }[] = [
   { role: 'viewer', may: 'reads everything' },
   { role: 'engineer', may: 'also launches, cancels and edits their own' },
-  { role: 'reviewer', may: 'also signs off' },
-  { role: 'admin', may: 'also manages users, tokens, settings, removal and the audit trail' },
+  { role: 'reviewer', may: 'also signs off and reads the audit trail' },
+  { role: 'admin', may: 'also manages users, tokens, settings and removal' },
 ]
 
 export const hasRole = (role: Role | undefined, least: Role): boolean =>

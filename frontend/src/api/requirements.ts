@@ -3,19 +3,20 @@ import { infiniteQueryOptions, queryOptions } from '@tanstack/react-query'
 import type { Imported, RequirementFileOut, RequirementPage, RequirementRow } from '../client'
 import * as sdk from '../client'
 import { client } from '../client/client.gen'
+import { at } from '../format/root'
 import { answer } from './calls'
 
 const AT = '/api/v1/requirements'
 
 /** The exported files, made when they are opened. */
 export const EXPORTS = [
-  { href: `${AT}/export/matrix.csv`, title: 'Matrix, CSV', text: 'A line for each requirement and run' },
-  { href: `${AT}/export/argument.gsn.yaml`, title: 'Argument, GSN (YAML)', text: 'For gsn2x: goals, evidence with claim, digest and link' },
-  { href: `${AT}/export/requirements.reqif`, title: 'Requirements, ReqIF', text: 'All of them, with their status' },
-  { href: `${AT}/export/requirements.csv`, title: 'Requirements, CSV', text: 'All of them, with their status' },
+  { href: at(`${AT}/export/matrix.csv`), title: 'Matrix, CSV', text: 'A line for each requirement and run' },
+  { href: at(`${AT}/export/argument.gsn.yaml`), title: 'Argument, GSN (YAML)', text: 'For gsn2x: goals, evidence with claim, digest and link' },
+  { href: at(`${AT}/export/requirements.reqif`), title: 'Requirements, ReqIF', text: 'All of them, with their status' },
+  { href: at(`${AT}/export/requirements.csv`), title: 'Requirements, CSV', text: 'All of them, with their status' },
 ] as const
 
-export const contentOf = (file: RequirementFileOut): string => `${AT}/files/${file.id}/content`
+export const contentOf = (file: RequirementFileOut): string => at(`${AT}/files/${file.id}/content`)
 
 export const requirementsQuery = (q: string) =>
   infiniteQueryOptions({

@@ -135,6 +135,7 @@ function Session() {
   if (!data) return null
   const initials = data.user.slice(0, 2).toUpperCase()
   const admin = hasRole(data.role, 'admin')
+  const reviewer = hasRole(data.role, 'reviewer')
   const leave = () => void endSession().then(signedOut, signedOut)
   return (
     <Menu position="bottom-end" width={220}>
@@ -168,7 +169,7 @@ function Session() {
         <Menu.Item leftSection={<IconDeviceLaptop className="i s" />} component={Link} to="/access/sessions">
           Sessions
         </Menu.Item>
-        {admin && (
+        {reviewer && (
           <Menu.Item leftSection={<IconHistory className="i s" />} component={Link} to="/access/audit">
             Audit trail
           </Menu.Item>

@@ -38,8 +38,8 @@ interface TroubleProps {
 export function Trouble({ error, retry, onward = true }: TroubleProps) {
   const refused = error instanceof Refusal ? error : null
   const title = refused ? sentence(refused.title) : 'This page could not be shown'
-  // What does not exist, or was purged, is not there the next time either.
-  const again = refused && [404, 410].includes(refused.status) ? undefined : retry
+  // What does not exist, was purged, or is not permitted is the same the next time.
+  const again = refused && [403, 404, 410].includes(refused.status) ? undefined : retry
   const detail = error instanceof Error ? error.message : String(error)
   return (
     <div className={clsx(cards.card, layout.centre)} role="alert">
@@ -59,6 +59,18 @@ export function Trouble({ error, retry, onward = true }: TroubleProps) {
         )}
       </div>
     </div>
+  )
+}
+
+/** A part of a page that could not be loaded, within its card. */
+export function Failed({ error, retry }: { error: Error; retry: () => void }) {
+  return (
+    <p className={layout.row} role="alert">
+      <span className={clsx('bad-t', layout.wrapAny)}>{error.message.charAt(0).toUpperCase() + error.message.slice(1)}</span>
+      <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={retry}>
+        Try again
+      </button>
+    </p>
   )
 }
 

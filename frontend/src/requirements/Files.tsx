@@ -8,22 +8,31 @@ import { contentOf, deleteImport, importsQuery } from '../api/requirements'
 import type { RequirementFileOut } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
+import { Failed } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
+import styles from './requirements.module.css'
 import tables from '../ui/tables.module.css'
 
 export function Files({ mayChange }: { mayChange: boolean }) {
   const cache = useQueryClient()
-  const { data, error } = useQuery(importsQuery)
+  const { data, error, refetch } = useQuery(importsQuery)
   const [leaving, setLeaving] = useState<RequirementFileOut | null>(null)
   const remove = useMutation({
     mutationFn: deleteImport,
     onSuccess: () =>
       Promise.all(['requirements', 'requirement-files'].map((key) => cache.invalidateQueries({ queryKey: [key] }))).then(() => setLeaving(null)),
   })
-  if (error && !data) return <p className={fields.ferr}>{error.message}</p>
+  if (error && !data)
+    return (
+      <div style={{ marginTop: 'var(--gap)' }}>
+        <Card title="Imported files">
+          <Failed error={error} retry={() => void refetch()} />
+        </Card>
+      </div>
+    )
   if (!data?.length) return null
   return (
     <div style={{ marginTop: 'var(--gap)' }}>
@@ -43,7 +52,7 @@ export function Files({ mayChange }: { mayChange: boolean }) {
           <tbody>
             {data.map((file) => (
               <tr key={file.id}>
-                <td className={layout.wrapAny}>{file.name}</td>
+                <td className={styles.named}>{file.name}</td>
                 <td className="num">{count(file.requirements)}</td>
                 <td className="sec nw" title={moment(file.imported)}>
                   {when(file.imported)}, by {file.imported_by}

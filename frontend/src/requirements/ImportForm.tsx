@@ -8,6 +8,7 @@ import { count } from '../format/numbers'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
+import styles from './requirements.module.css'
 
 export function ImportForm({ onDone }: { onDone: () => void }) {
   const cache = useQueryClient()
@@ -32,6 +33,7 @@ export function ImportForm({ onDone }: { onDone: () => void }) {
         File
         <input
           type="file"
+          className={styles.file}
           accept=".csv,.reqif,.xml"
           required
           onChange={({ target }) => {

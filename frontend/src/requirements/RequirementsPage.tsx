@@ -42,8 +42,17 @@ export function RequirementsPage() {
   const items = query.data?.pages.flatMap((page) => page.items) ?? []
   const active = items.some(({ runs }) => runs.some(({ state }) => ['queued', 'running', 'cancelling'].includes(state)))
   usePolling(() => void query.refetch(), 10_000, active)
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="requirements" />
+  if (!query.data)
+    return (
+      <>
+        <div className={layout.ph}>
+          <div className={layout.t}>
+            <h1>Requirements</h1>
+          </div>
+        </div>
+        {query.isError ? <Trouble error={query.error} retry={() => void query.refetch()} /> : <Loading what="requirements" />}
+      </>
+    )
   const total = query.data.pages[0]?.total ?? items.length
   const shown = status ? items.filter((row) => row.status === status) : items
   const done = () => setAsked(null)
@@ -54,7 +63,7 @@ export function RequirementsPage() {
           <h1>Requirements</h1>
         </div>
         <div className={clsx(layout.acts, styles.acts)}>
-          <ExportFiles disabled={total === 0} />
+          <ExportFiles disabled={total === 0 && q === ''} />
           {mayChange && (
             <>
               <button type="button" className={buttons.btn} onClick={() => setAsked('add')}>
@@ -98,7 +107,7 @@ export function RequirementsPage() {
           )
         }
       >
-        {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setAsked : undefined} /> : <Nothing narrowed={Boolean(q || status)} />}
+        {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setAsked : undefined} /> : <Nothing narrowed={Boolean(q || status)} onAll={() => void navigate({ search: {}, replace: true })} />}
       </Card>
       <Files mayChange={mayChange} />
       <Modal opened={asked === 'import'} onClose={done} title="Import requirements" centered lockScroll={false}>
@@ -118,8 +127,16 @@ function said(items: readonly RequirementRow[], total: number): string {
   return [some, ...(parts.length ? [parts.join(', ')] : [])].join(': ')
 }
 
-function Nothing({ narrowed }: { narrowed: boolean }) {
-  if (narrowed) return <p className="sec">No requirement matches.</p>
+function Nothing({ narrowed, onAll }: { narrowed: boolean; onAll: () => void }) {
+  if (narrowed)
+    return (
+      <p className="sec">
+        No requirement matches.{' '}
+        <button type="button" className={buttons.linkbtn} onClick={onAll}>
+          Show all requirements
+        </button>
+      </p>
+    )
   return (
     <p className="sec">
       There are no requirements yet. Import a CSV or ReqIF file, or name them in the criterion of a campaign; see{' '}

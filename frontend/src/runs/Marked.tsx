@@ -7,7 +7,7 @@ import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { cancelRuns, editRun } from '../api/calls'
 import { putRun } from '../api/events'
-import { useBarred } from '../api/may'
+import { useBarredFromOwn } from '../api/may'
 import { isLive } from '../api/queries'
 import type { RunSummary } from '../client'
 import { MOST, olderFirst } from '../compare/search'
@@ -28,7 +28,7 @@ export function Marked({ runs, onClear }: MarkedProps) {
   const live = runs.filter((run) => isLive(run) && run.state !== 'cancelling')
   const pinned = runs.every((run) => run.pinned)
   const cache = useQueryClient()
-  const barred = useBarred('engineer')
+  const barred = useBarredFromOwn('engineer', ...runs)
   const pin = useMutation({
     mutationFn: () => Promise.all(runs.map((run) => editRun(run.id, { pinned: !pinned }))),
     onSettled: () => cache.invalidateQueries({ queryKey: ['runs'] }),
@@ -71,7 +71,7 @@ function CancelMarked({ live }: { live: RunSummary[] }) {
     },
   })
   // It stays, no narrower, when the last of the selected runs ends: removal must not take its place under the pointer.
-  const barred = useBarred('engineer')
+  const barred = useBarredFromOwn('engineer', ...live)
   const [offered, setOffered] = useState(false)
   if (live.length > 0 && !offered) setOffered(true)
   if (!offered) return null

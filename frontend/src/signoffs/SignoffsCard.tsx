@@ -4,8 +4,8 @@ import { Modal } from '@mantine/core'
 import { IconCircleCheck, IconCircleX, IconSignature } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
-import { hasRole } from '../api/access'
 import { getSignoffs, signOff, withdrawSignoff } from '../api/calls'
+import { useBarredFromOwn } from '../api/may'
 import { sessionQuery } from '../api/queries'
 import type { RunDetail, Signoff, Signoffs } from '../client'
 import { moment } from '../format/time'
@@ -20,7 +20,7 @@ const signoffsQuery = (run: string) =>
 
 export function SignoffsCard({ run, className }: { run: RunDetail; className: string | undefined }) {
   const { data, error } = useQuery(signoffsQuery(run.id))
-  const may = hasRole(useQuery(sessionQuery).data?.role, 'reviewer')
+  const barred = data?.barred ? `${data.barred.charAt(0).toUpperCase()}${data.barred.slice(1)}.` : undefined
   const [signing, setSigning] = useState(false)
   const [leaving, setLeaving] = useState<Signoff | null>(null)
   return (
@@ -39,10 +39,10 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
       className={className}
       id="signoff"
       flush={(data?.items.length ?? 0) > 0}
+      footer={data?.can_sign && barred !== undefined && <p className="small mut">{barred}</p>}
       right={
-        data?.can_sign &&
-        may && (
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setSigning(true)}>
+        data?.can_sign && (
+          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setSigning(true)} disabled={barred !== undefined} title={barred}>
             <IconSignature className="i s" aria-hidden /> Sign off
           </button>
         )
@@ -58,7 +58,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
               : 'A removed run cannot be signed off.'}
         </p>
       )}
-      {data && data.items.length > 0 && <Rows items={data.items} onWithdraw={may ? setLeaving : undefined} />}
+      {data && data.items.length > 0 && <Rows items={data.items} onWithdraw={setLeaving} />}
       <Modal opened={signing} onClose={() => setSigning(false)} title={`Sign off ${run.id}`} centered lockScroll={false}>
         {signing && data && <SignForm run={run} seen={data} onDone={() => setSigning(false)} />}
       </Modal>
@@ -69,7 +69,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
   )
 }
 
-function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw?: (signoff: Signoff) => void }) {
+function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (signoff: Signoff) => void }) {
   return (
     <table className={tables.table}>
       <thead>
@@ -107,16 +107,21 @@ function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw?: (
               )}
             </td>
             <td className="num">
-              {item.withdrawn === null && onWithdraw && (
-                <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onWithdraw(item)}>
-                  Withdraw …
-                </button>
-              )}
+              {item.withdrawn === null && <Withdraw item={item} onAsk={() => onWithdraw(item)} />}
             </td>
           </tr>
         ))}
       </tbody>
     </table>
+  )
+}
+
+function Withdraw({ item, onAsk }: { item: Signoff; onAsk: () => void }) {
+  const barred = useBarredFromOwn('reviewer', { id: 'This sign-off', owner: item.user })
+  return (
+    <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={barred !== undefined} title={barred} onClick={onAsk}>
+      Withdraw …
+    </button>
   )
 }
 

@@ -5,6 +5,7 @@ import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/r
 import { Link, useParams } from '@tanstack/react-router'
 import { useState } from 'react'
 import { cancelSweep, getSweep } from '../api/calls'
+import { useBarredFromOwn } from '../api/may'
 import { ChartCard } from '../charts/ChartCard'
 import { type At, codesOf, sampleOf } from '../charts/outcomes'
 import { OutcomesChart } from '../charts/OutcomesChart'
@@ -143,10 +144,11 @@ function Cancel({ sweep }: { sweep: SweepDetail }) {
       setSure(false)
     },
   })
+  const barred = useBarredFromOwn('engineer', sweep)
   const active = activeOf(sweep.states)
   if (!sure)
     return (
-      <button type="button" className={buttons.btn} onClick={() => setSure(true)}>
+      <button type="button" className={buttons.btn} disabled={barred !== undefined} title={barred} onClick={() => setSure(true)}>
         <IconBan className="i s" aria-hidden /> Cancel
       </button>
     )

@@ -1,6 +1,7 @@
 // Saving the campaign as a draft: the button, the state, and the resolution of conflicts.
 import { clsx } from 'clsx'
 import { IconAlertTriangle, IconDeviceFloppy } from '@tabler/icons-react'
+import { useBarred } from '../../api/may'
 import type { Saved } from './useSaved'
 import buttons from '../../ui/buttons.module.css'
 import cards from '../../ui/cards.module.css'
@@ -18,20 +19,21 @@ interface DraftBarProps {
 }
 
 export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarProps) {
-  const { draft, saving, trouble, overtaken } = saved
+  const { draft, foreign, saving, trouble, overtaken } = saved
+  const barred = useBarred('engineer')
   // The error is shown below; the rejected promise needs no further handling.
   const save = (another = false) => void saved.save({ another }).catch(() => undefined)
-  const standing = dirty ? 'Unsaved changes.' : draft ? `All changes are saved in ${draft.id}.` : ''
+  const standing = draft && foreign ? `${draft.id} belongs to ${draft.owner}: saving makes a new draft.` : dirty ? 'Unsaved changes.' : draft ? `All changes are saved in ${draft.id}.` : ''
   return (
     <div className={styles.draftbar}>
-      <button type="button" className={clsx(buttons.btn, buttons.wide)} disabled={saving || (draft !== null && !dirty)} onClick={() => save()}>
+      <button type="button" className={clsx(buttons.btn, buttons.wide)} disabled={saving || barred !== undefined || (draft !== null && !dirty && !foreign)} title={barred} onClick={() => save()}>
         <IconDeviceFloppy className="i s" aria-hidden />
-        {saving ? 'Saving …' : draft ? `Save ${draft.id}` : 'Save as draft'}
+        {saving ? 'Saving …' : draft && !foreign ? `Save ${draft.id}` : foreign ? 'Save as a new draft' : 'Save as draft'}
       </button>
       <p className="small mut" aria-live="polite" data-testid="kept">
         {standing}
       </p>
-      {draft && (
+      {draft && !foreign && (
         <label className={clsx(layout.row, 'small')}>
           <input className={fields.check} type="checkbox" checked={remove} onChange={(event) => onRemove(event.target.checked)} />
           Delete {draft.id} once the run is queued

@@ -6,6 +6,7 @@ import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import { deleteDraft } from '../../api/calls'
+import { useBarredFromOwn } from '../../api/may'
 import { draftsQuery } from '../../api/queries'
 import type { DraftSummary } from '../../client'
 import { count } from '../../format/numbers'
@@ -80,15 +81,7 @@ export function Drafts() {
                 )}
               </td>
               <td className={layout.acts}>
-                <button
-                  type="button"
-                  className={buttons.iconbtn}
-                  aria-label={`Delete draft ${draft.id}`}
-                  title="Delete"
-                  onClick={() => setLeaving(draft)}
-                >
-                  <IconTrash className="i s" aria-hidden />
-                </button>
+                <Delete draft={draft} onAsk={() => setLeaving(draft)} />
               </td>
             </tr>
           ))}
@@ -104,6 +97,22 @@ export function Drafts() {
         {leaving && <Deletion draft={leaving} onDone={() => setLeaving(null)} />}
       </Modal>
     </Card>
+  )
+}
+
+function Delete({ draft, onAsk }: { draft: DraftSummary; onAsk: () => void }) {
+  const barred = useBarredFromOwn('engineer', draft)
+  return (
+    <button
+      type="button"
+      className={buttons.iconbtn}
+      aria-label={`Delete draft ${draft.id}`}
+      title={barred ?? 'Delete'}
+      disabled={barred !== undefined}
+      onClick={onAsk}
+    >
+      <IconTrash className="i s" aria-hidden />
+    </button>
   )
 }
 

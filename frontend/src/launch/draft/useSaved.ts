@@ -3,6 +3,7 @@
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
 import { createDraft, deleteDraft, saveDraft } from '../../api/calls'
+import { useBarred, useBarredFromOwn } from '../../api/may'
 import { Refusal } from '../../api/problems'
 import type { Draft } from '../../client'
 
@@ -14,6 +15,8 @@ export interface Content {
 
 export interface Saved {
   draft: Draft | null
+  /** Whether it belongs to another user: saving makes a new draft, and a started run leaves it as it is. */
+  foreign: boolean
   saving: boolean
   trouble: Error | null
   /** Another user has saved it in the meantime, or it is another user's: it can be kept as a new draft. */
@@ -28,10 +31,13 @@ export interface Saved {
 export function useSaved(first: Draft | null, content: () => Promise<Content>, onSaved: (draft: Draft) => void): Saved {
   const [draft, setDraft] = useState(first)
   const cache = useQueryClient()
+  const low = useBarred('engineer')
+  const barred = useBarredFromOwn('engineer', ...(draft ? [draft] : []))
+  const foreign = low === undefined && barred !== undefined
   const saving = useMutation({
     mutationFn: async ({ another }: { another?: boolean; leaving?: boolean }) => {
       const given = await content()
-      return draft && !another ? saveDraft(draft.id, { ...given, version: draft.version }) : createDraft(given)
+      return draft && !another && !foreign ? saveDraft(draft.id, { ...given, version: draft.version }) : createDraft(given)
     },
     onSuccess: (kept, { leaving }) => {
       setDraft(kept)
@@ -41,7 +47,7 @@ export function useSaved(first: Draft | null, content: () => Promise<Content>, o
     },
   })
   const launched = async (run: string, remove: boolean) => {
-    if (!draft) return
+    if (!draft || foreign) return
     if (remove) await deleteDraft(draft.id, draft.version)
     else await saveDraft(draft.id, { ...(await content()), version: draft.version, run })
     cache.removeQueries({ queryKey: ['draft', draft.id] })
@@ -49,6 +55,7 @@ export function useSaved(first: Draft | null, content: () => Promise<Content>, o
   }
   return {
     draft,
+    foreign,
     saving: saving.isPending,
     trouble: saving.error,
     overtaken: saving.error instanceof Refusal && [403, 409].includes(saving.error.status),

@@ -4,7 +4,7 @@ import { Modal, TagsInput } from '@mantine/core'
 import { IconPencil, IconPin, IconPinnedFilled } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
-import { useBarred } from '../../api/may'
+import { useBarredFromOwn } from '../../api/may'
 import { facetsQuery } from '../../api/queries'
 import type { RunDetail } from '../../client'
 import { useEdit } from './useEdit'
@@ -15,7 +15,7 @@ import layout from '../../ui/layout.module.css'
 export function EditRun({ run }: { run: RunDetail }) {
   const [open, setOpen] = useState(false)
   const edit = useEdit(run)
-  const barred = useBarred('engineer')
+  const barred = useBarredFromOwn('engineer', run)
   const pin = run.pinned ? 'Unpin this run' : 'Pin this run to the top of the list'
   return (
     <span className="nw">

@@ -8,7 +8,7 @@ import { useState } from 'react'
 import { asCampaign, hasScenario } from '../../api/campaign'
 import { cancelRun } from '../../api/calls'
 import { putRun, useStreamStatus } from '../../api/events'
-import { useBarred } from '../../api/may'
+import { useBarredFromOwn } from '../../api/may'
 import { isLive } from '../../api/queries'
 import type { RunDetail } from '../../client'
 import { ExportMenu } from '../../exports/ExportMenu'
@@ -152,7 +152,7 @@ function Cancel({ run }: { run: RunDetail }) {
   })
   const cancelling = run.state === 'cancelling'
   const over = !isLive(run)
-  const barred = useBarred('engineer')
+  const barred = useBarredFromOwn('engineer', run)
   return (
     <>
       <button

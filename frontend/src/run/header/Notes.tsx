@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import { IconPencil } from '@tabler/icons-react'
 import { lazy, Suspense, useState } from 'react'
-import { useBarred } from '../../api/may'
+import { useBarredFromOwn } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
 import { Card } from '../../ui/Card'
@@ -23,7 +23,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string | 
   const [read, setRead] = useState('')
   const edit = useEdit(run, () => setDraft(null))
   const writing = draft !== null
-  const barred = useBarred('engineer')
+  const barred = useBarredFromOwn('engineer', run)
   const begin = () => {
     setRead(run.notes)
     setDraft(run.notes)

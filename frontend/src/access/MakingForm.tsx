@@ -1,0 +1,89 @@
+// The form that makes an invitation or a token: a name, what it may do, and the foot with what was refused.
+import { clsx } from 'clsx'
+import type { ReactNode } from 'react'
+import styles from './access.module.css'
+import buttons from '../ui/buttons.module.css'
+import fields from '../ui/fields.module.css'
+import layout from '../ui/layout.module.css'
+
+interface MakingFormProps {
+  name: string
+  onName: (name: string) => void
+  hint: ReactNode
+  /** The choices below the name. */
+  children: ReactNode
+  error: Error | null
+  pending: boolean
+  /** The words of the button, also while the answer is awaited. */
+  make: string
+  making: string
+  onMake: () => void
+  onDone: () => void
+}
+
+export function MakingForm({ name, onName, hint, children, error, pending, make, making, onMake, onDone }: MakingFormProps) {
+  return (
+    <form
+      className={fields.panel}
+      onSubmit={(event) => {
+        event.preventDefault()
+        onMake()
+      }}
+    >
+      <label className={fields.lbl}>
+        Name
+        <input
+          className={fields.inp}
+          value={name}
+          maxLength={64}
+          required
+          autoCapitalize="none"
+          autoComplete="off"
+          spellCheck={false}
+          data-autofocus
+          onChange={(event) => onName(event.target.value)}
+        />
+        <span className={clsx('small mut', styles.hint)}>{hint}</span>
+      </label>
+      {children}
+      {error && (
+        <p className={fields.ferr} role="alert">
+          {error.message}
+        </p>
+      )}
+      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
+          Not now
+        </button>
+        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={pending || !name.trim()}>
+          {pending ? making : make}
+        </button>
+      </div>
+    </form>
+  )
+}
+
+interface MayChoiceProps<T extends string> {
+  /** Role or scope. */
+  title: string
+  value: T
+  options: readonly { value: T; may: string }[]
+  onChange: (value: T) => void
+}
+
+/** One of several, each with what it permits. */
+export function MayChoice<T extends string>({ title, value, options, onChange }: MayChoiceProps<T>) {
+  return (
+    <fieldset className={styles.choices}>
+      <legend className={fields.lbl}>{title}</legend>
+      {options.map((option) => (
+        <label key={option.value} className={fields.pickrow}>
+          <input type="radio" name={title.toLowerCase()} checked={option.value === value} onChange={() => onChange(option.value)} />
+          <span>
+            <b>{option.value}</b> <span className="sec">{option.may}</span>
+          </span>
+        </label>
+      ))}
+    </fieldset>
+  )
+}

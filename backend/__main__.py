@@ -44,6 +44,7 @@ class Server(uvicorn.Server):
         app = self.config.app
         assert isinstance(app, FastAPI)
         app.state.hub.stop()
+        app.state.frames.stop()
         app.state.viewers.stop()
         app.state.previews.stop()
         await super().shutdown(sockets)

@@ -14,6 +14,7 @@ from backend import openapi
 from backend.access import routes
 from backend.access.auth import Guard
 from backend.access.door import Door
+from backend.access.frames import Frames
 from backend.access.rates import Rates
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
@@ -79,7 +80,7 @@ def create(settings: Settings) -> FastAPI:
     """The application on the settings' database, which must be migrated (`backend.db.engine.migrate`)."""
     engine = connect(settings.database_url)
     hub, live, door, capacities = Hub(engine), Live(), Door(settings.database_url, settings.cookie), Capacities()
-    rates = Rates(settings.max_requests_per_minute)
+    rates, frames = Rates(settings.max_requests_per_minute), Frames()
     hosts = Hosts(settings.host, settings.public_url, settings.allowed_hosts, settings.allow_any_host)
 
     @asynccontextmanager
@@ -106,7 +107,7 @@ def create(settings: Settings) -> FastAPI:
             Middleware(Edge, hosts=hosts),
             Middleware(Heads),
             Middleware(GZipMiddleware, compresslevel=PACKED, exclude_content_types=UNPACKED),
-            Middleware(Guard, door=door, most=settings.max_requests_each, rates=rates),
+            Middleware(Guard, door=door, most=settings.max_requests_each, rates=rates, frames=frames),
             Middleware(Preferred),
         ],
         openapi_url=f"{API}/openapi.json",
@@ -119,7 +120,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.webhooks = Dispatcher(engine, settings.hooks, settings.public_url)
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
-    app.state.failures = Failures(door)
+    app.state.frames, app.state.failures = frames, Failures(door)
     app.state.lockout, app.state.hashing = Lockout(), Hashing()
     app.state.provider = provider.of(settings.provider)
     app.state.provider_noted = Noted()

@@ -1,7 +1,8 @@
 """Authorisation: who may call which route, by the table in `backend.access.rules`.
 
 A browser authenticates with a session cookie, a program with `Authorization: Bearer` (RFC 6750). Writes and sockets
-must come from the service's own pages (RFC 6454, Origin). Start reading at `Guard`.
+must come from the service's own pages (RFC 6454, Origin), or from a frame of theirs by its key, see
+`backend.access.frames`. Start reading at `Guard`.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from backend.access.door import Door
+from backend.access.frames import OPAQUE, Frames, Voucher
 from backend.access.rates import Rates
 from backend.access.routes import Rules
 from backend.access.rules import Rule
@@ -32,9 +34,9 @@ SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 class Guard:
     """Accepts authenticated clients, as `request.state.visitor`; refuses all others."""
 
-    def __init__(self, app: ASGIApp, door: Door, most: int, rates: Rates) -> None:
+    def __init__(self, app: ASGIApp, door: Door, most: int, rates: Rates, frames: Frames) -> None:
         """most: maximum number of concurrent requests and sockets of one session or token."""
-        self.app, self.door, self.most, self.rates = app, door, most, rates
+        self.app, self.door, self.most, self.rates, self.frames = app, door, most, rates, frames
         self._open: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -47,10 +49,12 @@ class Guard:
             foreign = _foreign(scope, connection.headers, required=False)
             await (self.app if foreign is None else respond(foreign, scope["path"]))(scope, receive, send)
             return
-        visitor = await self.door.visitor(connection)
-        refused = _refusal(scope, connection.headers, visitor, rule) or self._too_many(visitor)
+        voucher = await self._voucher(scope, connection, rule)
+        visitor = await self.door.visitor(connection) if voucher is None else voucher.visitor
+        refused = _refusal(scope, connection.headers, visitor, rule, voucher is None) or self._too_many(visitor)
         if refused is None and visitor is not None:
-            scope.setdefault("state", {}).update(visitor=visitor, still=partial(self.door.still, connection))
+            still = partial(self.door.still, connection) if voucher is None else voucher.still
+            scope.setdefault("state", {}).update(visitor=visitor, still=still)
             await self._let_in(visitor, scope, receive, send)
         elif refused is None:
             raise AssertionError("a request without a visitor is refused")
@@ -64,6 +68,12 @@ class Guard:
             await page(scope, receive, send)
         else:
             await respond(refused, scope["path"])(scope, receive, send)
+
+    async def _voucher(self, scope: Scope, connection: HTTPConnection, rule: Rule) -> Voucher | None:
+        """Who opened the frame that this comes from; never by a cookie, which such a frame does not send."""
+        if not rule.framed or connection.headers.get("origin") != OPAQUE:
+            return None
+        return await self.frames.voucher(scope["path"])
 
     async def _let_in(self, visitor: Visitor, scope: Scope, receive: Receive, send: Send) -> None:
         self._open[visitor.key] += 1
@@ -90,7 +100,10 @@ class Guard:
         return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": "1"})
 
 
-def _refusal(scope: Scope, headers: Headers, visitor: Visitor | None, rule: Rule) -> RefusedError | None:
+def _refusal(
+    scope: Scope, headers: Headers, visitor: Visitor | None, rule: Rule, foreign: bool = True
+) -> RefusedError | None:
+    """foreign: whether the header Origin counts."""
     if visitor is None:
         detail = (
             "sign in first: open the login link that `clearance serve` printed (a new one: `clearance login-link`), "
@@ -99,7 +112,7 @@ def _refusal(scope: Scope, headers: Headers, visitor: Visitor | None, rule: Rule
         )
         return RefusedError(401, "not-signed-in", detail, headers={"WWW-Authenticate": 'Bearer realm="clearance"'})
     required = scope["type"] == "websocket" and visitor.via != "token"
-    return _foreign(scope, headers, required) or forbidden(visitor, rule)
+    return (_foreign(scope, headers, required) if foreign else None) or forbidden(visitor, rule)
 
 
 def forbidden(visitor: Visitor, rule: Rule) -> RefusedError | None:

@@ -16,6 +16,7 @@ def table(rules: Mapping[Key, Rule] = RULES) -> str:
     for method, path in sorted(rules, key=lambda key: (key[1], _METHODS.index(key[0]))):
         rule = rules[method, path]
         role = "no sign-in" if rule.role is None else f"{rule.role}, own only" if rule.own else rule.role
+        role += ", or the key of a view" if rule.framed else ""
         scope = "" if rule.role is None else "no token" if rule.scope is None else rule.scope
         lines.append(f"| `{path}` | {method} | {role} | {scope} |")
     return "\n".join(lines) + "\n"

@@ -23,10 +23,13 @@ class Rule(NamedTuple):
     """None: browser sessions only."""
     own: bool = False
     """Whether users other than administrators may call it for what is their own only."""
+    framed: bool = False
+    """Whether a sandboxed frame may open it, too, with a key for which a page of such a user waits."""
 
 
 OPEN = Rule(None, None)
 READ = Rule("viewer", "read")
+FRAMED = Rule("viewer", "read", framed=True)
 RUN = Rule("engineer", "run")
 CHANGE_OWN = Rule("engineer", "run", own=True)
 SIGN = Rule("reviewer", "admin")
@@ -83,7 +86,7 @@ RULES: dict[tuple[Method, str], Rule] = {
     ("POST", "/invite"): OPEN,
     **{("GET", path): READ for path in _READING},
     ("SOCKET", "/view/{run}"): READ,
-    ("SOCKET", "/view/{run}/{rest:path}"): READ,
+    ("SOCKET", "/view/{run}/{rest:path}"): FRAMED,
     # They change nothing but the 3D view that the caller has open, or nothing at all.
     ("PATCH", f"{_RUN}/views/{{key}}"): READ,
     ("POST", f"{API}/campaigns/check"): READ,

@@ -149,6 +149,8 @@ class BoundedSocketProtocol(WebSocketsSansIOProtocol):
     async def send(self, message: ASGISendEvent) -> None:
         if message["type"] == "websocket.close":  # this call waits until the client reads
             self.loop.call_later(self.patience, self.transport.abort)
+        if message["type"].startswith("websocket.http.response") and self.conn.eof_sent:
+            return  # uvicorn has refused the handshake itself, because the service stops
         await super().send(message)
         if message["type"] == "websocket.http.response.body":  # answered: uvicorn would log it as an error
             self.handshake_complete = True

@@ -20,8 +20,9 @@ from backend.http.root import at
 from backend.runs.service import number
 from backend.scenes.base import setting
 from backend.scenes.base.address import Address, parse
-from backend.scenes.base.dress import dressed, font_file
+from backend.scenes.base.dress import dressed, font_inside
 from backend.scenes.base.progress import Progress
+from backend.scenes.base.sandbox import OPENED_ALONE, SANDBOX
 from backend.scenes.control.relay import relay
 from backend.scenes.control.viewers import Handle, Viewers
 from backend.scenes.viewer.viewer import Viewer
@@ -29,14 +30,21 @@ from backend.scenes.viewer.viewer import Viewer
 router = APIRouter(include_in_schema=False)
 
 _MOVES = """<script>
-if(location.hash.length>1)history.replaceState(null,'',location.pathname+location.hash.slice(1));
-if(self===top&&!location.pathname.includes('/key/')){
-const q=new URLSearchParams(),[,run,...rest]=location.pathname.slice('ROOT'.length).split('/').filter(Boolean);
+{const shown=location.pathname+location.hash.slice(1),say=Worker.prototype.postMessage;
+Worker.prototype.postMessage=function(told,...more){
+if(told?.type==='set_server')told={...told,server:location.origin.replace('http','ws')+shown};
+return say.call(this,told,...more)};
+const made=URL.createObjectURL;
+URL.createObjectURL=one=>one.type==='text/javascript;charset=utf-8'?'':made.call(URL,one);
+if(self===top&&!shown.includes('/key/')){
+const q=new URLSearchParams(),[,run,...rest]=shown.slice('ROOT'.length).split('/').filter(Boolean);
 for(let i=0;i<rest.length;i++){const w=rest[i];
 if(w==='t'||w==='cam')q.set(w,rest[++i]);else if(w!=='dark'&&w!=='light')q.set('finding',w)}
-location.replace('ROOT/runs/'+run+'/flight'+(q.size?'?'+q:''))}
+location.replace('ROOT/runs/'+run+'/flight'+(q.size?'?'+q:''))}}
 </script>"""
-"""The fragment (after #) is moved into the path: a browser caches one page for all views of a run.
+"""The fragment (after #) is moved into the path of the socket: a browser caches one page for all views of a run. viser
+derives the socket's address from the page's, which a sandboxed page may not change; its worker is told another.
+Chromium starts no module worker from a blob of a sandboxed page: without an address of one, viser takes a `data:` one.
 
 A view in its own window, without a key, has no controls: it redirects to the page that has them.
 """
@@ -48,9 +56,9 @@ unfolded and which no command folds.
 """
 _PAGE = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
 CSP = (
-    "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob: data:; worker-src blob: data:; "
-    "style-src 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self' data: blob:; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+    "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval' blob: data:; worker-src blob: data:; "
+    "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; connect-src 'self' data: blob:; "
+    f"base-uri 'none'; form-action 'none'; frame-ancestors 'self'; {SANDBOX}"
 )
 """viser's page is one self-contained file. `connect-src 'self'` prevents it from connecting to another server."""
 
@@ -79,6 +87,7 @@ def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response
     plain, compressed = _page(request.app.state.settings.pages, at(""))
     packed = "gzip" in request.headers.get("accept-encoding", "")
     headers = {"Content-Security-Policy": CSP, "Vary": "Accept-Encoding", "Cache-Control": "private, max-age=3600"}
+    headers |= OPENED_ALONE
     if packed:
         headers["Content-Encoding"] = "gzip"
     return Response(compressed if packed else plain, media_type="text/html", headers=headers)
@@ -86,10 +95,9 @@ def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response
 
 @cache
 def _page(pages: Path, root: str) -> tuple[bytes, bytes]:
-    """The page, plain and compressed, with the font of the built pages."""
-    font = font_file(pages)
+    """The page, plain and compressed, with the font of the built pages, which it may not load."""
     page = _PAGE.replace("<head>", f"<head>{_MOVES.replace('ROOT', root)}{_DOCKS}", 1)
-    plain = dressed(page, f"{root}/assets/{font.name}" if font else None).encode()
+    plain = dressed(page, font_inside(pages)).encode()
     return plain, gzip.compress(plain, 9)
 
 
@@ -101,7 +109,7 @@ async def view_socket_at_root(socket: WebSocket, run: str) -> None:
 
 @router.websocket("/view/{run}/{rest:path}")
 async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
-    """The socket of one viewer; the guard has checked the visitor and the Origin."""
+    """The socket of one viewer; the guard has checked the visitor and the Origin, or the key of a page's frame."""
     if socket.query_params or not socket.scope["subprotocols"]:
         await socket.close(REFUSED)
         return

@@ -18,6 +18,7 @@ from starlette.routing import Match, Mount
 
 from backend.access import routes
 from backend.access.auth import Guard
+from backend.access.frames import Frames
 from backend.access.printed import table
 from backend.access.rates import Rates
 from backend.access.routes import MissingRuleError, Rules
@@ -56,7 +57,7 @@ def desk(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Itera
     async def inside(scope: Any, receive: Any, send: Any) -> None:
         scope["entered"].append(scope["path"])
 
-    yield Desk(app, Guard(inside, app.state.door, 100, Rates(10**7)), visitors)
+    yield Desk(app, Guard(inside, app.state.door, 100, Rates(10**7), Frames()), visitors)
     asyncio.run(app.state.door.close())
     app.state.engine.dispose()
 

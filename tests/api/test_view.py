@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import httpx
@@ -11,7 +12,10 @@ import pytest
 import websockets
 from websockets.sync.client import connect
 
+from backend.access.frames import Voucher
+from backend.db.access import Visitor
 from backend.db.records import StagePlan
+from backend.scenes.control import relay
 from tests.api.answers import problem
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work, finish
@@ -173,6 +177,78 @@ def test_a_socket_without_cookie_or_from_elsewhere_is_refused(
     assert still.app.state.viewers.open == 0
 
 
+async def _always() -> bool:
+    return True
+
+
+FRAMED: dict[str, str | None] = {"Cookie": None, "Origin": "null"}
+"""How a sandboxed frame opens its socket."""
+
+
+def test_a_frame_without_a_session_is_let_in_while_its_page_waits(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(relay, "CHECK_PERIOD", 0.05)
+    run = submit(client)
+    finish(service)
+    path = f"/view/{run}/F1/light/key/{KEY}/"
+    with ThreadPoolExecutor(1) as page:
+        asking = page.submit(steer, client, run, time=2.0)
+        with viewing(service, client, path, **FRAMED) as connection:  # whoever comes first waits for the other
+            frames_until(connection, b"/flights/nominal/path")
+            assert asking.result()["time"] == 2.0
+            assert steer(client, run)["time"] == 2.0
+            # A second one with the same key, for which no page waits any more, and a session that ends.
+            service.app.state.frames._patience = 0.0
+            with pytest.raises(websockets.InvalidStatus), viewing(service, client, path, **FRAMED):
+                pass
+            assert client.delete("/api/v1/session").status_code == 204
+            with pytest.raises(websockets.ConnectionClosed) as closed:
+                frames_until(connection, b"never")
+            assert closed.value.rcvd is not None
+            assert closed.value.rcvd.code == 1008
+    until(lambda: service.app.state.viewers.open == 0)
+    assert service.app.state.frames._vouchers == {}
+
+
+@pytest.mark.parametrize(
+    ("path", "changes"),
+    [
+        (f"/view/RUN/key/{KEY[:-1]}0/", {}),
+        (f"/view/RUN/key/{KEY}/key/{KEY[:-1]}0/", {}),
+        (f"/view/R-0099/key/{KEY}/", {}),
+        ("/view/RUN/", {}),
+        (f"/view/RUN/key/{KEY}/", {"Origin": "http://evil.example"}),
+        (f"/view/RUN/key/{KEY}/", {"Origin": None}),
+        (f"/api/v1/runs/RUN/views/{KEY}", {}),
+    ],
+    ids=str,
+)
+def test_a_frame_is_let_in_by_the_key_of_its_page_alone(
+    still: Service,
+    guest: httpx.Client,
+    queued: str,
+    path: str,
+    changes: dict[str, str | None],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(still.app.state.frames, "_patience", 0.0)
+    expected = still.app.state.frames.expected
+    with expected(queued, KEY, Voucher(Visitor("local", "link", role="admin"), _always)):
+        with (
+            pytest.raises(websockets.InvalidStatus) as refused,
+            viewing(still, guest, path.replace("RUN", queued), **FRAMED | changes),
+        ):
+            pass
+        assert refused.value.response.status_code == 403
+        with still.visitor(origin="null") as frame:
+            assert frame.get(f"/api/v1/runs/{queued}/views/{KEY}").status_code == 401
+            assert frame.patch(f"/api/v1/runs/{queued}/views/{KEY}", json={}).status_code == 401
+        # Not even with a cookie, which no browser sends from there.
+        sent = {"origin": "null"}
+        assert guest.patch(f"/api/v1/runs/{queued}/views/{KEY}", json={}, headers=sent).status_code == 403
+
+
 @pytest.mark.parametrize("path", ["/view/R-0001/?websocket=x", "/view/R-0099/", "/view/x/", "/view/R-0001/purple"])
 def test_a_socket_to_nowhere_is_refused(still: Service, guest: httpx.Client, queued: str, path: str) -> None:
     with pytest.raises(websockets.InvalidStatus), viewing(still, guest, path):
@@ -224,7 +300,16 @@ def test_visers_own_port_refuses_other_clients(service: Service, client: httpx.C
             assert closed.value.rcvd.code == 1008
 
 
-def test_the_service_stops_at_once_with_streams_and_viewers_open(service: Service, client: httpx.Client) -> None:
+def framed_and_refused(service: Service, client: httpx.Client, path: str) -> int:
+    """The status with which a frame's socket is refused."""
+    with pytest.raises(websockets.InvalidStatus) as refused, viewing(service, client, path, **FRAMED):
+        pass
+    return refused.value.response.status_code
+
+
+def test_the_service_stops_at_once_with_streams_and_viewers_open(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
     run = submit(client)
     finish(service)
     with (
@@ -232,7 +317,11 @@ def test_the_service_stops_at_once_with_streams_and_viewers_open(service: Servic
         socket.create_connection(("127.0.0.1", service.port)) as raw,
     ):
         frames_until(connection, b"/flights/nominal/path")
+        monkeypatch.setattr(service.app.state.frames, "_patience", 1e9)
+        waiting = ThreadPoolExecutor(1).submit(framed_and_refused, service, client, f"/view/{run}/key/{KEY}/")
+        until(lambda: service.app.state.frames.waiting == 1)
         cookie = f"{service.settings.cookie}={client.cookies[service.settings.cookie]}"
         raw.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: localhost\r\nCookie: {cookie}\r\n\r\n".encode())
         until(lambda: service.app.state.hub.listeners == 1)
         service.stop()  # within its patience, although nobody closes them
+    assert waiting.result(10) >= 400

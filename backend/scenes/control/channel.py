@@ -1,6 +1,7 @@
 """GET and PATCH /runs/{run}/views/{key}: the page that opened a 3D view controls it.
 
-The page generates the key, which is part of the view's address; it is valid only for the view's visitor and run.
+The page generates the key, which is part of the view's address; it is valid only for the view's visitor and run. While
+a request waits for a view, the key lets its frame in (`backend.access.frames`).
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request
 
 from backend.access.auth import CurrentVisitor
+from backend.access.frames import Voucher
 from backend.db.engine import read
 from backend.http.deps import capacities
 from backend.http.errors import RefusedError, problems
@@ -48,7 +50,7 @@ async def get_view(
     if since is not None:
         await request.app.state.viewers.news(handle, since, wait)
         wait = 0.0
-    return await _answer(request, handle, wait, Viewer.state)
+    return await _answer(request, run, handle, wait, Viewer.state)
 
 
 @router.patch(
@@ -59,12 +61,18 @@ async def change_view(
     run: RunName, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
 ) -> ViewState:
     """Change an open 3D view, `/view/RUN/key/KEY/`; returns its new state."""
-    return await _answer(request, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(given))
+    return await _answer(request, run, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(given))
 
 
-async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[Viewer], ViewState]) -> ViewState:
+async def _answer(
+    request: Request, run: str, handle: Handle, wait: float, ask: Callable[[Viewer], ViewState]
+) -> ViewState:
     viewers: Viewers = request.app.state.viewers
-    viewer = await viewers.find(handle, wait)
+    viewer = await viewers.find(handle, 0.0)
+    if viewer is None and wait > 0:
+        # The frame has no session: it is let in while the page waits for it.
+        with request.app.state.frames.expected(run, handle.key, Voucher(handle.visitor, request.state.still)):
+            viewer = await viewers.find(handle, wait)
     if viewer is None:
         await capacities(request).views.run(lambda: _without_view(request, handle))
         full = viewers.full(handle.visitor)

@@ -30,6 +30,7 @@ from backend.scenes.base import setting
 from backend.scenes.base.address import parse
 from backend.scenes.base.dress import font_inside
 from backend.scenes.base.flight import from_stored
+from backend.scenes.base.sandbox import OPENED_ALONE, SANDBOX
 from backend.scenes.recordings.caption import POLICY, Caption, with_caption
 from backend.scenes.recordings.recording import Cast, record
 from campaigns.version import VERSION
@@ -167,5 +168,8 @@ async def answer(request: Request, run: str, flight: str, dark: bool, how: str) 
     if isinstance(found, str):
         return Response(status_code=304, headers=headers)
     headers["Content-Security-Policy"] = f"{POLICY}; frame-ancestors 'self'"
+    if how == "inline":
+        headers["Content-Security-Policy"] += f"; {SANDBOX}"
+        headers |= OPENED_ALONE
     headers["Content-Disposition"] = f'{how}; filename="{found.file}"'
     return Response(found.html, media_type="text/html", headers=headers)

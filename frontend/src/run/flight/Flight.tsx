@@ -75,6 +75,7 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
               src={known.address}
               title={named}
               allow="fullscreen"
+              sandbox="allow-scripts"
               inert={known.phase !== 'open'}
             />
           )}

@@ -94,6 +94,8 @@ class _Serving:
         try:
             code = self._wait_until_healthy(begun)
             if code is None:
+                for sentence in self.backend.warnings():
+                    _say(f"Warning: {sentence}")
                 self._welcome()
                 while self.wakeup.signal is None:
                     self.servers.watch(1.0)

@@ -29,6 +29,10 @@ LARGEST_LOG = 10_000_000
 """A log larger than this is replaced by a new one; the previous log is kept as .old.log [bytes]."""
 
 
+WARNING = "WARNING clearance: "
+"""How a line of the service's log begins that concerns who started it."""
+
+
 @dataclass
 class Server:
     """One process to run: its name, command and log."""
@@ -44,6 +48,8 @@ class Server:
     due: float = 0.0
     status: int | None = None
     """Exit status of its last end, as in `Popen.returncode`."""
+    begins: int = 0
+    """Where the log of this start begins [bytes]."""
 
     def start(self) -> None:
         """Start it; its output is appended to its log."""
@@ -51,6 +57,7 @@ class Server:
         if self.log.exists() and self.log.stat().st_size > LARGEST_LOG:
             self.log.replace(self.log.with_suffix(".old.log"))
         with self.log.open("ab") as output:
+            self.begins = output.tell()
             self.process = lifeline.start(
                 self.command,
                 when_orphaned=self.when_orphaned,
@@ -60,6 +67,14 @@ class Server:
                 stderr=subprocess.STDOUT,
             )
         self.started = time.monotonic()
+
+    def warnings(self) -> list[str]:
+        """What it has warned of since this start, such as a misspelled setting."""
+        try:
+            lines = self.log.read_bytes()[self.begins :].decode(errors="replace").splitlines()
+        except OSError:
+            return []
+        return [line.removeprefix(WARNING) for line in lines if line.startswith(WARNING)]
 
     def tail(self, lines: int = 8) -> str:
         """The last lines of its log."""

@@ -33,9 +33,6 @@ PATIENCE = 300.0
 UNUSABLE_SETTINGS = 2
 """The exit code of a backend that cannot start because of its settings."""
 
-WARNING = "WARNING clearance: "
-"""How a line of the service's log begins that its operator must read."""
-
 _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 """Connects directly to this machine, ignoring any proxy of the environment."""
 
@@ -82,14 +79,12 @@ class _Serving:
             Server(f"worker {i}", [*python, "worker.cli", "worker"], here, logs / f"worker-{i}.log", signal.SIGTERM)
             for i in range(1, number + 1)
         ]
-        self.logged = 0
         self.servers = Servers([self.backend, *self.workers], wakeup, _say)
 
     def run(self) -> int:
         """Returns the exit code."""
         _say(f"Starting the service and {_counted(len(self.workers), 'worker')} on {self.data} ...")
         begun = time.time()
-        self.logged = self.backend.log.stat().st_size if self.backend.log.exists() else 0  # earlier starts append to it
         self.servers.start()
         try:
             code = self._wait_until_healthy(begun)
@@ -139,9 +134,6 @@ class _Serving:
                 code = access.create_login_code(connection)
         finally:
             engine.dispose()
-        for line in self.backend.log.read_bytes()[self.logged :].decode(errors="replace").splitlines():
-            if line.startswith(WARNING):  # such as a misspelled setting; only the service knows the settings
-                _say(f"Warning: {line.removeprefix(WARNING)}")
         link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"
         _say("\nClearance is ready. Open this link to log in (it can be used once, within 15 minutes):\n")
         _say(f"    {link}\n")

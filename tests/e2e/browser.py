@@ -43,6 +43,9 @@ ARGUMENTS = (
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
+    # A sandboxed frame in a process of its own is a separate target of clicks, which meet it where it was before the
+    # page scrolled. What a sandbox refuses, it refuses in one process as well.
+    "--disable-site-isolation-trials",
     "--no-first-run",
 )
 

@@ -10,6 +10,7 @@ import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
 import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
+import styles from './exports.module.css'
 
 /** The address of a recording, and its flight. */
 const RECORDING = /\/exports\/flight-(\w+)\.html$/
@@ -39,7 +40,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
             Export
           </button>
         </Menu.Target>
-        <Menu.Dropdown>
+        <Menu.Dropdown className={styles.files}>
           <Menu.Label>Files of {run.id}</Menu.Label>
           {pdf && <PdfEntry file={pdf} />}
           {files?.map((file) => (

@@ -133,7 +133,7 @@ def interactive(page: Page, address: str, run: str) -> None:
     page.get_by_role("img", name=re.compile("^Convergence")).locator("canvas").wait_for()
     page.get_by_role("img", name=re.compile("^Histogram")).wait_for()
     page.locator("tr[data-finding=nominal]").click()
-    page.get_by_role("heading", name="Nominal flight").wait_for()
+    page.get_by_role("heading", name="Nominal case").wait_for()
 
 
 class Visitor:

@@ -130,12 +130,7 @@ async def export_traces(run: RunName, request: Request, engine: Engine) -> Respo
 async def export_mat(run: RunName, request: Request, engine: Engine) -> Response:
     """The stored flights as a MAT-file of version 5, one structure each."""
     run_id = number(run)
-
-    def made() -> bytes:
-        with read(engine) as reader:
-            return service.traces_mat(reader, run_id)
-
-    return await _answer(request, engine, run_id, "traces.mat", made)
+    return await _answer(request, engine, run_id, "traces.mat", lambda: _read(engine, run_id, service.traces_mat))
 
 
 @router.get(
@@ -146,12 +141,7 @@ async def export_mat(run: RunName, request: Request, engine: Engine) -> Response
 async def export_picture(run: RunName, request: Request, engine: Engine) -> Response:
     """The worst case and the nominal flight from above as a picture, for a summary of a CI job."""
     run_id = number(run)
-
-    def made() -> bytes:
-        with read(engine) as reader:
-            return picture.picture(reader, run_id)
-
-    return await _answer(request, engine, run_id, "worst-case.svg", made)
+    return await _answer(request, engine, run_id, "worst-case.svg", lambda: _read(engine, run_id, picture.picture))
 
 
 @router.get(
@@ -162,12 +152,7 @@ async def export_picture(run: RunName, request: Request, engine: Engine) -> Resp
 async def export_mcap(run: RunName, request: Request, engine: Engine) -> Response:
     """The stored flights as MCAP with messages of Foxglove: pose, trajectory, scene, separation."""
     run_id = number(run)
-
-    def made() -> bytes:
-        with read(engine) as reader:
-            return mcap.traces_mcap(reader, run_id)
-
-    return await _answer(request, engine, run_id, "traces.mcap", made)
+    return await _answer(request, engine, run_id, "traces.mcap", lambda: _read(engine, run_id, mcap.traces_mcap))
 
 
 @router.get(
@@ -232,6 +217,11 @@ async def export_flight(run: RunName, flight: FlightName, request: Request, them
     The file works offline. It shows its parameters at full precision, the criterion, the digests and the versions.
     """
     return await recordings.answer(request, run, flight, dark=theme == "dark", how="attachment")
+
+
+def _read(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], bytes]) -> bytes:
+    with read(engine) as reader:
+        return made(reader, run_id)
 
 
 def _whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], Iterator[bytes]]) -> bytes:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import hashlib
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
+from campaigns.documented import Documented
 from campaigns.documents import JsonObject
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 
@@ -32,8 +33,8 @@ _LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=_no_default)
 """Omitted if not declared, so that older snapshots keep their digests."""
 
 
-class Entry(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+class Entry(Documented):
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class ParameterEntry(Entry):

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import ConfigDict
+
+from campaigns.documented import Documented
 
 Colour = Literal[
     "direct", "hybrid", "sqp", "ga", "global", "mc", "racing", "portfolio", "cma", "de", "mlsl", "nlopt", "direct-l",
@@ -24,8 +26,8 @@ Marker = Literal[
 Way = Literal["still", "goal", "waypoints", "orbit", "heading", "velocity"]
 
 
-class Look(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+class Look(Documented):
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class MethodLook(Look):

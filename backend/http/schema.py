@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar
 
 from fastapi import Path
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator
 
 from campaigns.asked.reading import LONGEST_KEY, Place, field
+from campaigns.documented import Documented
 
 LARGEST_WHOLE = 2**63 - 1
 """The largest integer that a database can store."""
@@ -21,10 +22,10 @@ Number32 = Annotated[int, Field(ge=1, le=2**31 - 2)]
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 
 
-class Schema(BaseModel):
+class Schema(Documented):
     """No unknown fields; the docstring of a field is its description in the OpenAPI document."""
 
-    model_config = ConfigDict(extra="forbid", use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid")
 
 
 class Given(Schema):

@@ -215,7 +215,7 @@ class _Plain(yaml.composer.Composer, yaml.constructor.SafeConstructor):
 class _Loader(_Plain, yaml.SafeLoader):
     """Reads with PyYAML's own scanner and parser."""
 
-    yaml_implicit_resolvers: JsonObject = {}  # noqa: RUF012
+    yaml_implicit_resolvers: JsonObject = {}
 
 
 _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -224,7 +224,7 @@ _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 class _Fast(_Plain, _Parser):  # type: ignore[misc]
     """Reads with libyaml's scanner and parser, if available; composed in Python, so that values are counted."""
 
-    yaml_implicit_resolvers: JsonObject = {}  # noqa: RUF012
+    yaml_implicit_resolvers: JsonObject = {}
 
     def __init__(self, text: str) -> None:
         _Parser.__init__(self, text)
@@ -237,7 +237,7 @@ _Writer: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 class Dumper(_Writer):  # type: ignore[misc]
     """Quotes text that `parse` would read as another type; with libyaml if available, in a third of the time."""
 
-    yaml_implicit_resolvers: JsonObject = {}  # noqa: RUF012
+    yaml_implicit_resolvers: JsonObject = {}
 
 
 _CORE = (

@@ -3,7 +3,6 @@
 The policy is part of a campaign's file; the baseline is added at launch. Start reading at `Baseline`.
 """
 
-# ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
 from __future__ import annotations
 
 from typing import Annotated, Literal

@@ -1,6 +1,5 @@
 """The closed loop of a campaign: components, start, goal, obstacles, horizon and step. Start reading at `Scenario`."""
 
-# ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
 from __future__ import annotations
 
 from typing import Annotated, Literal

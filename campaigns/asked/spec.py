@@ -5,7 +5,6 @@ Only checks that do not depend on the components are made here (types, sizes, in
 validates units and the components' own limits against the catalogue. Start reading at `Campaign`.
 """
 
-# ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
 from __future__ import annotations
 
 import hashlib

@@ -1,6 +1,5 @@
 """The stages of a campaign with their settings: budgets, options, tolerances."""
 
-# ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
 from __future__ import annotations
 
 from typing import Annotated

@@ -8,16 +8,15 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 from typing_extensions import TypeAliasType
 
 from campaigns.claims.numbers import Format, written
+from campaigns.documented import Documented
 
 
-class _Span(BaseModel):
-    model_config = ConfigDict(
-        frozen=True, extra="ignore", use_attribute_docstrings=True, json_schema_serialization_defaults_required=True
-    )
+class _Span(Documented):
+    model_config = ConfigDict(frozen=True, extra="ignore", json_schema_serialization_defaults_required=True)
 
 
 class Text(_Span):

@@ -9,12 +9,13 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, computed_field, model_validator
+from pydantic import ConfigDict, Field, computed_field, model_validator
 
 from campaigns.claims import spans
 from campaigns.claims.codes import StopCode
 from campaigns.claims.say import say
 from campaigns.claims.spans import Said
+from campaigns.documented import Documented
 
 Values = dict[str, float]
 """Values by the path of a parameter, in its unit."""
@@ -48,12 +49,10 @@ Worse = Literal["low", "high"]
 """Which end of a criterion is sought."""
 
 
-class Result(BaseModel):
+class Result(Documented):
     """Part of what a run found. Unknown fields are ignored: a later version may have stored more."""
 
-    model_config = ConfigDict(
-        frozen=True, extra="ignore", use_attribute_docstrings=True, json_schema_serialization_defaults_required=True
-    )
+    model_config = ConfigDict(frozen=True, extra="ignore", json_schema_serialization_defaults_required=True)
 
 
 class StageResult(Result):

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 from typing import Any, Self
 
-from pydantic import AwareDatetime, BaseModel, ConfigDict, ModelWrapValidatorHandler, PrivateAttr, model_validator
+from pydantic import AwareDatetime, ConfigDict, ModelWrapValidatorHandler, PrivateAttr, model_validator
 
+from campaigns.documented import Documented
 from campaigns.documents import JsonObject
 from campaigns.runs import ACTIVE
 
 
-class Answer(BaseModel):
+class Answer(Documented):
     """A part of an answer; `document` is its JSON as it was sent."""
 
-    model_config = ConfigDict(frozen=True, extra="ignore", use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="ignore")
     _document: JsonObject = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="wrap")

@@ -27,20 +27,24 @@ LONG = (
 )
 """The browser beside compilations, which it disturbs less than another browser."""
 
-TOGETHER = "tests/e2e/"
-"""Its files share a browser and evaluated runs, and stay on one worker."""
+BROWSED = {
+    **dict.fromkeys(("browse", "isolation", "narrow", "reading_a_run", "simulator", "simulator_run"), "evaluated"),
+    "whole_way": "whole_way",
+}
+"""By file of tests/e2e, the group that stays on one worker, where it shares browsers; all others are one more group.
+Those that need the fixture `flown` are together. The groups take about as long as each other."""
 
 SPREAD = ("contract/test_compiled.py",)
 """Files whose tests share only a closed loop: tests whose ids start with the same number stay together."""
 
 
 class ByFile(LoadFileScheduling):
-    """Tests of a file share services and stay on one worker, in order, as those of `TOGETHER` do; some are spread."""
+    """Tests of a file share services and stay on one worker, in order, as those of a group in `BROWSED` do; some are spread."""
 
     def _split_scope(self, nodeid: str) -> str:
         file, _, rest = nodeid.partition("::")
-        if file.startswith(TOGETHER):
-            return TOGETHER
+        if browsed := re.fullmatch(r"tests/e2e/test_(\w+)\.py", file):
+            return f"tests/e2e: {BROWSED.get(browsed[1], 'others')}"
         number = re.search(r"\[(\d+)-", rest)
         return f"{file}[{number[1]}]" if number and file.endswith(SPREAD) else file
 

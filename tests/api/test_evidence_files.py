@@ -14,7 +14,6 @@ import httpx
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
 
 from backend.db import queue
@@ -73,6 +72,8 @@ def exported(client: httpx.Client, run: str, file: str) -> bytes:
 
 def messages(data: bytes) -> Messages:
     """By topic, as the library of MCAP reads them, every fiftieth checked against the schema in the file."""
+    from jsonschema import Draft202012Validator  # the formats that it loads cost every test process 3 s
+
     found: Messages = {}
     validators: dict[str, Any] = {}
     for schema, channel, message in make_reader(io.BytesIO(data), validate_crcs=True).iter_messages():

@@ -1,7 +1,7 @@
 """`make search-bench`: every method on every test function; prints tables, writes build/search.json and search.md.
 
 `python -m tests.bench.search_bench [METHOD ...]` takes only these, `--seeds N` other than 30 seeds, `--small-seeds N`
-other than 3 for the table of small budgets, `--processes N` as many processes; tables and files state what was asked.
+other than 15 for the table of small budgets, `--processes N` as many processes; tables and files state what was asked.
 Costly methods, which take milliseconds of their own per evaluation, are only in the table of small budgets.
 Success: a value within 1 % of the minimum, within 0.01 where that is 0, in 5,000 evaluations. Expected running time
 (Auger and Hansen, CEC 2005): all evaluations of all seeds, each counted to its success or end, over the successes.

@@ -39,7 +39,7 @@ SPREAD = ("contract/test_compiled.py",)
 
 
 class ByFile(LoadFileScheduling):
-    """Tests of a file share services and stay on one worker, in order, as those of a group of `BROWSED`; some are spread."""
+    """Tests of a file share services and stay on one worker, those of a group of `BROWSED` too. Some are spread."""
 
     def _split_scope(self, nodeid: str) -> str:
         file, _, rest = nodeid.partition("::")

@@ -12,20 +12,18 @@ from types import FunctionType
 from typing import Any
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 
 from worker.kernels.bind import Function, compile_loop, digest, filled, identity, rebuilt
 from worker.kernels.cache import cached_callback
 from worker.kernels.lanes import lane_ops
+from worker.kernels.linked import linked
 from worker.reference import closed, flight, stepper
 from worker.systems.closed_loop.assemble import LIBRARY, Loop
 
 STRICT: dict[str, str] = {"error_model": "numpy"}
 """A division by zero gives infinity, which ends the simulation as not finite."""
-
-BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **STRICT}
-"""Flags of functions that only compiled code calls."""
 
 PARTS = ("initial", "initial_guidance", "guide", "closed_loop", "envelope", "cost", "excluded")
 
@@ -92,11 +90,11 @@ def integrator() -> Any:
 
 
 def _separate(function: Function) -> Any:
-    return function if function.__name__ == flight.fly.__name__ else njit(**BARE)(function)
+    return function if function.__name__ == flight.fly.__name__ else linked(function, **STRICT)
 
 
 def _inlined(function: Function) -> Any:
-    return njit(forceinline=True, **BARE)(function)
+    return linked(function, forceinline=True, **STRICT)
 
 
 def _library(function: Any) -> Any:

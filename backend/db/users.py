@@ -53,6 +53,11 @@ def users(reader: sa.Connection) -> list[UserRow]:
     ]
 
 
+def hold(writer: sa.Connection, name: str) -> None:
+    """Let no other transaction change this user until the end of this one. SQLite has one writer anyway."""
+    writer.execute(sa.select(User.name).where(User.name == name).with_for_update())
+
+
 def role_of(reader: sa.Connection, name: str) -> Role | None:
     """The role of a user, also of a disabled one; None if there is no such user."""
     role = reader.scalar(sa.select(User.role).where(User.name == name))

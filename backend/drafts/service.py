@@ -82,7 +82,7 @@ def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visi
     """
     values: JsonObject = given.model_dump(exclude={"version", "run"})
     with engine.begin() as writer:
-        owner = writer.scalar(sa.select(Row.owner).where(Row.id == draft_id))
+        owner = writer.scalar(sa.select(Row.owner).where(Row.id == draft_id).with_for_update())
         require_own(writer, visitor, owner, name(draft_id))
         if match is not None:
             require_match(match, etag(one(writer, draft_id)), name(draft_id))
@@ -99,6 +99,7 @@ def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visit
     """Delete a draft; 404 if there is none, 403 if it is another user's, 409 if `version` is not the newest, 412 if
     `match` (If-Match) is not its tag."""
     with engine.begin() as writer:
+        writer.execute(sa.select(Row.id).where(Row.id == draft_id).with_for_update())
         draft = one(writer, draft_id)
         require_own(writer, visitor, draft.owner, draft.id)
         require_match(match, etag(draft), draft.id)

@@ -63,6 +63,7 @@ def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor, ma
         message = "give at least one of role and disabled"
         raise RefusedError(422, "invalid", message, [Problem("role", "", message)])
     with engine.begin() as writer:
+        users.hold(writer, name)
         user = one(writer, name)
         if name == visitor.account:
             detail = "you cannot change your own role or access: ask another administrator"
@@ -98,6 +99,7 @@ def change_settings(
 ) -> AccessSettings:
     """Store the settings; 412 if `match` (If-Match) is not their tag."""
     with engine.begin() as writer:
+        users.hold(writer, LOCAL)  # settings that were never changed have no row of their own
         before = users.own_sign_offs(writer)
         require_match(match, tag(before), "a setting")
         users.set_own_sign_offs(writer, own_sign_offs)

@@ -18,4 +18,5 @@ def pytest_collection_finish() -> None:
     """From here on only what the tests make is searched."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(10_000, 10, 10)
     gc.enable()

@@ -6,6 +6,9 @@ prints its own link.
 
 from __future__ import annotations
 
+from backend import heap  # first: loading is not interrupted
+
+# isort: split
 import asyncio
 import logging
 import os
@@ -26,6 +29,8 @@ from backend.middleware.connections import bounded, bounded_socket
 from backend.middleware.frame import headers
 from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
+
+heap.loaded()
 
 ADDRESS_FILE = "service-address"
 """File in the data folder with the service's address, for `clearance login-link`."""

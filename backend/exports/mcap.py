@@ -90,18 +90,17 @@ class _Output:
 
     def _moving(self, name: str, flight: Flight, head: TraceHead) -> None:
         start = float(flight.time[0])
-        chosen = thin.around(len(flight.time), PATH, 0)
-        path = [pose(*flight.at(float(flight.time[k]))[:2]) for k in chosen]
+        poses = [pose(*one) for one in zip(flight.position.tolist(), flight.attitudes.tolist(), strict=True)]
+        path = [poses[k] for k in thin.around(len(poses), PATH, 0)]
         self.send(f"/{name}/trajectory", "foxglove.PosesInFrame", start, stamped(start, poses=path))
         fixed = list(_fixed(name, flight, head))
         if fixed:
             self.send(f"/{name}/scene", "foxglove.SceneUpdate", start, {"deletions": [], "entities": fixed})
-        for time in map(float, flight.time):
-            position, turn, _ = flight.at(time)
-            self.send(f"/{name}/pose", "foxglove.PoseInFrame", time, stamped(time, pose=pose(position, turn)))
+        for row, time in enumerate(flight.time.tolist()):
+            self.send(f"/{name}/pose", "foxglove.PoseInFrame", time, stamped(time, pose=poses[row]))
             moving = [
-                entity(f"{name}/obstacle.{number}", time, flight.obstacle(number, time), _radius(head, number))
-                for number in flight.tracks
+                entity(f"{name}/obstacle.{number}", time, track[row], _radius(head, number))
+                for number, track in flight.tracks.items()
             ]
             if moving:
                 self.send(f"/{name}/obstacles", "foxglove.SceneUpdate", time, {"deletions": [], "entities": moving})

@@ -12,7 +12,8 @@ from backend import openapi
 
 JSON = "application/problem+json"
 
-DOCUMENT = json.loads(openapi.text())
+TEXT = openapi.text()
+DOCUMENT = json.loads(TEXT)
 
 OPERATIONS = [
     (path, method, operation) for path, methods in DOCUMENT["paths"].items() for method, operation in methods.items()

@@ -8,8 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from backend.previews.service import Previews
 from backend.scenes.live.live import Live
+from backend.scenes.recordings import recording
 from tests.api.conftest import Fresh, running
 from tests.api.finished import finish
 from tests.api.server import Service
@@ -19,9 +22,11 @@ from tests.api.submitting import submit
 
 @contextmanager
 def occupied(fresh: Fresh, folder: Path, **settings: Any) -> Iterator[Service]:
-    """The service; its runs are R-0001, which has ended, and R-0002, its draft D-0001."""
+    """The service; its runs are R-0001, which has ended, and R-0002, its draft D-0001. Its recordings have few frames:
+    what is in one is tested in test_recordings.py."""
     (folder / "dist" / "assets").mkdir(parents=True)  # a folder that is not there has no names that are too long
-    with running(fresh, folder, **settings) as service:
+    with pytest.MonkeyPatch.context() as patch, running(fresh, folder, **settings) as service:
+        patch.setattr(recording, "RATE", 0.2)
         service.publish()
         live = Live((sys.executable, "-c", STAND_IN), limit=10, first_limit=10)
         service.app.state.previews = Previews(live)

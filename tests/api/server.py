@@ -45,11 +45,20 @@ class _Hasty:
 uvicorn.server.asyncio = _Hasty()  # type: ignore[attr-defined]
 
 _ROUTERS: list[Any] = []
+_DOCUMENTS: list[Any] = []
 
 
 def share_routers(app: FastAPI) -> None:
     """Use the routers of the first application: FastAPI builds their routes at the first request, in 0.15 s, and they
-    contain nothing of an application."""
+    contain nothing of an application. So does the document that it derives from them, in 0.7 s."""
+    derived = app.openapi
+
+    def document() -> Any:
+        if not _DOCUMENTS:
+            _DOCUMENTS.append(derived())
+        return _DOCUMENTS[0]
+
+    app.openapi = document  # type: ignore[method-assign]
     mine = [at for at, route in enumerate(app.router.routes) if isinstance(route, routing._IncludedRouter)]
     if not _ROUTERS:
         _ROUTERS.extend(app.router.routes[at] for at in mine)

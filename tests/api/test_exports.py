@@ -17,6 +17,7 @@ from scipy.io import loadmat
 from backend.db.records import Columns
 from backend.db.tables import CatalogueDocument, Run
 from backend.exports import service as exports
+from backend.scenes.recordings import recording
 from tests.api.answers import problem
 from tests.api.conftest import running
 from tests.api.databases import BOTH, KINDS, Fresh
@@ -41,7 +42,8 @@ def table(answer: httpx.Response) -> list[list[str]]:
     return list(csv.reader(io.StringIO(answer.text, newline="")))
 
 
-def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str) -> None:
+def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording, "RATE", 0.2)  # few frames: what is in a recording is tested in test_recordings
     listed = client.get(f"/api/v1/runs/{run}/exports").json()
     kinds = (
         "safety-case-report.html",
@@ -114,11 +116,11 @@ def test_without_a_catalogue_parameters_are_fractions(service: Service, client: 
     assert [float(value) for value in first[-2:]] == search(0, 1).points[0].tolist()
 
 
-def test_a_hundred_thousand_evaluations_are_streamed(service: Service, client: httpx.Client) -> None:
+def test_fifty_thousand_evaluations_are_streamed(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     work = Work(service)
     work.store.begin(2)
-    block, total = 2048, 100_000
+    block, total = 2048, 50_000
     random = np.random.default_rng(1)
     for first in range(0, total, block):
         count = min(block, total - first)
@@ -132,9 +134,9 @@ def test_a_hundred_thousand_evaluations_are_streamed(service: Service, client: h
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert lines == total + 1
-    assert size > 6e6
+    assert size > 3e6
     assert most < 0.05 * size
-    assert peak < 8e6
+    assert peak < 5e6, peak
     with client.stream("GET", f"/api/v1/runs/{run}/exports/evaluations.csv") as answer:
         assert answer.headers.get("transfer-encoding") == "chunked"
         assert sum(piece.count(b"\n") for piece in answer.iter_bytes()) == total + 1

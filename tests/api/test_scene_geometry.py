@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -48,6 +50,19 @@ def test_an_attitude_with_z_down_is_the_matrix_of_flight_mechanics(rotation: tup
     wxyz = Axes("ned").attitude(np.array(rotation))
     for axis, column in zip(np.eye(3), drawn.T, strict=True):
         assert turned(wxyz, axis) == pytest.approx(column, abs=1e-12)
+
+
+@pytest.mark.parametrize("turns", [None, np.array([2.0, 0.0, 1.0, -1.0])])
+@pytest.mark.parametrize("frame", ["enu", "ned"])
+def test_attitudes_are_those_at_the_times_of_the_rows(frame: str, turns: np.ndarray | None) -> None:
+    flight: Any = flown(rows=9)
+    yaw = np.linspace(3.0, 3.5, 9) % (2 * np.pi) - np.where(np.arange(9) > 4, 2 * np.pi, 0.0)  # past half a turn
+    rotation = np.column_stack([np.linspace(-0.2, 0.3, 9), np.linspace(0.4, 0.1, 9), yaw])
+    given = None if turns is None else turns + np.linspace(0.0, 0.5, 9)[:, None]
+    flight = replace(flight, axes=axes_of(frame), rotation=rotation, turns=given)
+    expected = [flight.at(float(time))[1].tolist() for time in flight.time]
+    assert flight.attitudes.tolist() == expected
+    assert np.linalg.norm(flight.attitudes, axis=1) == pytest.approx(1.0)
 
 
 def test_positions_with_z_down_are_drawn_east_north_up() -> None:

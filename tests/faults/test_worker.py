@@ -6,6 +6,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -216,23 +217,6 @@ def test_a_locked_database_is_waited_for(bench: Bench) -> None:
     bench.whole(run_id)
 
 
-def test_killing_the_supervisor_leaves_no_child_and_another_worker_resumes(bench: Bench, tmp_path: Path) -> None:
-    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    migrate(url)
-    own = Bench(url, tmp_path)
-    run_id = own.submit("hang", tmp_path / "once")
-    with worker(url, tmp_path, "first", *OPTIONS) as first:
-        own.half_flown(run_id)
-        child = first.child()
-        kill(first.pid)
-        until(lambda: not alive(child), "the child is gone")
-    with worker(url, tmp_path, "second", *OPTIONS):
-        ended = own.ended(run_id)
-    assert (ended.state, ended.worker, ended.fence) == ("done", "second", 2)
-    own.whole(run_id)
-    own.engine.dispose()
-
-
 @pytest.mark.nightly  # by day tests/faults/test_serve.py: a worker that is stopped with its service gives its run back
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_stopped_worker_gives_its_run_back(bench: Bench, tmp_path: Path, number: signal.Signals) -> None:
@@ -254,24 +238,41 @@ def test_a_stopped_worker_gives_its_run_back(bench: Bench, tmp_path: Path, numbe
     own.engine.dispose()
 
 
-def test_a_worker_frozen_beyond_its_lease_can_write_nothing(bench: Bench, tmp_path: Path) -> None:
-    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    migrate(url)
-    own = Bench(url, tmp_path)
-    run_id = own.submit("hang", tmp_path / "once")
-    with worker(url, tmp_path, "frozen", *OPTIONS) as frozen, worker(url, tmp_path, "second", *OPTIONS) as second:
-        own.half_flown(run_id)
-        holder, other = (frozen, "second") if own.run(run_id).worker == "frozen" else (second, "frozen")
-        family = holder.family()
-        with own.engine.begin():  # meanwhile nobody else writes: one frozen in a transaction would hold its lock
-            kill(*family, number=signal.SIGSTOP)
-        ended = own.ended(run_id)
-        assert (ended.state, ended.worker, ended.fence) == ("done", other, 2)
+@contextmanager
+def frozen(bench: Bench, *family: int) -> Iterator[None]:
+    """These processes are stopped meanwhile; not in a transaction, whose lock they would hold."""
+    with bench.engine.begin():  # nobody else writes
+        kill(*family, number=signal.SIGSTOP)
+    try:
+        yield
+    finally:
         kill(*family, number=signal.SIGCONT)
-        until(lambda: "lost" in holder.text(), "the frozen worker notices")
-        assert own.run(run_id) == ended
-        own.whole(run_id)
-        again = own.submit("none")
-        assert own.ended(again).state == "done"
-        assert holder.process.poll() is None
-    own.engine.dispose()
+
+
+def test_of_two_workers_one_goes_on_where_the_other_was_frozen_or_killed(bench: Bench, tmp_path: Path) -> None:
+    """Frozen beyond its lease it can write nothing; killed it leaves no child."""
+
+    def half_flown_by_another(once: str) -> int:
+        with frozen(bench, *bench.worker.family()):
+            run_id = bench.submit("hang", tmp_path / once)
+            bench.half_flown(run_id)
+        assert bench.run(run_id).worker == "other"
+        return run_id
+
+    with worker(bench.url, tmp_path, "other", *OPTIONS) as other:
+        run_id = half_flown_by_another("frozen")
+        with frozen(bench, *other.family()):
+            ended = bench.ended(run_id)
+            assert (ended.state, ended.worker, ended.fence) == ("done", "shared", 2)
+        until(lambda: "lost" in other.text(), "the frozen worker notices")
+        assert bench.run(run_id) == ended
+        bench.whole(run_id)
+        assert other.process.poll() is None
+
+        run_id = half_flown_by_another("killed")
+        child = other.child()
+        kill(other.pid)
+        until(lambda: not alive(child), "the child is gone")
+        ended = bench.ended(run_id)
+    assert (ended.state, ended.worker, ended.fence) == ("done", "shared", 2)
+    bench.whole(run_id)

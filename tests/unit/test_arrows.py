@@ -320,7 +320,10 @@ RUNNER = "import worker.runs.runner; from worker.catalogue.installed import cata
 @pytest.mark.parametrize(
     "chain",
     [
-        [("import backend.app", {"numba", "worker"})],
+        [
+            ("import gc, backend.__main__; assert gc.isenabled() and gc.get_freeze_count() > 100_000", set()),
+            ("import backend.app", {"numba", "worker"}),
+        ],
         # One after the other in one process: what is absent after several is absent after each alone.
         [
             ("import clearance", {"numpy", "numba", "scipy", "pydantic", "sqlalchemy", "fastapi"}),

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +9,7 @@ import pytest
 
 from campaigns.asked.load import CampaignError, load_document
 from tests.simulators import package
+from worker.cli import invoke
 
 WAY = "CLEARANCE_SIMULATORS"
 GIVEN: dict[str, tuple[Any, str]] = {
@@ -51,14 +49,12 @@ def test_another_unknown_key_is_only_unknown() -> None:
     assert WAY not in str(refused.value)
 
 
-def test_the_command_line_prints_the_refusal(tmp_path: Path) -> None:
+def test_the_command_line_prints_the_refusal(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "campaign.yaml"
     file.write_text("name: x\nsimulator: {command: [sh, -c, 'touch made']}\n", encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "-m", "worker.cli", "run", str(file)],
-        capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60,
-        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
-    )  # fmt: skip
-    assert done.returncode == 3, done.stderr
-    assert WAY in done.stderr.replace("\n", " ")
+    monkeypatch.chdir(tmp_path)
+    assert invoke(["run", str(file)]) == 3
+    assert WAY in capsys.readouterr().err.replace("\n", " ")
     assert not (tmp_path / "made").exists()

@@ -10,7 +10,8 @@ import importlib
 import pkgutil
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 
 import sqlalchemy as sa
 import typer
@@ -41,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def invoke(arguments: Sequence[str]) -> int:
     """Run one command; returns its exit code. Commands end with `typer.Exit(code)` or an error named here."""
     try:
-        code = build()(list(arguments), prog_name="clearance", standalone_mode=False)
+        code = _command()(list(arguments), prog_name="clearance", standalone_mode=False)
     except (typer.TyperException, CampaignError, AccessError, WrongInputError, JitDisabledError) as error:
         _explain(error)
         return WRONG_INPUT
@@ -78,6 +79,13 @@ def build() -> typer.Typer:
         if not module.name.startswith("_"):
             _add(app, module.name)
     return app
+
+
+@cache
+def _command() -> Callable[..., object]:
+    """The same, read once: a program may run several commands."""
+    command: Callable[..., object] = typer.main.get_command(build())
+    return command
 
 
 def _add(app: typer.Typer, name: str) -> None:

@@ -35,7 +35,10 @@ class Axes:
         return points if self.frame == "enu" else points[..., (1, 0, 2)] * (1.0, 1.0, -1.0)
 
     def attitude(self, rotation: Floats) -> Floats:
-        """Quaternion w, x, y, z that rotates a mesh (x forward, y left, z up) to these roll, pitch, yaw [rad]."""
+        """Quaternion w, x, y, z that rotates a mesh (x forward, y left, z up) to these roll, pitch, yaw [rad].
+
+        One (3,), or one in every row (m, 3).
+        """
         return self.turned(quaternion(rotation))
 
     def turned(self, attitude: Floats) -> Floats:
@@ -56,22 +59,25 @@ def axes_of(frame: object) -> Axes:
 
 
 def quaternion(rotation: Floats) -> Floats:
-    """Quaternion of roll, pitch, yaw [rad]: about z, then the new y, then the new x."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rotation / 2), np.sin(rotation / 2)
-    return np.array(
+    """Quaternion (..., 4) of roll, pitch, yaw (..., 3) [rad]: about z, then the new y, then the new x."""
+    half = np.moveaxis(rotation / 2, -1, 0)
+    (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
+    return np.stack(
         [
             cr * cp * cy + sr * sp * sy,
             sr * cp * cy - cr * sp * sy,
             cr * sp * cy + sr * cp * sy,
             cr * cp * sy - sr * sp * cy,
-        ]
+        ],
+        axis=-1,
     )
 
 
 def product(a: Floats, b: Floats) -> Floats:
-    """Quaternion product: rotation b followed by rotation a."""
-    scalar = a[0] * b[0] - a[1:] @ b[1:]
-    return np.concatenate([[scalar], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])])
+    """Quaternion product (..., 4): rotation b followed by rotation a."""
+    (w, u), (z, v) = ((one[..., :1], one[..., 1:]) for one in (a, b))
+    scalar = w * z - np.sum(u * v, axis=-1, keepdims=True)
+    return np.concatenate([scalar, w * v + z * u + np.cross(u, v)], axis=-1)
 
 
 def along(direction: Floats) -> Floats:

@@ -50,7 +50,7 @@ def motion(scene: Scene, columns: Mapping[str, Floats], units: Mapping[str, str]
         known &= np.isfinite(attitude).all(axis=1)
     found = axes.drawn(position[known])
     tracks = {number: axes.drawn(track[known]) for number, track in placed.items()}
-    turns = _along(found) if attitude is None else np.array([axes.turned(turn) for turn in attitude[known]])
+    turns = _along(found) if attitude is None else axes.turned(attitude[known])
     return Motion(known, found, _steady(turns.reshape(-1, 4)), tracks)
 
 
@@ -110,7 +110,7 @@ def _attitude(
     if vehicle.angles is not None:
         degrees = any(isinstance(c, str) and units.get(c) == "deg" for c in vehicle.angles)
         angles = np.column_stack([_column(c, columns, count) for c in vehicle.angles])
-        return np.array([quaternion(np.radians(row) if degrees else row) for row in angles]).reshape(-1, 4)
+        return quaternion(np.radians(angles) if degrees else angles)
     return None
 
 

@@ -75,9 +75,18 @@ class Flight:
 
     def _turn(self, time: float) -> Floats:
         if self.turns is None:
-            return self.axes.attitude(_between(time, self.time, np.unwrap(self.rotation, axis=0)))
-        turn = _between(time, self.time, self.turns)
-        return turn / max(float(np.linalg.norm(turn)), 1e-12)
+            return self.axes.attitude(_between(time, self.time, self._angles))
+        return _unit(_between(time, self.time, self.turns))
+
+    @cached_property
+    def _angles(self) -> Floats:
+        """`rotation` without jumps of a full turn: interpolated for every frame and every message."""
+        return np.unwrap(self.rotation, axis=0)
+
+    @cached_property
+    def attitudes(self) -> Floats:
+        """(m, 4): the turn (w, x, y, z) at every row, as `at` gives it there."""
+        return self.axes.attitude(self._angles) if self.turns is None else _unit(self.turns)
 
     def obstacle(self, number: int, time: float) -> Floats:
         """The centre of a moving obstacle at a time."""
@@ -113,6 +122,12 @@ def rate(time: Floats, rows: Floats) -> Floats:
         return np.zeros_like(rows)
     slopes = np.gradient(rows[first], distinct, axis=0)
     found: Floats = slopes[np.searchsorted(distinct, time)]
+    return found
+
+
+def _unit(turns: Floats) -> Floats:
+    """Quaternions (..., 4) of length 1."""
+    found: Floats = turns / np.maximum(np.linalg.norm(turns, axis=-1, keepdims=True), 1e-12)
     return found
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -57,7 +58,7 @@ class View:
     width: float = ASPECT * HEIGHT
     height: float = HEIGHT
 
-    @property
+    @cached_property  # asked for every possible place of every label
     def axes(self) -> tuple[Floats, Floats, Floats]:
         """Unit vectors to the right, up, and ahead of the camera, which is never rolled."""
         ahead = _unit(self.target - self.eye)

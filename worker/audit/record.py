@@ -6,7 +6,6 @@ Data that the version of the run did not store are absent from the claims. Start
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,6 +20,7 @@ from campaigns.documents import JsonObject
 from campaigns.results import earlier
 from campaigns.results.base import FLAKY, OK
 from campaigns.runs import run_name
+from campaigns.unreadable import UNREADABLE
 
 MISSING: Any = "not stored by the version that made this run"
 
@@ -61,12 +61,12 @@ def of_folder(folder: Path) -> Record:
             kinds = [stage["kind"] for stage in claims["stages"]]
             results = earlier.brought_up(kinds, claims.get("results", []), claims["findings"])
             claims["results"], claims["findings"] = results
-        with np.load(folder / "evaluations.npz", allow_pickle=False) as arrays:
+        with (folder / "evaluations.npz").open("rb") as packed, np.load(packed, allow_pickle=False) as arrays:
             held = sorted(int(name[7:]) for name in arrays.files if name.startswith("status_"))
             stage = np.repeat(held, [len(arrays[f"status_{k}"]) for k in held])
             rows = [np.concatenate([arrays[f"{name}_{k}"] for k in held]) for name in ("points", "costs", "status")]
             again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in held)
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+    except UNREADABLE as error:
         raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
     campaign = load_file(folder / "campaign.json")
     return Record(

@@ -7,7 +7,6 @@ the other evidence of the verdict, for `clearance audit DIR`. Start reading at `
 from __future__ import annotations
 
 import json
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,7 @@ from campaigns.checked.snapshot import snapshot
 from campaigns.documents import JsonObject
 from campaigns.results.base import OK, STATUS
 from campaigns.stages.plan import plan
+from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions
 from worker.catalogue.installed import catalogue
 from worker.opening import opened
@@ -72,7 +72,7 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     stages = [StageRecord(StagePlan(*planned)) for planned in plan(campaign)]
     try:
         chunks = _read_bits(folder / ARRAYS, len(stages))
-    except (ValueError, KeyError, OSError, zipfile.BadZipFile) as error:
+    except UNREADABLE as error:
         raise CannotContinue(f"{ARRAYS} in it cannot be read ({error}); run the campaign again") from None
     return campaign, MemoryStore(stages=stages, chunks={at: [columns] for at, columns in chunks.items()})
 
@@ -81,7 +81,7 @@ def versions_of(folder: Path) -> Versions:
     """The versions behind the run of a folder, as far as stored there."""
     try:
         return Versions.of(json.loads((folder / "result.json").read_text(encoding="utf-8"))["versions"])
-    except (OSError, ValueError, KeyError, TypeError):
+    except UNREADABLE:
         return Versions()
 
 
@@ -99,7 +99,7 @@ def _write_bits(path: Path, store: MemoryStore) -> None:
 
 def _read_bits(path: Path, stages: int) -> dict[int, Columns]:
     found = {}
-    with np.load(path, allow_pickle=False) as arrays:
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
         for at in range(stages):
             if f"points_{at}" in arrays:
                 points, costs, status, seconds = (arrays[f"{n}_{at}"] for n in ("points", "costs", "status", "seconds"))

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from campaigns.unreadable import UNREADABLE
 from worker.cli import VIOLATED, WrongInputError
 from worker.cli._capsule import changed, described, is_capsule, of_capsule, sentence
 from worker.cli._where import DATA, Data, Database, loaded_run
@@ -88,7 +89,6 @@ def of_folder(folder: Path) -> Recorded:
     from campaigns.results.baseline import BaselineResult
     from campaigns.results.nominal import Measured
     from worker.cli._results import read_folder, versions_of
-    from worker.runs.continuation import CannotContinue
     from worker.runs.replay import Recorded
 
     try:
@@ -104,7 +104,7 @@ def of_folder(folder: Path) -> Recorded:
         baselines = {at: BaselineResult.model_validate(r) for at, r in enumerate(results) if at not in certified}
         measured = (results[0] or {}).get("measured") if results else None
         noise = None if measured is None else Measured.model_validate(measured)
-    except (CannotContinue, OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except UNREADABLE as error:
         raise WrongInputError(f"{folder} cannot be replayed: {error}") from None
     chunks = {at: columns for at in store.chunks if (columns := store.evaluations(at)) is not None}
     plans = [stage.plan for stage in store.stages]

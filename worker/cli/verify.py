@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from campaigns.unreadable import UNREADABLE
 from worker.cli import VIOLATED, WrongInputError
 from worker.cli._where import DATA, Data, Database, loaded_run
 
@@ -37,7 +38,7 @@ def verify(
 
     try:
         follows, sentences = program.verify(_read(run, data, database))
-    except (OSError, EOFError, LookupError, TypeError, ValueError, AttributeError) as error:
+    except UNREADABLE as error:
         why = f"{type(error).__name__}: {error}" if not isinstance(error, OSError | ValueError) else error
         raise WrongInputError(f"{run} is not a run with a verdict that can be read: {why}") from None
     for sentence in sentences:
@@ -59,7 +60,7 @@ def of_folder(folder: Path) -> Run:
     claims = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     if (folder / "evidence.json").exists():  # the results of the stages, and the components
         claims |= json.loads((folder / "evidence.json").read_text(encoding="utf-8"))
-    with np.load(folder / "evaluations.npz", allow_pickle=False) as held:
+    with (folder / "evaluations.npz").open("rb") as file, np.load(file, allow_pickle=False) as held:
         ks = sorted(int(name.removeprefix("status_")) for name in held.files if name.startswith("status_"))
         points, costs, status = (np.concatenate([held[f"{name}_{k}"] for k in ks]) for name in _COLUMNS)
         stage = np.repeat(ks, [len(held[f"status_{k}"]) for k in ks])

@@ -50,9 +50,9 @@ def estimate(
     earlier = _earlier(reader, campaign.digest)
     if earlier is not None:
         said = f"As in {earlier.run}, an earlier run of this campaign."
-        evaluations = sum(stage.evaluations for stage in earlier.stages)
-        time = _Time(*[earlier.seconds] * 3, f"The time is that of {earlier.run}.")
-        return _estimate(earlier.stages, Total(*[evaluations] * 3), said, time, earlier.run)
+        had, seconds_had = sum(stage.evaluations for stage in earlier.stages), earlier.seconds
+        time = _Time(seconds_had, seconds_had, seconds_had, f"The time is that of {earlier.run}.")
+        return _estimate(earlier.stages, Total(had, had, had), said, time, earlier.run)
     found = expected(campaign)
     stages, evaluations = [EstimatedStage(**stage._asdict()) for stage in found], total(found)
     if campaign.simulator is None:

@@ -119,7 +119,7 @@ def latest(campaign: Campaign) -> int:
 
 def _rounded(value: int, towards: Callable[[float], int]) -> int:
     """To three digits."""
-    step = 10 ** max(0, len(str(value)) - 3)
+    step: int = 10 ** max(0, len(str(value)) - 3)
     return towards(value / step) * step
 
 

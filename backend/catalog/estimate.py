@@ -11,17 +11,27 @@ from backend.catalog.schemas import Estimate, EstimatedStage
 from backend.db import costs
 from backend.db.tables import Run, Stage
 from campaigns import Campaign, Catalogue
+from campaigns.checked.expected import Total, boundary, expected, latest, total
 from campaigns.checked.expected import again as made_again
-from campaigns.checked.expected import boundary, expected
 from campaigns.runs import run_name
 from campaigns.stages.found import declared
 
 USUAL = (
-    "An estimate: searches may end earlier by their own rule, the number of worst cases is not known in advance, and "
-    "each that violates adds about {boundary} evaluations."
+    "A range: how soon searches end by their own rule, how many worst cases there are and how long the descents to "
+    "them take is known only afterwards. Each worst case that violates adds about {boundary} evaluations; validation "
+    "ends after {latest} at the latest. Excluded samples are drawn again, in addition."
 )
 UNKNOWN = "The time is known after a first run of the same components."
 SPEED = "The time is that of earlier runs with the same components."
+
+
+class _Time(NamedTuple):
+    """Of the usual number of evaluations, of the least and of the most [s], and where it is known from."""
+
+    usual: float | None
+    least: float | None
+    most: float | None
+    said: str
 
 
 class _Earlier(NamedTuple):
@@ -33,29 +43,49 @@ class _Earlier(NamedTuple):
 def estimate(
     reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, seconds: Callable[[int], float | None]
 ) -> Estimate:
-    """As in the newest run of the same campaign, or else as such runs usually are.
+    """As in the newest run of the same campaign, or else the range of such runs.
 
     seconds: the working time of so many evaluations of a scenario; None if unknown.
     """
     earlier = _earlier(reader, campaign.digest)
     if earlier is not None:
         said = f"As in {earlier.run}, an earlier run of this campaign."
-        return _estimate(earlier.stages, said, earlier.seconds, f"The time is that of {earlier.run}.", earlier.run)
-    stages = [EstimatedStage(**stage._asdict()) for stage in expected(campaign)]
-    total = sum(stage.evaluations for stage in stages)
+        had, seconds_had = sum(stage.evaluations for stage in earlier.stages), earlier.seconds
+        time = _Time(seconds_had, seconds_had, seconds_had, f"The time is that of {earlier.run}.")
+        return _estimate(earlier.stages, Total(had, had, had), said, time, earlier.run)
+    found = expected(campaign)
+    stages, evaluations = [EstimatedStage(**stage._asdict()) for stage in found], total(found)
     if campaign.simulator is None:
-        time = seconds(total)
-        time_said = UNKNOWN if time is None else SPEED
+        time = _scaled(seconds, evaluations)
     else:
-        time, time_said = _simulated(reader, campaign, catalogue, total)
-    return _estimate(stages, USUAL.format(boundary=boundary(campaign)), time, time_said, None)
+        time = _simulated(reader, campaign, catalogue, evaluations)
+    said = USUAL.format(boundary=boundary(campaign), latest=f"{latest(campaign):,}")
+    return _estimate(stages, evaluations, said, time, None)
 
 
-def _estimate(
-    stages: list[EstimatedStage], said: str, seconds: float | None, time_said: str, run: str | None
-) -> Estimate:
-    total = sum(stage.evaluations for stage in stages)
-    return Estimate(evaluations=total, stages=stages, said=said, seconds=seconds, time_said=time_said, run=run)
+def _estimate(stages: list[EstimatedStage], evaluations: Total, said: str, time: _Time, run: str | None) -> Estimate:
+    return Estimate(
+        evaluations=evaluations.usual,
+        least=evaluations.least,
+        most=evaluations.most,
+        near=evaluations.near,
+        stages=stages,
+        said=said,
+        seconds=time.usual,
+        seconds_least=time.least,
+        seconds_most=time.most,
+        time_said=time.said,
+        run=run,
+    )
+
+
+def _scaled(seconds: Callable[[int], float | None], evaluations: Total) -> _Time:
+    """At the speed of earlier runs, which is that of the usual number."""
+    time = seconds(evaluations.usual)
+    if time is None:
+        return _Time(None, None, None, UNKNOWN)
+    each = time / evaluations.usual
+    return _Time(time, each * evaluations.least, each * evaluations.most, SPEED)
 
 
 def _earlier(reader: sa.Connection, digest: str) -> _Earlier | None:
@@ -71,13 +101,14 @@ def _earlier(reader: sa.Connection, digest: str) -> _Earlier | None:
         found[row.kind] = found.get(row.kind, 0) + row.evaluations
         seconds += row.seconds
     titles = {kind: stage.title for kind, stage in declared().items()}
-    stages = [EstimatedStage(kind=k, title=titles.get(k, k.capitalize()), evaluations=n) for k, n in found.items()]
+    stages = [
+        EstimatedStage(kind=k, title=titles.get(k, k.capitalize()), evaluations=n, least=n, most=n)
+        for k, n in found.items()
+    ]
     return _Earlier(run_name(run_id), seconds, stages) if sum(found.values()) else None
 
 
-def _simulated(
-    reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, evaluations: int
-) -> tuple[float | None, str]:
+def _simulated(reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, evaluations: Total) -> _Time:
     """The time on as many slots as the newest measurement of the simulator had, which the sentence names."""
     assert campaign.simulator is not None
     name, calls = campaign.simulator.name, campaign.simulator.calls
@@ -85,6 +116,8 @@ def _simulated(
     cost = None if entry is None else costs.newest(reader, entry, catalogue.digests.get(name))[0]
     if cost is None:
         measure = f"`clearance check-simulator {name} --data DIR` measures an evaluation for the service of that folder"
-        return None, f"The time is not known yet: {measure}, and so does the first stage of a run."
+        return _Time(None, None, None, f"The time is not known yet: {measure}, and so does the first stage of a run.")
     again = made_again(campaign, cost.noisy, entry is not None and entry.step is not None)
-    return cost.lasts(evaluations, calls, again)
+    usual, said = cost.lasts(evaluations.usual, calls, again)
+    least, most = (cost.lasts(end, calls, again)[0] for end in (evaluations.least, evaluations.most))
+    return _Time(usual, least, most, said)

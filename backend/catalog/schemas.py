@@ -58,23 +58,35 @@ class CriterionOut(Schema):
 
 
 class EstimatedStage(Schema):
-    """The evaluations of all stages of one kind."""
+    """The evaluations of all stages of one kind: usually, at least and at most."""
 
     kind: str
     title: str
     evaluations: int
+    least: int
+    most: int
 
 
 class Estimate(Schema):
-    """What a run of a campaign usually takes; both numbers are estimates, whose origin the sentences state."""
+    """What a run of a campaign takes, as ranges; the sentences state where they are known from."""
 
     evaluations: int
-    """Of all stages, validation included."""
+    """Of all stages, validation included: the usual number."""
+    least: int
+    """The low end of its range, rounded; equal to `evaluations` if an earlier run gave the number."""
+    most: int
+    """The high end."""
+    near: bool
+    """Whether the usual number alone says enough: nothing in the range differs from it by more than a fifth."""
     stages: list[EstimatedStage]
     said: str
     """Where the number of evaluations is known from, a sentence."""
     seconds: float | None
-    """Working time [s]; None if nothing was measured yet."""
+    """Working time of the usual number [s]; None if nothing was measured yet."""
+    seconds_least: float | None
+    """That of the low end [s]."""
+    seconds_most: float | None
+    """That of the high end [s]."""
     time_said: str
     """Where the time is known from, or how to measure it, a sentence."""
     run: str | None

@@ -174,7 +174,7 @@ def _untraced(kind: Kind, traced: bool, found: bool) -> str | None:
 def _capsule(labels: list[str]) -> list[Kind]:
     """The capsule of the worst finding; those of the others have similar addresses."""
     worst = sorted(labels, key=lambda name: (len(name), name))[:1]
-    text = "Everything that evaluates it again without a service: `clearance replay FILE`; with its view in 3D"
+    text = "Everything that evaluates it again without a service (clearance replay FILE), and its view in 3D"
     return [Kind(f"capsule-{label}.zip", f"Finding {label}, capsule", text, "application/zip") for label in worst]
 
 

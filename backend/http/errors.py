@@ -92,6 +92,7 @@ KINDS = {
     "too-many-drafts": Kind(409, "The maximum number of drafts is reached."),
     "withdrawn": Kind(409, "The sign-off is already withdrawn."),
     "purged": Kind(410, "The run's results were permanently deleted."),
+    "view-failed": Kind(410, "The 3D view ended with an error of the service; open it again."),
     "changed": Kind(412, "It has changed since the entity tag of `If-Match` was read."),
     "too-large": Kind(413, "The body is too large."),
     "too-long": Kind(414, "Path and query are too long."),

@@ -133,11 +133,11 @@ def _wrong(text: str) -> str:
 
 
 def _links(passwords: bool) -> str:
-    first = "With the login link instead: open" if passwords else "Open"
+    first = "Or open" if passwords else "Open"
     forgotten = "<p>Forgotten your password? Ask an administrator for a new link.</p>" if passwords else ""
     return (
-        f"{forgotten}<p>{first} the login link that the service printed when it started: look at the output of "
-        "<code>clearance serve</code> or <code>make run</code>, or at the container's log.</p>"
+        f"{forgotten}<p>{first} the login link that the service printed when it started; it is in the output of "
+        "<code>clearance serve</code> or <code>make run</code>, or in the container's log.</p>"
         "<p>Each link is single-use, expires after 15 minutes, and is replaced by a newer link. "
         "For a new link run <code>clearance login-link</code>.</p>"
     )

@@ -1,12 +1,14 @@
-"""How many evaluations a run of a campaign usually has: searches that end by their own rule, and validation, included.
+"""How many evaluations a run of a campaign has: searches that end by their own rule, and validation, included.
 
-An estimate: how soon a search ends, and how many worst cases there are, is known only afterwards. The figures are
-measured on the library, see `tests/unit/test_expected.py`. Start reading at `expected`.
+How soon a search ends, how many worst cases there are and how long the descents to them take is known only afterwards:
+every number is a range with a usual value. The figures are measured on the campaigns of the library, see
+`tests/unit/test_expected.py`. Start reading at `expected`.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from campaigns.asked.proposal import Cost, lasting
@@ -16,14 +18,33 @@ from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 
 DIRECT_ITERATION, DIRECT_GROWTH = 5.6, 0.25
-"""Evaluations of an iteration of DIRECT per parameter, of 100 iterations, and how that grows with their number: 5.1 to
-6.5 in the library's runs with 100 or 200 iterations, 8.3 with 500."""
+"""Evaluations of an iteration of DIRECT per parameter, of 100 iterations, and how that grows with their number."""
+DIRECT_SPREAD = (0.55, 1.6)
+"""Least and largest multiple of these; 0.60 to 1.47 in the library's runs."""
 
 DESCENT = 10
-"""Gradients of one descent of SQP until it ends: 4 to 9 in most of the library's runs."""
+"""Gradients of one descent of SQP until it ends, usually."""
+DESCENT_LEAST, DESCENT_GROWTH = 1, 5.5
+"""The fewest; the most per square of the number of parameters: up to 9 with two, 83 with four, 77 with six."""
 
 SQP_STARTS = 8
 """Starts of SQP if the campaign gives none."""
+
+WHOLE = (
+    *("cma_es", "contrast_racing", "direct", "direct_l", "lq_cma_es", "mlsl", "monte_carlo", "nlopt_global", "nsga2"),
+    *("portfolio", "turbo"),
+)
+"""Methods that use their whole budget; DIRECT unless it has a number of iterations."""
+FEWEST = 10
+"""Evaluations per parameter, and as many more, after which others may end by their own rule: differential evolution
+after 60, GLOBAL after 200 and the genetic algorithm after 219 of 4000 on two parameters."""
+
+STARTS = (17, 40, 60)
+"""Points that validation descends from: the fewest, usually, the most."""
+STEPS = (2, 15, 25)
+"""Gradients of each of these descents; the most is their limit, which few parameters do not need (`_steps`)."""
+POLISH, POLL = (1, 5, 60), (5, 15, 100)
+"""Gradients that polish a worst case, and rounds of compass search after them."""
 
 SLICE = 42
 """Evaluations along each parameter through a worst case."""
@@ -37,25 +58,69 @@ RAY, RAYS = 34, 2
 
 
 class Expected(NamedTuple):
-    """The evaluations of all stages of one kind."""
+    """The evaluations of all stages of one kind: usually, at least and at most."""
 
     kind: str
     title: str
     evaluations: int
+    least: int
+    most: int
+
+
+class Total(NamedTuple):
+    """The evaluations of a run: at least, usually, at most."""
+
+    least: int
+    usual: int
+    most: int
+
+    @property
+    def near(self) -> bool:
+        """Whether the usual number alone says enough: nothing in the range differs from it by more than a fifth."""
+        return 0.8 * self.usual <= self.least and self.most <= 1.2 * self.usual
+
+    @property
+    def text(self) -> str:
+        """About 12,600 to 22,300."""
+        return f"About {self.usual:,}" if self.near else f"About {self.least:,} to {self.most:,}"
+
+
+Range = tuple[int, int, int]
+"""At least, usually, at most."""
 
 
 def expected(campaign: Campaign) -> list[Expected]:
-    """The usual number of evaluations of every kind of stage, in the order of a run."""
-    totals: dict[str, int] = {}
+    """The number of evaluations of every kind of stage, in the order of a run."""
+    totals: dict[str, Range] = {}
     searches = iter(campaign.stages.search)
     for stage in plan(campaign):
-        usual = stage.planned
+        found = (stage.planned, stage.planned, stage.planned)
         if stage.kind == "search":
-            usual = _search(campaign, next(searches))
+            found = _search(campaign, next(searches))
         elif stage.kind == "validate":
-            usual = _validate(campaign)
-        totals[stage.kind] = totals.get(stage.kind, 0) + usual
-    return [Expected(kind, declared()[kind].title, evaluations) for kind, evaluations in totals.items()]
+            found = _validate(campaign)
+        least, usual, most = totals.get(stage.kind, (0, 0, 0))
+        totals[stage.kind] = (least + found[0], usual + found[1], most + found[2])
+    return [Expected(kind, declared()[kind].title, usual, least, most) for kind, (least, usual, most) in totals.items()]
+
+
+def total(stages: list[Expected]) -> Total:
+    """The evaluations of all stages; the ends of the range are rounded outwards."""
+    least, most = sum(stage.least for stage in stages), sum(stage.most for stage in stages)
+    return Total(_rounded(least, math.floor), sum(stage.evaluations for stage in stages), _rounded(most, math.ceil))
+
+
+def latest(campaign: Campaign) -> int:
+    """The evaluations after which validation ends, whatever it finds."""
+    stages = campaign.stages
+    each = stages.validate_.neighbours + SLICE * len(campaign.uncertain) + boundary(campaign)
+    return stages.findings.evaluations + 2 * stages.findings.at_most * each
+
+
+def _rounded(value: int, towards: Callable[[float], int]) -> int:
+    """To three digits."""
+    step: int = 10 ** max(0, len(str(value)) - 3)
+    return towards(value / step) * step
 
 
 def again(campaign: Campaign, noisy: bool, halved: bool) -> int:
@@ -66,7 +131,7 @@ def again(campaign: Campaign, noisy: bool, halved: bool) -> int:
     """
     assert campaign.simulator is not None
     random = min(SPOT_CHECKS, sum(stage.evaluations for stage in expected(campaign)))
-    cases = 1 + round(_cases(campaign))
+    cases = 1 + round(_cases(campaign)[1])
     if not noisy and campaign.simulator.calls == 1:
         return random + cases * (1 + halved)
     called = (cases + len(campaign.stages.search)) * campaign.stages.validate_.repeats
@@ -86,27 +151,50 @@ def boundary(campaign: Campaign) -> int:
     return 1 + RAY * (RAYS * len(campaign.uncertain) + 1)
 
 
-def _search(campaign: Campaign, asked: Search) -> int:
-    dimension, usual = len(campaign.uncertain), asked.evaluations
-    if asked.method == "direct":
-        iterations = asked.options.get("iterations")
-        if isinstance(iterations, int | float) and iterations > 0:
-            stated = min(iterations, 1e9)
-            usual = round(DIRECT_ITERATION * dimension * stated * (stated / 100) ** DIRECT_GROWTH)
+def _search(campaign: Campaign, asked: Search) -> Range:
+    dimension = len(campaign.uncertain)
+    least, usual, most = asked.evaluations, asked.evaluations, asked.evaluations
+    iterations = asked.options.get("iterations")
+    if asked.method == "direct" and isinstance(iterations, int | float) and iterations > 0:
+        stated = min(iterations, 1e9)
+        usual = round(DIRECT_ITERATION * dimension * stated * (stated / 100) ** DIRECT_GROWTH)
+        least, most = (round(usual * end) for end in DIRECT_SPREAD)
     elif asked.method == "sqp":
         given = asked.options.get("starts", SQP_STARTS)
         starts = len(asked.starts) or (given if isinstance(given, int) else SQP_STARTS)
-        usual = DESCENT * (2 * dimension + 1) * starts
-    return max(1, min(asked.evaluations, usual))
+        gradient = (2 * dimension + 1) * starts
+        least, usual = DESCENT_LEAST * gradient, DESCENT * gradient
+        most = math.ceil(max(DESCENT, DESCENT_GROWTH * dimension**2) * gradient)
+    elif asked.method not in WHOLE:
+        least = FEWEST * (dimension + 1)
+        usual = round(math.sqrt(min(least, usual) * usual))
+    limit = asked.evaluations
+    return max(1, min(limit, least)), max(1, min(limit, usual)), max(1, min(limit, most))
 
 
-def _validate(campaign: Campaign) -> int:
-    """Descents from the candidates of all stages, then the neighbours of each worst case and slices through it."""
+def _validate(campaign: Campaign) -> Range:
+    """Descents from the candidates of all stages; then the polishing of each worst case, its neighbours, slices through
+    it and, if it violates, the distances to the boundary."""
     stages, dimension = campaign.stages, len(campaign.uncertain)
-    descents = min(stages.findings.evaluations, 400 + 22 * dimension**3)
-    return descents + round(_cases(campaign) * (stages.validate_.neighbours + SLICE * dimension))
+    around = stages.validate_.neighbours + SLICE * dimension
+
+    def within(end: int, cases: float, beyond: int) -> int:
+        """end: 0 at least, 1 usually, 2 at most."""
+        each = POLISH[end] * (2 * dimension + 1) + 2 * POLL[end] * dimension + around + beyond
+        descents = STARTS[end] * _steps(dimension)[end] * (dimension + 1)
+        return min(latest(campaign), round(descents + cases * each))
+
+    least, usual, most = _cases(campaign)
+    return within(0, least, 0), within(1, usual, 0), within(2, most, boundary(campaign))
 
 
-def _cases(campaign: Campaign) -> float:
-    """How many worst cases are usually kept."""
-    return min(float(campaign.stages.findings.at_most), 1.0 + len(campaign.uncertain) / 4)
+def _steps(dimension: int) -> tuple[float, float, float]:
+    """Gradients of a descent until it ends: a quadratic model needs some per parameter."""
+    least, usual, most = STEPS
+    return least, min(usual, 5 + 2 * dimension), min(most, 2 + 6 * dimension)
+
+
+def _cases(campaign: Campaign) -> tuple[float, float, float]:
+    """How many worst cases are kept: one, usually, as many as there are parameters."""
+    dimension, limit = len(campaign.uncertain), float(campaign.stages.findings.at_most)
+    return 1.0, min(limit, 1.0 + max(0.0, dimension - 4.0) / 2), min(limit, max(2.0, float(dimension)))

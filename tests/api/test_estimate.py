@@ -8,7 +8,7 @@ import httpx
 import pytest
 
 from campaigns.asked.load import load_document
-from campaigns.checked.expected import expected
+from campaigns.checked.expected import expected, total
 from tests.api.catalogue import campaign
 from tests.api.document import conforms
 from tests.api.finished import finish
@@ -27,12 +27,13 @@ def estimate(client: httpx.Client, document: dict[str, Any]) -> dict[str, Any]:
 
 def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: httpx.Client) -> None:
     told = estimate(client, campaign())
-    stages = {stage["kind"]: stage["evaluations"] for stage in told["stages"]}
-    assert stages == {stage.kind: stage.evaluations for stage in expected(load_document(campaign()))}
-    assert told["evaluations"] == sum(stages.values())
-    assert stages["validate"] > 0
-    assert (told["run"], told["seconds"]) == (None, None)
-    assert "each that violates adds about 171 evaluations" in told["said"]
+    found = expected(load_document(campaign()))
+    assert told["stages"] == [stage._asdict() for stage in found]
+    assert (told["least"], told["evaluations"], told["most"]) == total(found)
+    assert told["least"] < told["evaluations"] < told["most"]
+    assert not told["near"]
+    assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
+    assert "Each worst case that violates adds about 171 evaluations" in told["said"]
     assert told["time_said"] == "The time is known after a first run of the same components."
 
 
@@ -42,7 +43,9 @@ def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, cl
     found = client.get(f"/api/v1/runs/{name}").json()
     told = estimate(client, campaign())
     assert (told["run"], told["evaluations"]) == (name, found["evaluations"])
-    assert told["seconds"] > 0
+    assert told["least"] == told["most"] == found["evaluations"]
+    assert told["near"]
+    assert told["seconds"] == told["seconds_least"] == told["seconds_most"] > 0
     assert name in told["said"]
     assert name in told["time_said"]
     other = estimate(client, campaign(seed=7))
@@ -68,13 +71,14 @@ def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
         run(bare, "aa", measured(call_seconds=0.5, slots=2))
         told = estimate(client, package.campaign(seed=99))
         assert told["time_said"] == (
-            "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 203 more confirm results."
+            "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 202 more confirm results."
         )
-        assert told["seconds"] == 0.5 * (-(-told["evaluations"] // 2) + 102)
+        for seconds, evaluations in (("seconds", "evaluations"), ("seconds_least", "least"), ("seconds_most", "most")):
+            assert told[seconds] == 0.5 * (-(-told[evaluations] // 2) + 101)
         run(bare, "aa", measured(call_seconds=0.5, slots=2, start_seconds=4.0, recycle=8))
         slow = estimate(client, package.campaign(seed=98))
         assert slow["time_said"] == (
-            "One evaluation took 500 ms (R-0002, 15 evaluations) and the start of a process 4 s, on 2 slots; 203 more, "
+            "One evaluation took 500 ms (R-0002, 15 evaluations) and the start of a process 4 s, on 2 slots; 202 more, "
             "each in a fresh process, confirm results."
         )
-        assert slow["seconds"] == 4.0 + 1.0 * -(-told["evaluations"] // 2) + 4.5 * 102
+        assert slow["seconds"] == 4.0 + 1.0 * -(-told["evaluations"] // 2) + 4.5 * 101

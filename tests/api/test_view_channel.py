@@ -14,6 +14,8 @@ import viser
 
 from backend.scenes.drawing import following
 from backend.scenes.live.live import Live
+from backend.scenes.viewer.replay import Replay
+from backend.scenes.viewer.viewer import FAILED
 from tests.api.answers import problem
 from tests.api.finished import Work, finish, flight
 from tests.api.server import Service, until
@@ -248,6 +250,41 @@ def test_what_cannot_be_shown_is_refused(
         assert problem(guest.patch(address(flown), json=change), 422)["detail"]
         assert guest.get(address(flown)).json() == before
     problem(guest.patch(address(flown, "x"), json={}), 422)
+
+
+def test_a_view_whose_thread_fails_says_so_and_can_be_opened_again(
+    service: Service,
+    client: httpx.Client,
+    run: str,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    def fails(self: Replay, seconds: float) -> None:
+        raise RuntimeError("nothing can be drawn here")
+
+    path = f"/view/{run}/t/2/key/{KEY}"
+    with viewing(service, client, path) as connection:
+        Panel(connection, last="Show its flight")
+        known = steer(client, run)
+        monkeypatch.setattr(Replay, "advance", fails)
+        steer(client, run, playing=True)
+        known["revision"] += 1
+        said = problem(client.get(address(run), params={"since": known["revision"], "wait": 20}), 410)
+        assert said["detail"] == FAILED
+        frames_until(connection, FAILED.encode())
+        for refused in (client.get(address(run)), client.patch(address(run), json={"time": 1.0})):
+            assert problem(refused, 410)["detail"] == FAILED
+        logged = [r for r in caplog.records if "ended with an error" in r.message]
+        assert len(logged) == 1
+        assert run in logged[0].message
+        assert logged[0].exc_info is not None
+        assert "nothing can be drawn here" in str(logged[0].exc_info[1])
+        monkeypatch.undo()
+        with viewing(service, client, path):  # before the failed one is closed, as a page does
+            assert steer(client, run, time=3.0)["time"] == 3.0
+            assert steer(client, run, playing=True)["playing"]
+            until(lambda: client.get(address(run)).json()["time"] > 3.05)
+    until(lambda: service.app.state.viewers.open == 0)
 
 
 def test_of_two_views_with_one_key_the_newer_is_meant(service: Service, client: httpx.Client, run: str) -> None:

@@ -18,20 +18,23 @@ PATIENCE = "2"
 
 
 def announce(campaign: Campaign, data: Path, database: str) -> None:
-    """Print the usual number of evaluations and their time on standard error, and where the time is known from.
+    """Print the number of evaluations and their time on standard error, and where the time is known from.
 
     Nothing is printed of a scenario, or if the database has no measurement of the simulator as it is now.
     """
     from campaigns.asked.proposal import lasting
-    from campaigns.checked.expected import again, expected
+    from campaigns.checked.expected import again, expected, total
 
     found = _measured(campaign, data, database)
     if found is None or campaign.simulator is None:
         return
     cost, halved = found
-    evaluations = sum(stage.evaluations for stage in expected(campaign))
-    seconds, known = cost.lasts(evaluations, campaign.simulator.calls, again(campaign, cost.noisy, halved))
-    typer.echo(f"About {evaluations:,} evaluations, {lasting(seconds)}; an estimate. {known}", err=True)
+    evaluations, calls, more = total(expected(campaign)), campaign.simulator.calls, again(campaign, cost.noisy, halved)
+    seconds, known = cost.lasts(evaluations.usual, calls, more)
+    taken = lasting(seconds)
+    if not evaluations.near:
+        taken = " to ".join(lasting(cost.lasts(end, calls, more)[0]) for end in (evaluations.least, evaluations.most))
+    typer.echo(f"{evaluations.text} evaluations, {taken}; an estimate. {known}", err=True)
 
 
 def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool] | None:

@@ -23,7 +23,7 @@ from backend.scenes.base.address import KEY
 from backend.scenes.base.schemas import ViewChange, ViewState
 from backend.scenes.base.setting import UnknownParameterError, drawable
 from backend.scenes.control.viewers import Handle, Viewers
-from backend.scenes.viewer.viewer import GoneError, UnknownFlightError, Viewer
+from backend.scenes.viewer.viewer import FAILED, FailedError, GoneError, UnknownFlightError, Viewer
 from campaigns.runs import run_name
 
 router = APIRouter(tags=["views"])
@@ -41,7 +41,7 @@ Since = Annotated[
 ]
 
 
-@router.get("/runs/{run}/views/{key}", responses=problems("not-found", "no-such-view", "purged", "busy"))
+@router.get("/runs/{run}/views/{key}", responses=problems("not-found", "no-such-view", "purged", "view-failed", "busy"))
 async def get_view(
     run: RunName, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
 ) -> ViewState:
@@ -55,7 +55,9 @@ async def get_view(
 
 @router.patch(
     "/runs/{run}/views/{key}",
-    responses=problems("not-found", "no-such-view", "purged", "unknown-finding", "unknown-parameter", "busy"),
+    responses=problems(
+        "not-found", "no-such-view", "purged", "view-failed", "unknown-finding", "unknown-parameter", "busy"
+    ),
 )
 async def change_view(
     run: RunName, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
@@ -69,7 +71,7 @@ async def _answer(
 ) -> ViewState:
     viewers: Viewers = request.app.state.viewers
     viewer = await viewers.find(handle, 0.0)
-    if viewer is None and wait > 0:
+    if (viewer is None or viewer.failed) and wait > 0:  # one that failed is replaced by the frame that opens
         # The frame has no session: it is let in while the page waits for it.
         with request.app.state.frames.expected(run, handle.key, Voucher(handle.visitor, request.state.still)):
             viewer = await viewers.find(handle, wait)
@@ -79,6 +81,8 @@ async def _answer(
         raise _full(full) if full and not viewers.stopping.is_set() else _gone(handle)
     try:
         return await capacities(request).views.run(lambda: ask(viewer))
+    except FailedError:
+        raise RefusedError(410, "view-failed", FAILED) from None
     except GoneError:
         raise _gone(handle) from None
     except UnknownFlightError as error:

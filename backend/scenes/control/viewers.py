@@ -89,15 +89,18 @@ class Viewers:
         self._tell()
 
     async def find(self, handle: Handle, wait: float) -> Viewer | None:
-        """The viewer with this key, once it is open, within `wait` [s]."""
+        """The viewer with this key, once it is open, within `wait` [s]; with a `wait`, one that has not failed."""
         deadline = asyncio.get_running_loop().time() + wait
-        while (found := self.steered.get(handle)) is None and not self.stopping.is_set():
+        while not self.stopping.is_set():
+            found = self.steered.get(handle)
+            if found is not None and not (wait > 0 and found.failed):
+                return found
             remaining = deadline - asyncio.get_running_loop().time()
             try:
                 await asyncio.wait_for(self._changed.wait(), max(remaining, 0.0))
             except TimeoutError:
                 return None
-        return found
+        return self.steered.get(handle)
 
     async def news(self, handle: Handle, since: int, wait: float) -> Viewer | None:
         """The viewer with this key once it has changed since that revision, at the latest after `wait` [s].
@@ -109,7 +112,8 @@ class Viewers:
             changed = self._changed  # before the check, so that no change in between is missed
             viewer = self.steered.get(handle)
             remaining = deadline - asyncio.get_running_loop().time()
-            if viewer is None or viewer.revision != since or remaining <= 0 or self.stopping.is_set():
+            known = viewer is not None and viewer.revision == since and not viewer.failed
+            if not known or remaining <= 0 or self.stopping.is_set():
                 return viewer
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(changed.wait(), remaining)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -37,8 +37,15 @@ LOOK = 1.0
 _log = logging.getLogger(__name__)
 
 
+FAILED = "The 3D view ended with an error, which the log of the service describes: open it again"
+
+
 class GoneError(Exception):
     """The viewer has been closed."""
+
+
+class FailedError(GoneError):
+    """The viewer ended with an error; its socket may still be open."""
 
 
 class UnknownFlightError(ValueError):
@@ -61,6 +68,8 @@ class Viewer:
         self._lock = threading.RLock()
         self._wake = threading.Event()
         self._stopped = False
+        self.failed = False
+        """Whether its own thread ended with an error; set once, from that thread."""
         self._opened = time.time()
         self.revision = int(1000 * self._opened)
         """Increases with every change of the display; higher for later viewers."""
@@ -120,7 +129,7 @@ class Viewer:
         yield from (self._vectors.tag,) if self._vectors.tag is not None else ()
         yield from self._world.tags()
 
-    @contextmanager
+    @contextlib.contextmanager
     def drawing(self) -> Iterator[None]:
         """Group changes of scene and panel: exclusive, and shown in one frame."""
         with self._lock:
@@ -162,7 +171,7 @@ class Viewer:
         self._what_if.draw(flight, seed, "space")
 
     def show_what_if(self, flight: Flight | None, seed: int | None, order: int) -> None:
-        """Draw this flight as the what-if, unless one of a higher order is drawn; raises `GoneError`.
+        """Draw this flight as the what-if, unless one of a higher order is drawn; raises `GoneError`, `FailedError`.
 
         flight: None if it has no motion.
         seed: the requested noise seed; None for those of the campaign.
@@ -170,6 +179,7 @@ class Viewer:
         with self.drawing():
             if self._stopped:
                 raise GoneError
+            self._intact()
             self._what_if.draw(flight, seed, "page", order)
 
     def choose(self, flight: str) -> None:
@@ -192,11 +202,13 @@ class Viewer:
     def steer(self, change: ViewChange) -> ViewState:
         """Apply a change requested by the page, in one frame.
 
-        Raises `GoneError`, `UnknownFlightError` for a finding, `UnknownParameterError` for a what-if or an axis.
+        Raises `GoneError`, `FailedError`, `UnknownFlightError` for a finding, `UnknownParameterError` for a what-if or
+        an axis.
         """
         with self.drawing():
             if self._stopped:
                 raise GoneError
+            self._intact()
             if change.flight is not None:
                 self.choose(change.flight)
             if change.theme is not None and (change.theme == "dark") != self._dark:
@@ -216,10 +228,11 @@ class Viewer:
         return self.state()
 
     def state(self) -> ViewState:
-        """The current state; raises `GoneError`."""
+        """The current state; raises `GoneError`, `FailedError`."""
         with self._lock:
             if self._stopped:
                 raise GoneError
+            self._intact()
             return ViewState(opened=self._opened, revision=self.revision, **self._shown())
 
     def _shown(self) -> dict[str, Any]:
@@ -268,7 +281,29 @@ class Viewer:
             brand_color=rgb((DARK if self._dark else LIGHT).soft),
         )
 
+    def _intact(self) -> None:
+        if self.failed:
+            raise FailedError
+
     def _run(self) -> None:
+        """The viewer's own thread; an error ends it, and is reported to the log, in the view and to its page."""
+        try:
+            self._animate()
+        except Exception:
+            _log.exception("the 3D view of %s ended with an error", self._setting.run)
+            with self._lock:
+                self.failed = True
+            self.on_news()
+            with contextlib.suppress(Exception):  # the log and the page have it already
+                self._report()
+
+    def _report(self) -> None:
+        """Show every browser of the view that it has ended."""
+        for client in self._server.get_clients().values():
+            client.add_notification("3D view ended", f"{FAILED}.", color="red")
+            client.flush()
+
+    def _animate(self) -> None:
         """Advance the time during playback, poll the run while it is active, sleep otherwise."""
         then = looked = time.monotonic()
         while not self._stopped:

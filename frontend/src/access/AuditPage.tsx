@@ -46,7 +46,7 @@ export function AuditPage() {
       {query.isError && !query.data ? (
         <Trouble error={query.error} retry={() => void query.refetch()} />
       ) : !first ? (
-        <Loading what="audit trail" />
+        <Loading what="audit trail" failed={query.failureReason} />
       ) : (
         <>
           <Filters page={first} actor={actor} action={action} />
@@ -122,7 +122,7 @@ function Table({ entries, onAll }: { entries: readonly AuditEntry[]; onAll: () =
       </p>
     )
   return (
-    <table className={tables.table}>
+    <table className={clsx(tables.table, tables.stack)}>
       <thead>
         <tr>
           <th className="num">Row</th>
@@ -137,15 +137,17 @@ function Table({ entries, onAll }: { entries: readonly AuditEntry[]; onAll: () =
       <tbody>
         {entries.map((entry) => (
           <tr key={entry.id}>
-            <td className="num">{entry.id}</td>
-            <td className="sec nw">{moment(entry.at)}</td>
-            <td className={styles.who}>
+            <td className="num" data-label="Row">{entry.id}</td>
+            <td className="sec nw" data-label="When">{moment(entry.at)}</td>
+            <td className={styles.who} data-label="User">
               {entry.user} <span className="mut">{entry.via}</span>
             </td>
-            <td className="nw">{entry.action}</td>
-            <td className={styles.who}>{entry.subject}</td>
-            <td className={`small sec ${styles.detail ?? ''}`}>{told(entry.detail)}</td>
-            <td>
+            <td className="nw" data-label="Action">{entry.action}</td>
+            <td className={styles.who} data-label="Subject">{entry.subject}</td>
+            <td className={`small sec ${styles.detail ?? ''}`} data-label={Object.keys(entry.detail).length > 0 ? 'Detail' : undefined}>
+              {told(entry.detail)}
+            </td>
+            <td data-label="Hash">
               <span className="mono" title={entry.hash}>
                 {entry.hash.slice(0, 8)}
               </span>

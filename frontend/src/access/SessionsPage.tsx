@@ -19,7 +19,7 @@ import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 
 export function SessionsPage() {
-  const { data, error, isError, refetch } = useQuery(sessionsQuery)
+  const { data, error, isError, failureReason, refetch } = useQuery(sessionsQuery)
   const self = useQuery(sessionQuery).data
   const [changing, setChanging] = useState(false)
   const word = self?.has_password ? 'Change password' : 'Set a password'
@@ -38,7 +38,7 @@ export function SessionsPage() {
       {isError && !data ? (
         <Trouble error={error} retry={() => void refetch()} />
       ) : !data ? (
-        <Loading what="sessions" />
+        <Loading what="sessions" failed={failureReason} />
       ) : (
         <Card title="Browsers that are signed in" note="Two weeks after signing in, a session ends" flush={data.length > 0}>
           {data.length === 0 ? <p className="sec">No browser is signed in.</p> : <Table sessions={data} />}
@@ -64,7 +64,7 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
           {revoke.error.message}
         </p>
       )}
-      <table className={tables.table}>
+      <table className={clsx(tables.table, tables.stack)}>
         <thead>
           <tr>
             <th>User</th>
@@ -82,13 +82,13 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
           {sessions.map((session) => (
             <tr key={session.id}>
               <td className={`m ${styles.who ?? ''}`}>{session.user}</td>
-              <td className="nw" title={session.agent}>{browserOf(session.agent)}</td>
-              <td className="sec">{session.address || 'not recorded'}</td>
-              <td className="sec nw" title={moment(session.created)}>
+              <td className="nw" data-label="Browser" title={session.agent}>{browserOf(session.agent)}</td>
+              <td className="sec" data-label="Address">{session.address || 'not recorded'}</td>
+              <td className="sec nw" data-label="Signed in" title={moment(session.created)}>
                 {when(session.created)}, by {{ link: 'login link', password: 'password', provider: 'single sign-on' }[session.via]}
               </td>
-              <td className="sec nw">{session.last_used === null ? 'not since the service started' : when(session.last_used)}</td>
-              <td className="sec nw">{moment(session.expires)}</td>
+              <td className="sec nw" data-label="Last used">{session.last_used === null ? 'not since the service started' : when(session.last_used)}</td>
+              <td className="sec nw" data-label="Ends">{moment(session.expires)}</td>
               <td className="num">
                 {session.current ? (
                   <span className="mut">this browser</span>

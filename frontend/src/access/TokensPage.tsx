@@ -33,7 +33,7 @@ const LIFETIMES = [
 ] as const
 
 export function TokensPage() {
-  const { data, error, isError, refetch } = useQuery(tokensQuery)
+  const { data, error, isError, failureReason, refetch } = useQuery(tokensQuery)
   const [creating, setCreating] = useState(false)
   const [leaving, setLeaving] = useState<Token | null>(null)
   return (
@@ -50,7 +50,7 @@ export function TokensPage() {
       {isError && !data ? (
         <Trouble error={error} retry={() => void refetch()} />
       ) : !data ? (
-        <Loading what="tokens" />
+        <Loading what="tokens" failed={failureReason} />
       ) : (
         <Card title="Tokens" note="A token never has more than its owner's role" flush={data.length > 0}>
           {data.length === 0 ? (
@@ -75,7 +75,7 @@ export function TokensPage() {
 
 function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (token: Token) => void }) {
   return (
-    <table className={tables.table}>
+    <table className={clsx(tables.table, tables.stack)}>
       <thead>
         <tr>
           <th>Name</th>
@@ -92,16 +92,16 @@ function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (toke
       <tbody>
         {tokens.map((token) => (
           <tr key={token.name}>
-            <td className="m nw">{token.name}</td>
-            <td className={styles.who}>{token.owner}</td>
-            <td>{token.scope}</td>
-            <td className="nw">
+            <td className={clsx('m', styles.who)}>{token.name}</td>
+            <td className={styles.who} data-label="Owner">{token.owner}</td>
+            <td data-label="Scope">{token.scope}</td>
+            <td className="nw" data-label="State">
               <State token={token} />
             </td>
-            <td className="sec nw" title={moment(token.created)}>
+            <td className="sec nw" data-label="Created" title={moment(token.created)}>
               {when(token.created)}
             </td>
-            <td className="sec nw" title={token.last_used === null ? undefined : moment(token.last_used)}>
+            <td className="sec nw" data-label="Last use" title={token.last_used === null ? undefined : moment(token.last_used)}>
               {token.last_used === null ? 'never' : when(token.last_used)}
             </td>
             <td className="num">

@@ -24,7 +24,7 @@ export function UsersPage() {
   const { invite = false } = useSearch({ from: '/access/users' })
   const navigate = useNavigate({ from: '/access/users' })
   const ask = (open: boolean) => void navigate({ search: { invite: open || undefined }, replace: true })
-  const { data, error, isError, refetch } = useQuery(usersQuery)
+  const { data, error, isError, failureReason, refetch } = useQuery(usersQuery)
   const [changing, setChanging] = useState<User | null>(null)
   return (
     <AccessFrame
@@ -40,7 +40,7 @@ export function UsersPage() {
       {isError && !data ? (
         <Trouble error={error} retry={() => void refetch()} />
       ) : !data ? (
-        <Loading what="users" />
+        <Loading what="users" failed={failureReason} />
       ) : (
         <>
           <Card title="Users" note="Names stay in the records: a user is disabled, never deleted" flush>
@@ -62,7 +62,7 @@ export function UsersPage() {
 function Table({ users, onChange }: { users: readonly User[]; onChange: (user: User) => void }) {
   const self = useQuery(sessionQuery).data?.account
   return (
-    <table className={tables.table}>
+    <table className={clsx(tables.table, tables.stack)}>
       <thead>
         <tr>
           <th>Name</th>
@@ -82,12 +82,12 @@ function Table({ users, onChange }: { users: readonly User[]; onChange: (user: U
               {user.name}
               {user.name === self && <span className="mut"> (you)</span>}
             </td>
-            <td>{user.role}</td>
-            <td>
+            <td data-label="Role">{user.role}</td>
+            <td data-label="Access">
               <Access user={user} />
             </td>
-            <td className="num">{count(user.sessions)}</td>
-            <td className="sec nw" title={moment(user.created)}>
+            <td className="num" data-label="Browsers">{count(user.sessions)}</td>
+            <td className="sec nw" data-label="Invited" title={moment(user.created)}>
               {user.fixed ? 'by the login link' : `${when(user.created)}, by ${user.created_by}`}
             </td>
             <td className="num">

@@ -3,7 +3,7 @@ import { describe, expect, it } from 'vitest'
 import { toCsv } from './csv'
 import { linesOn, stepsOn, union } from './series'
 import { isFar } from './reach'
-import { linearTicks, logTicks, padded, tickDecimals } from './ticks'
+import { labelWidth, linearTicks, logTicks, padded, tickDecimals, tickText } from './ticks'
 
 describe('ticks', () => {
   it('are round and within the range', () => {
@@ -19,6 +19,26 @@ describe('ticks', () => {
     expect(tickDecimals([0.942, 0.9425, 0.943])).toBe(4)
     expect(tickDecimals([0, 2.5, 5])).toBe(1)
     expect(tickDecimals([0, 10, 20])).toBe(0)
+  })
+  it.each<[number[], string[]]>([
+    [[0, 2.5, 5], ['0.0', '2.5', '5.0']],
+    [[-20, 0, 20], ['−20', '0', '20']],
+    [[0, 100_000, 200_000], ['0', '100\u202f000', '200\u202f000']],
+    [[0, 5e11, 1e12, 1.5e12], ['0', '5e11', '1e12', '1.5e12']],
+    [[-1e12, 0, 1e12], ['−1e12', '0', '1e12']],
+    [[1.0025e12, 1.005e12], ['1.0025e12', '1.005e12']],
+    [[0, 2e-11, 4e-11], ['0', '2e−11', '4e−11']],
+    [[999_999_999_998, 999_999_999_999], ['999\u202f999\u202f999\u202f998', '999\u202f999\u202f999\u202f999']],
+    [[3e15], ['3e15']],
+  ])('%j are labelled %j', (ticks, labels) => {
+    const text = ticks.map(tickText(ticks))
+    expect(text).toEqual(labels)
+    expect(new Set(text).size).toBe(ticks.length)
+  })
+  it('of any size need at most 62 px', () => {
+    for (let power = -15; power <= 300; power += 1)
+      for (const ticks of [linearTicks(-(10 ** power), 10 ** power, 3), linearTicks(0, 3.1 * 10 ** power, 3)])
+        for (const label of ticks.map(tickText(ticks))) expect(labelWidth(label), label).toBeLessThanOrEqual(62)
   })
   it('lie in a range that is never empty', () => {
     expect(padded([5, 5])[0]).toBeLessThan(5)

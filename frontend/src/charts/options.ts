@@ -1,9 +1,9 @@
 // Converts a `PlotSpec` to uPlot's options. The spec is read through a getter, so that new data need no new plot.
 import uPlot from 'uplot'
-import { fixed, plain } from '../format/numbers'
+import { plain } from '../format/numbers'
 import { colour, drawCriteria, drawEnds, drawPoints, drawRules, drawTint, font } from './draw'
 import type { PlotSpec } from './spec'
-import { linearTicks, logTicks, padded, tickDecimals } from './ticks'
+import { labelWidth, linearTicks, logTicks, padded, tickText } from './ticks'
 
 const stepped = uPlot.paths.stepped?.({ align: 1 })
 
@@ -72,14 +72,19 @@ export function optionsFor(
 /** Ticks with longer labels than numbers have. */
 const splitsOf = (spec: PlotSpec, u: uPlot, low: number, high: number) => spec.xSplits?.(low, high, Math.max(2, u.width / 110)) ?? []
 
+/** The width of the left axis [px]: as requested, unless its labels would be cut. */
+function leftOf(asked: number | undefined, labels: readonly string[]): number {
+  if (asked === undefined) return 14 + 6.4 * Math.max(2, ...labels.map((label) => label.length))
+  return Math.max(asked, 7 + Math.ceil(Math.max(0, ...labels.map(labelWidth))))
+}
+
 function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
   const log = () => (side === 'x' ? read().xLog : read().yLog)
   return {
     font: font().replace(/[\d.]+px/, '11px'),
     stroke: () => colour('--ink-3'),
     gap: 6,
-    size:
-      side === 'x' ? 26 : (_, values) => read().left ?? 14 + 6.4 * Math.max(2, ...(values ?? []).map((v) => v.length)),
+    size: side === 'x' ? 26 : (_, values) => leftOf(read().left, values ?? []),
     grid: { show: side === 'y' || log(), stroke: () => colour('--c-grid'), width: 1 },
     ticks: { show: side === 'x', stroke: () => colour('--c-axis'), width: 1, size: 4 },
     border: { show: side === 'x', stroke: () => colour('--c-axis'), width: 1 },
@@ -101,8 +106,7 @@ function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
         const labels = new Map(splitsOf(spec, u, min, max).map(({ at, label }) => [at, label]))
         return splits.map((tick) => labels.get(tick) ?? '')
       }
-      const decimals = tickDecimals(splits)
-      return splits.map((tick) => (log() || (side === 'x' && read().xTicks) ? plain(tick) : fixed(tick, decimals)))
+      return splits.map(log() || (side === 'x' && spec.xTicks) ? (tick) => plain(tick) : tickText(splits))
     },
   }
 }

@@ -1,4 +1,5 @@
-// Axis ticks, and ranges that contain given values.
+// Axis ticks and their labels, and ranges that contain given values.
+import { fixed, LONG, NARROW, powered } from '../format/numbers'
 
 /** Round numbers within a range, about the given count. */
 export function linearTicks(low: number, high: number, about: number): number[] {
@@ -38,6 +39,35 @@ export function tickDecimals(ticks: readonly number[]): number {
   const scaled = least * 10 ** decimals
   if (Math.abs(scaled - Math.round(scaled)) > 1e-6) decimals += 1
   return decimals
+}
+
+/** The labels of an axis: with as many decimals as distinguish them, or as powers of ten where that is shorter. */
+export function tickText(ticks: readonly number[]): (tick: number) => string {
+  const decimals = tickDecimals(ticks)
+  const longest = (text: (tick: number) => string) => Math.max(0, ...ticks.map((tick) => text(tick).length))
+  const inFull = (tick: number) => fixed(tick, decimals)
+  if (longest(inFull) <= LONG) return inFull
+  const size = Math.max(...ticks.map(Math.abs))
+  const digits = Math.min(12, Math.max(1, Math.floor(Math.log10(size) + 1e-9) + 1 + decimalsApart(ticks)))
+  const inPowers = (tick: number) => powered(tick, tick === 0 ? 1 : Math.max(1, digits - missing(size, tick)))
+  return longest(inPowers) < longest(inFull) ? inPowers : inFull
+}
+
+/** Orders of magnitude between two numbers. */
+const missing = (size: number, tick: number): number => Math.floor(Math.log10(size) + 1e-9) - Math.floor(Math.log10(Math.abs(tick)) + 1e-9)
+
+/** As `tickDecimals`, negative if tens or hundreds distinguish the ticks. */
+function decimalsApart(ticks: readonly number[]): number {
+  const gaps = ticks.slice(1).map((tick, i) => Math.abs(tick - (ticks[i] as number))).filter((gap) => gap > 0)
+  const least = gaps.length > 0 ? Math.min(...gaps) : Math.abs(ticks[0] ?? 1) / 1000
+  const power = -Math.floor(Math.log10(least) + 1e-9)
+  const scaled = least * 10 ** power
+  return Math.abs(scaled - Math.round(scaled)) > 1e-6 ? power + 1 : power
+}
+
+/** The width of a label of an axis in its font of 11 px [px]: a dot or a space between thousands is half as wide. */
+export function labelWidth(text: string): number {
+  return [...text].reduce((sum, letter) => sum + (letter === '.' || letter === NARROW ? 3.2 : 6.4), 0)
 }
 
 const significantDecimals = (value: number): number => Math.max(0, 3 - Math.floor(Math.log10(Math.abs(value))))

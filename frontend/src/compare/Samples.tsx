@@ -2,9 +2,9 @@
 import { clsx } from 'clsx'
 import type { Sample } from '../client'
 import { ChartCard } from '../charts/ChartCard'
-import { linearTicks, padded, tickDecimals } from '../charts/ticks'
+import { linearTicks, padded, tickText } from '../charts/ticks'
 import { violatedOf } from '../format/counts'
-import { fixed, plain } from '../format/numbers'
+import { plain } from '../format/numbers'
 import { SvgSign } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import { type Compared, sampleOf, unitOf } from './data'
@@ -76,7 +76,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
           <g key={tick}>
             <path className={figures.g} d={`M${x(tick)} ${TOP}V${HEIGHT - BOTTOM}`} />
             <text x={x(tick)} y={HEIGHT - BOTTOM + 15} textAnchor="middle">
-              {fixed(tick, tickDecimals(ticks))}
+              {tickText(ticks)(tick)}
             </text>
           </g>
         ))}

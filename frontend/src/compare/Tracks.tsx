@@ -1,9 +1,8 @@
 // Plan view of the flights of all runs: nominal grey, worst vermillion, the first run solid, the others dashed.
 import { useState } from 'react'
 import { ChartCard } from '../charts/ChartCard'
-import { linearTicks, tickDecimals } from '../charts/ticks'
+import { linearTicks, tickText } from '../charts/ticks'
 import type { TraceData } from '../client'
-import { fixed } from '../format/numbers'
 import { useWidth } from '../ui/useWidth'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import type { Compared } from './data'
@@ -148,7 +147,7 @@ function Grid({ scale, width }: { scale: Scale; width: number }) {
         <g key={`x${tick}`}>
           <path className={figures.g} d={`M${scale.x({ east: tick, north: 0 })} 10V${foot}`} />
           <text x={scale.x({ east: tick, north: 0 })} y={foot + 15} textAnchor="middle">
-            {fixed(tick, tickDecimals(xs))}
+            {tickText(xs)(tick)}
           </text>
         </g>
       ))}
@@ -156,7 +155,7 @@ function Grid({ scale, width }: { scale: Scale; width: number }) {
         <g key={`y${tick}`}>
           <path className={figures.g} d={`M${LEFT} ${scale.y({ east: 0, north: tick })}H${width - 12}`} />
           <text x={LEFT - 6} y={scale.y({ east: 0, north: tick }) + 4} textAnchor="end">
-            {fixed(tick, tickDecimals(ys))}
+            {tickText(ys)(tick)}
           </text>
         </g>
       ))}

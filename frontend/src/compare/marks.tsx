@@ -1,7 +1,6 @@
 // A common axis for values of several runs, and their markers: the first filled, the second hollow, the
 // third and fourth smaller.
-import { linearTicks, padded, tickDecimals } from '../charts/ticks'
-import { fixed } from '../format/numbers'
+import { linearTicks, padded, tickText } from '../charts/ticks'
 import figures from '../ui/figures.module.css'
 
 export interface Axis {
@@ -28,7 +27,7 @@ export const AxisHead = ({ axis: { width, x, ticks } }: { axis: Axis }) => (
     <svg className={figures.ch} width={width} height={14} style={{ width }} aria-hidden="true">
       {ticks.map((tick) => (
         <text key={tick} x={x(tick)} y={11} textAnchor="middle">
-          {fixed(tick, tickDecimals(ticks))}
+          {tickText(ticks)(tick)}
         </text>
       ))}
     </svg>

@@ -4,6 +4,8 @@
 export const MINUS = '\u2212'
 export const NARROW = '\u202f'
 export const NONE = '\u2014'
+/** A number of more characters does not fit next to an axis. */
+export const LONG = 9
 
 type Maybe = number | null | undefined
 
@@ -58,12 +60,22 @@ export function plain(value: Maybe, digits = 6): string {
   if (!known(value)) return NONE
   if (value === 0) return '0'
   const size = Math.abs(value)
-  if (size >= 1e9 || size < 1e-4) {
-    const [mantissa = '', exponent = '0'] = size.toExponential(digits - 1).split('e')
-    const power = Number(exponent)
-    return `${value < 0 ? MINUS : ''}${trimmed(mantissa)}e${power < 0 ? MINUS : ''}${Math.abs(power)}`
-  }
+  if (size >= 1e9 || size < 1e-4) return powered(value, digits)
   return (value < 0 ? MINUS : '') + grouped(trimmed(size.toFixed(decimalsFor([size], digits))))
+}
+
+/** A number as a power of ten with significant digits, without trailing zeros. */
+export function powered(value: number, digits: number): string {
+  if (value === 0) return '0'
+  const [mantissa = '', exponent = '0'] = Math.abs(value).toExponential(digits - 1).split('e')
+  const power = Number(exponent)
+  return `${value < 0 ? MINUS : ''}${trimmed(mantissa)}e${power < 0 ? MINUS : ''}${Math.abs(power)}`
+}
+
+/** As `fixed`, but as a power of ten if that would be longer than nine characters. */
+export function short(value: Maybe, decimals = 2): string {
+  const text = fixed(value, decimals)
+  return known(value) && text.length > LONG ? plain(value, 4) : text
 }
 
 /** Without trailing zeros after the dot. */

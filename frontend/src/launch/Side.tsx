@@ -3,7 +3,7 @@ import { TagsInput } from '@mantine/core'
 import { Fragment } from 'react'
 import type { Campaign, Raw } from '../api/campaign'
 import type { Checked, ComponentEntry, ResultEntry } from '../client'
-import { count, duration, percent } from '../format/numbers'
+import { count, NONE, percent } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
@@ -11,6 +11,7 @@ import { NumberCell } from './fields/NumberCell'
 import { numberOf } from './campaign/parameters'
 import { FieldErrors, idOf } from './fields/problems'
 import type { Regression } from './regression/given'
+import { amountOf, stageOf, timeOf } from './estimate'
 import { RegressionFields } from './regression/RegressionFields'
 import fields from '../ui/fields.module.css'
 import lists from '../ui/lists.module.css'
@@ -92,15 +93,15 @@ export function Estimate({ checked, campaign }: EstimateProps) {
     <Card title="Estimate">
       <dl className={lists.kv}>
         <dt>Evaluations, about</dt>
-        <dd>{count(estimate?.evaluations)}</dd>
+        <dd>{estimate ? amountOf(estimate) : NONE}</dd>
         {estimate?.stages.map((stage) => (
           <Fragment key={stage.title}>
             <dt className="mut">· {stage.title}</dt>
-            <dd className="mut">{count(stage.evaluations)}</dd>
+            <dd className="mut">{stageOf(stage)}</dd>
           </Fragment>
         ))}
-        <dt>Time, about</dt>
-        <dd>{typeof estimate?.seconds === 'number' ? duration(estimate.seconds) : 'not known'}</dd>
+        <dt>Time</dt>
+        <dd>{(estimate && timeOf(estimate)) ?? 'not known'}</dd>
         {bound !== null && (
           <>
             <dt>Bound on P(violation)</dt>

@@ -11,20 +11,31 @@ import styles from './page.module.css'
 
 interface LoadingProps {
   what: string
+  /** The heading of the page that is loaded. */
+  title?: string
   /** Why the last attempt failed, if more follow. */
   failed?: Error | null
 }
 
-export function Loading({ what, failed }: LoadingProps) {
+export function Loading({ what, title, failed }: LoadingProps) {
   return (
-    <div className={styles.loading} role="status">
-      <div className={styles.attempts}>
-        <span className={layout.row}>
-          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> Loading {what}
-        </span>
-        {failed && <p className={layout.wrapAny}>{failed.message} Trying again.</p>}
+    <>
+      {title && (
+        <div className={layout.ph}>
+          <div className={layout.t}>
+            <h1>{title}</h1>
+          </div>
+        </div>
+      )}
+      <div className={styles.loading} role="status">
+        <div className={styles.attempts}>
+          <span className={layout.row}>
+            <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> Loading {what}
+          </span>
+          {failed && <p className={layout.wrapAny}>{failed.message} Trying again.</p>}
+        </div>
       </div>
-    </div>
+    </>
   )
 }
 

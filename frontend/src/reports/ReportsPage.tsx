@@ -36,7 +36,7 @@ export function ReportsPage() {
   const search = useCallback((text: string) => void navigate({ search: { q: text || undefined }, replace: true }), [navigate])
   const query = useInfiniteQuery(reportsQuery(q))
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="reports" />
+  if (!query.data) return <Loading what="reports" title="Reports" failed={query.failureReason} />
   const items = query.data.pages.flatMap((page) => page.items)
   const total = query.data.pages[0]?.total ?? items.length
   return (
@@ -83,7 +83,7 @@ export function ReportsPage() {
 
 function Table({ items }: { items: readonly Report[] }) {
   return (
-    <table className={tables.table}>
+    <table className={clsx(tables.table, tables.stack)}>
       <thead>
         <tr>
           <th>Verdict</th>
@@ -112,14 +112,14 @@ function Table({ items }: { items: readonly Report[] }) {
                 </small>
               </span>
             </td>
-            <td className={clsx('sec nw', layout.hideS)}>{report.id}</td>
-            <td>
+            <td className={clsx('sec nw', layout.hideS)} data-label="Report">{report.id}</td>
+            <td data-label="Sign-off">
               <Signed report={report} />
             </td>
-            <td className="sec nw" title={report.finished === null ? undefined : moment(report.finished)}>
+            <td className="sec nw" data-label="Finished" title={report.finished === null ? undefined : moment(report.finished)}>
               {report.finished === null ? 'not recorded' : when(report.finished)}
             </td>
-            <td className={layout.hideS}>
+            <td className={layout.hideS} data-label="Results">
               <span className="mono" title={report.digest}>
                 {report.digest.slice(0, 16)}
               </span>

@@ -37,7 +37,7 @@ export function Files({ mayChange }: { mayChange: boolean }) {
   return (
     <div style={{ marginTop: 'var(--gap)' }}>
       <Card title="Imported files" note="Written back byte by byte as they were" flush>
-        <table className={tables.table}>
+        <table className={clsx(tables.table, tables.stack)}>
           <thead>
             <tr>
               <th>File</th>
@@ -53,11 +53,11 @@ export function Files({ mayChange }: { mayChange: boolean }) {
             {data.map((file) => (
               <tr key={file.id}>
                 <td className={styles.named}>{file.name}</td>
-                <td className="num">{count(file.requirements)}</td>
-                <td className="sec nw" title={moment(file.imported)}>
+                <td className="num" data-label="Requirements">{count(file.requirements)}</td>
+                <td className="sec nw" data-label="Imported" title={moment(file.imported)}>
                   {when(file.imported)}, by {file.imported_by}
                 </td>
-                <td className={layout.hideS}>
+                <td className={layout.hideS} data-label="sha256">
                   <span className="mono" title={file.digest}>
                     {file.digest.slice(0, 16)}
                   </span>

@@ -31,7 +31,7 @@ interface MatrixProps {
 
 export function Matrix({ rows, onChange }: MatrixProps) {
   return (
-    <table className={clsx(tables.table, styles.matrix)}>
+    <table className={clsx(tables.table, tables.stack, styles.matrix)}>
       <thead>
         <tr>
           <th>Requirement</th>
@@ -91,7 +91,7 @@ function What({ row, onChange }: { row: RequirementRow; onChange: MatrixProps['o
       <span className={clsx(layout.row, 'b')}>
         <span className={layout.wrapAny}>{row.id}</span>
         {onChange && !row.file?.match(/\.(reqif|xml)$/i) && (
-          <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Change ${row.id}`} onClick={() => onChange(row)}>
+          <button type="button" className={clsx(buttons.linkbtn, 'small', styles.change)} aria-label={`${row.registered ? 'Change' : 'Register'} ${row.id}`} onClick={() => onChange(row)}>
             {row.registered ? 'Change …' : 'Register …'}
           </button>
         )}
@@ -110,7 +110,7 @@ const PARTS: Record<RequirementRun['part'], string> = { evidence: '', violation:
 function Cells({ run }: { run: RequirementRun }) {
   return (
     <>
-      <td>
+      <td data-label="Run">
         <span className={tables.rn}>
           <Link to="/runs/$id" params={{ id: run.id }}>
             {run.id}
@@ -119,19 +119,19 @@ function Cells({ run }: { run: RequirementRun }) {
           {PARTS[run.part] && <small>{PARTS[run.part]}</small>}
         </span>
       </td>
-      <td>
+      <td data-label="Verdict">
         <OutcomeBadge outcome={run} />
       </td>
-      <td className={clsx('num nw', run.margin !== null && run.margin <= 0 && 'bad-t')}>{marginOf(run)}</td>
-      <td>
+      <td data-label="Worst margin" className={clsx('num nw', run.margin !== null && run.margin <= 0 && 'bad-t')}>{marginOf(run)}</td>
+      <td data-label="Campaign">
         <Link to="/trends" search={{ name: run.campaign_name }} className="mono" title={run.campaign_digest}>
           {run.campaign_digest.slice(0, 12)}
         </Link>
       </td>
-      <td>
+      <td data-label="Date">
         <DateCell outcome={run} />
       </td>
-      <td className={styles.signed}>
+      <td data-label="Sign-off" className={styles.signed}>
         <Signed run={run} />
       </td>
     </>

@@ -92,7 +92,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
 
 function Table({ sweep }: { sweep: SweepDetail }) {
   return (
-    <table className={tables.table}>
+    <table className={clsx(tables.table, tables.stack)}>
       <thead>
         <tr>
           <NumHead unit={unitText(sweep.unit)}>{sweep.path}</NumHead>
@@ -109,21 +109,21 @@ function Table({ sweep }: { sweep: SweepDetail }) {
       <tbody>
         {sweep.points.map(({ value, run, outcome }) => (
           <tr key={run}>
-            <td className="num b">
+            <td className="num b" data-label={sweep.path}>
               {valueText(value)}
               {value === sweep.nominal && <span className="mut small"> in the campaign</span>}
             </td>
-            <td>
+            <td data-label="Verdict">
               <OutcomeBadge outcome={outcome} />
             </td>
-            <td>
+            <td data-label="Run">
               <RunCell run={run} />
             </td>
-            <td className="num">{marginOf(outcome)}</td>
-            <td className="num sec">{boundOf(outcome)}</td>
-            <td className="num sec">{sampleOf(outcome)}</td>
-            <td>{outcome && <CodeCell code={outcome.code} />}</td>
-            <td>{outcome && <DateCell outcome={outcome} />}</td>
+            <td className="num" data-label="Worst margin">{marginOf(outcome)}</td>
+            <td className="num sec" data-label="P(violation)">{boundOf(outcome)}</td>
+            <td className="num sec" data-label="Violations">{sampleOf(outcome)}</td>
+            <td data-label="Code">{outcome && <CodeCell code={outcome.code} />}</td>
+            <td data-label="Finished">{outcome && <DateCell outcome={outcome} />}</td>
             <td className="sec">{[outcome?.error, outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' ')}</td>
           </tr>
         ))}

@@ -18,9 +18,9 @@ const sweepsQuery = queryOptions({ queryKey: ['sweeps'], queryFn: () => listSwee
 
 export function SweepsPage() {
   useTitle('Sweeps')
-  const { data, error, isError, refetch } = useQuery(sweepsQuery)
+  const { data, error, isError, failureReason, refetch } = useQuery(sweepsQuery)
   if (isError && !data) return <Trouble error={error} retry={() => void refetch()} />
-  if (!data) return <Loading what="sweeps" />
+  if (!data) return <Loading what="sweeps" title="Sweeps" failed={failureReason} />
   return (
     <>
       <div className={layout.ph}>
@@ -41,7 +41,7 @@ export function SweepsPage() {
           </p>
         )}
         {data.length > 0 && (
-          <table className={tables.table}>
+          <table className={clsx(tables.table, tables.stack)}>
             <thead>
               <tr>
                 <th>Sweep</th>
@@ -66,11 +66,11 @@ export function SweepsPage() {
                       </small>
                     </span>
                   </td>
-                  <td className="sec">{sweep.path}</td>
-                  <td className="num">{count(sweep.runs)}</td>
-                  <td className="sec nw">{saidOf(sweep.states)}</td>
-                  <td className={clsx('sec', layout.hideS)}>{sweep.owner}</td>
-                  <td className="sec nw" title={moment(sweep.created)}>
+                  <td className="sec" data-label="Parameter">{sweep.path}</td>
+                  <td className="num" data-label="Runs">{count(sweep.runs)}</td>
+                  <td className="sec nw" data-label="State">{saidOf(sweep.states)}</td>
+                  <td className={clsx('sec', layout.hideS)} data-label="User">{sweep.owner}</td>
+                  <td className="sec nw" data-label="Submitted" title={moment(sweep.created)}>
                     {when(sweep.created)}
                   </td>
                 </tr>

@@ -37,15 +37,15 @@ export function TrendsPage() {
   usePolling(() => void query.refetch(), 5000, query.data?.runs.some((run) => ['queued', 'running', 'cancelling'].includes(run.state)) ?? false)
   if (!search.campaign && !search.name) return <Campaigns />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the trend" />
+  if (!query.data) return <Loading what="the trend" title="Trends" failed={query.failureReason} />
   return <Shown trend={query.data} />
 }
 
 /** Without a campaign in the address: a choice of those that have runs. */
 function Campaigns() {
-  const { data, error, refetch } = useQuery(facetsQuery)
+  const { data, error, failureReason, refetch } = useQuery(facetsQuery)
   if (error && !data) return <Trouble error={error} retry={() => void refetch()} />
-  if (!data) return <Loading what="the campaigns" />
+  if (!data) return <Loading what="the campaigns" title="Trends" failed={failureReason} />
   return (
     <>
       <div className={layout.ph}>

@@ -1,6 +1,5 @@
 // Shared elements of the preview's drawings: a frame with axes and grid, marks along a path, arrows. Start: `Axes2`.
-import { linearTicks, tickDecimals } from '../../charts/ticks'
-import { fixed } from '../../format/numbers'
+import { linearTicks, tickText } from '../../charts/ticks'
 import { at, degrees, type Step } from '../plan/ways'
 import styles from './preview.module.css'
 
@@ -42,14 +41,14 @@ export function Axes2({ area, across, up, names }: AxesProps) {
       />
       {columns.map((v) => (
         <text key={v} x={x(v)} y={top + height + 13} textAnchor="middle">
-          {fixed(v, tickDecimals(columns))}
+          {tickText(columns)(v)}
         </text>
       ))}
       {rows
         .filter((v) => y(v) > top + 8)
         .map((v) => (
         <text key={v} x={left - 5} y={y(v) + 3.5} textAnchor="end">
-          {fixed(v, tickDecimals(rows))}
+          {tickText(rows)(v)}
         </text>
       ))}
       <text x={left + width / 2} y={top + height + 26} textAnchor="middle" className={styles.name}>
@@ -98,7 +97,7 @@ export function Way({ way, pixels, colour, times = [], dashed, faint, below }: W
           textAnchor={below ? 'end' : 'start'}
           className={styles.time}
         >
-          {fixed(mark.time, tickDecimals(times))} s
+          {tickText(times)(mark.time)} s
         </text>
       ))}
     </g>

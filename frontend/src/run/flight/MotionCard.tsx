@@ -11,7 +11,7 @@ import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
 import { hasScenario } from '../../api/campaign'
 import type { FlightAnswer, TraceColumn } from '../../client'
-import { decimalsFor, fixed } from '../../format/numbers'
+import { decimalsFor, fixed, short } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Menu, Pick, Picks } from '../../ui/Menu'
 import { Sign, symbolText } from '../../ui/Sign'
@@ -162,7 +162,7 @@ function Small({ column, flights, span, hidden, onCross, standing, last }: Small
       sync: TIME,
       readout: true,
       xText: (x) => `${fixed(x, 2)} s`,
-      yText: (y) => fixed(y, decimals),
+      yText: (y) => short(y, decimals),
     }
   }, [column, flights, span, last])
   return <Plot spec={spec} hidden={hidden} onCross={onCross} standing={standing} />

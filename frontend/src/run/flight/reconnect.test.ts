@@ -30,6 +30,7 @@ const CASES: Record<string, Case> = {
   'asking, left: it is closed': { from: again, event: { kind: 'left' }, to: 'closed', holds: CLOSED },
   'open, heard: it stays open': { from: { ...open, misses: 1 }, event: { kind: 'heard' }, to: 'open', holds: { misses: 0 } },
   'open, absent: it is opened again as it was': { from: open, event: { kind: 'absent', wait: 3 }, to: 'asking', holds: { restores: 'all', lost: true, frames: 0, wait: 3 } },
+  'open, barred: it is given up, and restored once it is retried': { from: open, event: { kind: 'barred', why: 'It ended.' }, to: 'failed', holds: { restores: 'all', why: 'It ended.' } },
   'open, missed: once is not enough': { from: open, event: { kind: 'missed' }, to: 'open', holds: { misses: 1 } },
   'open, missed twice: it is opened again as it was': { from: { ...open, misses: 1 }, event: { kind: 'missed' }, to: 'asking', holds: { restores: 'all', lost: true, misses: 0, wait: 0 } },
   'open, left: it is closed': { from: open, event: { kind: 'left' }, to: 'closed' },

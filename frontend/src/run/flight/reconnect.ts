@@ -27,7 +27,7 @@ export type Event =
   | { kind: 'refused'; why: string }
   /** The service does not respond, or is unavailable (5xx): it stops, starts, or is busy. */
   | { kind: 'silent'; why: string }
-  /** The service refuses permanently: the session has ended (401), the run was purged (410). */
+  /** The service refuses permanently: the session has ended (401), the run was purged or the view has failed (410). */
   | { kind: 'barred'; why: string }
   /** The view has changed. */
   | { kind: 'heard' }
@@ -98,6 +98,7 @@ export const TRANSITIONS: Readonly<Record<Name, Steps>> = {
     ...left,
     heard: (machine) => ({ ...machine, misses: 0 }),
     absent: (machine, { wait }) => lost(machine, wait),
+    barred: (machine, { why }) => failed({ ...machine, restores: 'all' }, why),
     missed: (machine, { wait }) =>
       machine.misses + 1 < MISSES ? { ...machine, misses: machine.misses + 1 } : lost(machine, wait),
   },

@@ -181,6 +181,7 @@ export class View {
     news.over()
     const wait = document.activeElement instanceof HTMLIFrameElement ? OWN : 0
     if (answer instanceof Refusal && answer.status === 404) return { kind: 'absent', wait }
+    if (answer instanceof Refusal && answer.status === 410) return { kind: 'barred', why: answer.message }
     if (!(answer instanceof Refusal)) this.hear(answer)
     await this.rest(NEWS, signal)
     const failed = answer instanceof Refusal && (news.late || !news.signal.aborted)

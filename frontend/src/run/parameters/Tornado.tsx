@@ -2,7 +2,7 @@
 
 import type { SensitivityResult } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
-import { linearTicks, tickDecimals } from '../../charts/ticks'
+import { linearTicks, tickText } from '../../charts/ticks'
 import { decimalsFor, fixed, signed } from '../../format/numbers'
 import { Sign, SvgSign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
@@ -87,7 +87,7 @@ function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; un
   const x = (change: number) => left + SIDE + plot / 2 + (change / most) * (plot / 2)
   const right = linearTicks(0, most, 2).filter((tick) => tick > 0)
   const ticks = [...right.map((tick) => -tick).reverse(), 0, ...right]
-  const decimals = tickDecimals(ticks)
+  const text = tickText(ticks)
   const bottom = bars.length * row + 6
   return (
     <div ref={holder}>
@@ -101,7 +101,7 @@ function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; un
           <g key={tick}>
             <path className={figures.g} d={`M${x(tick)} 0V${bottom}`} />
             <text x={x(tick)} y={bottom + 16} textAnchor="middle">
-              {signed(tick, decimals)}
+              {tick > 0 ? `+${text(tick)}` : text(tick)}
             </text>
           </g>
         ))}

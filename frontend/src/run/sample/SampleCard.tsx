@@ -5,9 +5,9 @@ import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { GridResult, Sample } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
-import { linearTicks, tickDecimals } from '../../charts/ticks'
+import { linearTicks, tickDecimals, tickText } from '../../charts/ticks'
 import { lostOf } from '../../format/counts'
-import { count, decimalsFor, fixed, plain } from '../../format/numbers'
+import { count, decimalsFor, fixed, plain, short } from '../../format/numbers'
 import { sentence, words } from '../../format/said'
 import { Seg } from '../../ui/Card'
 import { Said } from '../../ui/Said'
@@ -129,14 +129,14 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
               fill={violates ? 'var(--c-worst)' : 'var(--c-nom)'}
               fillOpacity={violates ? 1 : 0.7}
             >
-              <title>{`${fixed(from, decimals + 2)} to ${fixed(to, decimals + 2)} ${run.unit}: ${count(n)}`}</title>
+              <title>{`${short(from, decimals + 2)} to ${short(to, decimals + 2)} ${run.unit}: ${count(n)}`}</title>
             </rect>
           )
         })}
         <path className={figures.a} d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
         {xs.map((tick) => (
           <text key={tick} x={x(tick)} y={HEIGHT - BOTTOM + 15} textAnchor="middle">
-            {fixed(tick, decimals)}
+            {tickText(xs)(tick)}
           </text>
         ))}
         <text x={(LEFT + width - RIGHT) / 2} y={HEIGHT - 3} textAnchor="middle">

@@ -2,8 +2,7 @@
 // A rectangle drawn in a cell is a range on both of its axes.
 import { clsx } from 'clsx'
 import { useCallback, useMemo } from 'react'
-import { linearTicks, tickDecimals } from '../../charts/ticks'
-import { fixed } from '../../format/numbers'
+import { linearTicks, tickText } from '../../charts/ticks'
 import { unitText } from '../../format/units'
 import { symbolText, SvgSign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
@@ -159,13 +158,13 @@ function ticksOf({ low, high }: Axis, room: number, each: number): number[] {
 
 function Upright({ axis, cell }: { axis: Axis; cell: Cell }) {
   const ticks = ticksOf(axis, cell.height, 40)
-  const decimals = tickDecimals(ticks)
+  const text = tickText(ticks)
   const middle = cell.top + cell.height / 2
   return (
     <g>
       {ticks.map((tick) => (
         <text key={tick} x={cell.left - 6} y={cell.top + (1 - shareOf(axis, tick)) * cell.height + 4} textAnchor="end">
-          {fixed(tick, decimals)}
+          {text(tick)}
         </text>
       ))}
       <Title axis={axis} x={11} y={middle} turned />
@@ -178,7 +177,7 @@ const anchorAt = (share: number) => (share < 0.04 ? 'start' : share > 0.96 ? 'en
 
 function Level({ axis, cell }: { axis: Axis; cell: Cell }) {
   const ticks = ticksOf(axis, cell.width, 70)
-  const decimals = tickDecimals(ticks)
+  const text = tickText(ticks)
   const bottom = cell.top + cell.height
   return (
     <g>
@@ -189,7 +188,7 @@ function Level({ axis, cell }: { axis: Axis; cell: Cell }) {
           y={bottom + 15}
           textAnchor={anchorAt(shareOf(axis, tick))}
         >
-          {fixed(tick, decimals)}
+          {text(tick)}
         </text>
       ))}
       <Title axis={axis} x={cell.left + cell.width / 2} y={bottom + 32} />

@@ -33,7 +33,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           }
           value={fixed(run.worst_cost, decimals)}
           exact={run.worst_cost}
-          unit={run.unit}
+          unit={run.worst_cost === null ? undefined : run.unit}
           testId="worst"
           note={
             method
@@ -45,7 +45,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           name="Margin to criterion"
           value={signed(run.margin, decimals)}
           exact={run.margin}
-          unit={run.unit}
+          unit={run.margin === null ? undefined : run.unit}
           bad={run.margin !== null && run.margin <= 0}
           testId="margin"
           note={
@@ -63,8 +63,8 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
           }
           value={fixed(run.nominal_cost, decimals)}
           exact={run.nominal_cost}
-          unit={run.unit}
-          note={lower === null ? '' : `worst is ${fixed(lower, decimalsFor([lower], 3))} ${run.unit} lower`}
+          unit={run.nominal_cost === null ? undefined : run.unit}
+          note={run.nominal_cost === null ? 'the nominal case has no value' : lower === null ? '' : `worst is ${fixed(lower, decimalsFor([lower], 3))} ${run.unit} lower`}
         />
         <Stat
           name={statistics ? `P(violation), ${percent(statistics.confidence)} upper bound` : 'P(violation)'}

@@ -63,15 +63,20 @@ def _check(found: Sequence[Read]) -> None:
 
 
 def import_file(
-    engine: sa.Engine, name: str, kind: FileKind, content: bytes, found: Sequence[Read], skipped: int, visitor: Visitor
+    writer: sa.Connection,
+    name: str,
+    kind: FileKind,
+    content: bytes,
+    found: Sequence[Read],
+    skipped: int,
+    visitor: Visitor,
 ) -> Imported:
     """Store a file with its requirements, in place of an earlier one of that name; one transaction.
 
     409 for ids of another file: two modules that both number from 1 must not become one requirement.
     """
     try:
-        with engine.begin() as writer:
-            return _imported(writer, name, kind, content, found, skipped, visitor)
+        return _imported(writer, name, kind, content, found, skipped, visitor)
     except sa.exc.IntegrityError:  # another import, at the same time
         raise _conflict("requirements were imported at the same time: try again") from None
 

@@ -1,0 +1,304 @@
+"""Every write of the API is safe to repeat: by nature, or once for each Idempotency-Key.
+
+The tables name all operations that are not GET; the test fails for one that is in neither. Start reading at `NATURAL`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+from pydantic import SecretStr
+
+from backend.db.tables import Base
+from backend.http import keys
+from tests.api.answers import problem
+from tests.api.catalogue import campaign
+from tests.api.conftest import Fresh, running
+from tests.api.databases import BOTH
+from tests.api.document import OPERATIONS
+from tests.api.occupied import occupied
+from tests.api.reported import finish_fully
+from tests.api.server import Service
+from tests.api.submitting import submit
+from tests.api.test_sweeps import asked
+from tests.api.test_webhooks import SECRET
+
+API = "/api/v1"
+TRAIL = ("audit", "audit_head")
+"""Tables that note requests, those that change nothing as well."""
+CSV = b"id,text\nREQ-1,It keeps its distance.\n"
+
+
+@dataclass(frozen=True)
+class Sent:
+    """A request, without its key."""
+
+    path: str
+    json: Any = None
+    content: bytes | None = None
+    query: dict[str, Any] = field(default_factory=dict)
+
+    def to(self, client: httpx.Client, method: str, key: str | None = None) -> httpx.Response:
+        headers = {} if key is None else {"Idempotency-Key": key}
+        body: dict[str, Any] = {} if self.json is None else {"json": self.json}
+        body |= {} if self.content is None else {"content": self.content}
+        return client.request(method, API + self.path, params=self.query, headers=headers, **body)
+
+
+@pytest.fixture(scope="module")
+def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """R-0001 has ended, R-0002 can be signed off; a webhook that nobody answers."""
+    hooks = {"webhooks": SecretStr("http://127.0.0.1:9/"), "webhook_secret": SecretStr(SECRET), "webhook_private": True}
+    with occupied(fresh_sqlite, tmp_path_factory.mktemp("once"), **hooks) as service:
+        finish_fully(service)
+        yield service
+
+
+@pytest.fixture
+def client(service: Service) -> Iterator[httpx.Client]:
+    with service.signed_in() as client:
+        yield client
+
+
+def state(service: Service) -> dict[str, list[Any]]:
+    """Every row of the database; of messages, which are made and sent in the background, those that were asked for."""
+    with service.engine.connect() as reader:
+        tables = [t for t in Base.metadata.sorted_tables if t.name not in TRAIL]
+        found = {t.name: reader.execute(sa.select(t).order_by(*t.primary_key.columns)).all() for t in tables}
+    asked_for = [row.id for row in found["webhook_deliveries"] if row.type == "test"]
+    targets = [row.id for row in found["webhook_targets"]]
+    return found | {"webhook_deliveries": asked_for, "webhook_targets": targets}
+
+
+def ended(client: httpx.Client) -> str:
+    run = submit(client)
+    client.post(f"{API}/runs/{run}/cancel")
+    return f"/runs/{run}"
+
+
+def removed(client: httpx.Client) -> str:
+    path = ended(client)
+    assert client.delete(API + path, params={"reason": "x"}).status_code == 200
+    return path
+
+
+def draft(client: httpx.Client) -> str:
+    return f"/drafts/{client.post(f'{API}/drafts', json=DRAFT).json()['id']}"
+
+
+def made(client: httpx.Client, path: str, key: str, **body: Any) -> str:
+    """The place of something new."""
+    answer = client.post(API + path, **body)
+    assert answer.status_code == 201, answer.text
+    return f"{path}/{answer.json()[key]}"
+
+
+def other_session(client: httpx.Client) -> str:
+    sessions = client.get(f"{API}/sessions").json()
+    return next(f"/sessions/{one['id']}" for one in sessions if not one["current"])
+
+
+def signed(client: httpx.Client) -> str:
+    digest = client.get(f"{API}/runs/R-0002/signoffs").json()["digest"]
+    body = {"name": "Grace", "role": "Review", "comment": "", "digest": digest}
+    return f"/runs/R-0002/signoffs/{client.post(f'{API}/runs/R-0002/signoffs', json=body).json()['id']}"
+
+
+def imported(client: httpx.Client) -> str:
+    answer = client.post(f"{API}/requirements/files", params=FILE, content=CSV)
+    return f"/requirements/files/{answer.json()['file']['id']}"
+
+
+def written(client: httpx.Client) -> Sent:
+    client.put(f"{API}/requirements", json=REQUIREMENT)
+    return Sent("/requirements", query={"requirement": REQUIREMENT["id"]})
+
+
+DRAFT = {"name": "", "text": "name:"}
+FILE = {"kind": "csv", "name": "a.csv", "id_attribute": "id", "text_attribute": "text"}
+REQUIREMENT = {"id": "REQ-9", "text": "It stops."}
+PASSWORD = {"new": "correct horse battery staple"}
+VIEW = "00000000-0000-4000-8000-000000000000"
+Prepared = Callable[[httpx.Client], Sent]
+NATURAL: dict[tuple[str, str], tuple[Prepared, tuple[int, int]]] = {
+    ("delete", "/session"): (lambda _: Sent("/session"), (204, 401)),
+    ("put", "/session/password"): (lambda _: Sent("/session/password", PASSWORD), (204, 403)),
+    ("delete", "/sessions/{session}"): (lambda c: Sent(other_session(c)), (204, 404)),
+    ("post", "/campaigns/check"): (lambda _: Sent("/campaigns/check", {"campaign": campaign()}), (200, 200)),
+    ("post", "/campaigns/preview"): (lambda _: Sent("/campaigns/preview", {"campaign": campaign()}), (200, 200)),
+    ("put", "/drafts/{draft}"): (lambda c: Sent(draft(c), {**DRAFT, "name": "x", "version": 1}), (200, 409)),
+    ("delete", "/drafts/{draft}"): (lambda c: Sent(draft(c)), (204, 404)),
+    ("post", "/runs/cancel"): (lambda c: Sent("/runs/cancel", {"runs": [submit(c)]}), (200, 200)),
+    ("post", "/runs/remove"): (lambda c: Sent("/runs/remove", {"runs": [ended(c)[6:]], "reason": "x"}), (200, 200)),
+    ("post", "/runs/restore"): (lambda c: Sent("/runs/restore", {"runs": [removed(c)[6:]]}), (200, 200)),
+    ("patch", "/runs/{run}"): (lambda c: Sent(ended(c), {"name": "x", "notes": "y"}), (200, 200)),
+    ("delete", "/runs/{run}"): (lambda c: Sent(ended(c), query={"reason": "x"}), (200, 200)),
+    ("post", "/runs/{run}/cancel"): (lambda c: Sent(f"/runs/{submit(c)}/cancel"), (200, 200)),
+    ("post", "/runs/{run}/restore"): (lambda c: Sent(f"{removed(c)}/restore"), (200, 200)),
+    ("post", "/runs/{run}/signoffs/{signoff}/withdraw"): (
+        lambda c: Sent(f"{signed(c)}/withdraw", {"reason": "x"}),
+        (200, 409),
+    ),
+    # They store nothing, see test_flights and test_cases; here they are refused.
+    ("post", "/runs/{run}/flights"): (lambda _: Sent("/runs/R-0001/flights", {"finding": "F9"}), (422, 422)),
+    ("post", "/runs/{run}/cases"): (lambda _: Sent("/runs/R-0001/cases", {"finding": "F9"}), (422, 422)),
+    ("post", "/sweeps/{sweep}/cancel"): (
+        lambda c: Sent(f"{made(c, '/sweeps', 'id', json=asked())}/cancel"),
+        (200, 200),
+    ),
+    ("patch", "/runs/{run}/views/{key}"): (lambda _: Sent(f"/runs/R-0001/views/{VIEW}", {}), (404, 404)),
+    ("patch", "/users/{user}"): (
+        lambda c: Sent(made(c, "/users", "user", json={"name": "ann", "role": "viewer"}), {"role": "engineer"}),
+        (200, 200),
+    ),
+    ("patch", "/settings"): (lambda _: Sent("/settings", {"own_sign_offs": True}), (200, 200)),
+    ("delete", "/tokens/{token}"): (
+        lambda c: Sent(f"/tokens/{c.post(f'{API}/tokens', json=TOKEN).json()['token']['name']}"),
+        (200, 200),
+    ),
+    ("put", "/requirements"): (lambda _: Sent("/requirements", REQUIREMENT), (200, 200)),
+    ("delete", "/requirements"): (written, (204, 404)),
+    ("delete", "/requirements/files/{file}"): (lambda c: Sent(imported(c)), (204, 404)),
+}
+"""Writes that have the same effect when repeated: the request, its status, and that of the repetition."""
+
+TOKEN = {"name": "revoked", "scope": "run"}
+
+
+def signing(client: httpx.Client) -> Sent:
+    digest = client.get(f"{API}/runs/R-0002/signoffs").json()["digest"]
+    return Sent("/runs/R-0002/signoffs", {"name": "Ada", "role": "Review", "comment": "", "digest": digest})
+
+
+def invited(client: httpx.Client) -> Sent:
+    return Sent(made(client, "/users", "user", json={"name": "bob", "role": "viewer"}) + "/invitation")
+
+
+KEYED: dict[tuple[str, str], Prepared] = {
+    ("post", "/runs"): lambda _: Sent("/runs", {"campaign": campaign()}),
+    ("post", "/sweeps"): lambda _: Sent("/sweeps", asked()),
+    ("post", "/drafts"): lambda _: Sent("/drafts", DRAFT),
+    ("post", "/runs/{run}/signoffs"): signing,
+    ("post", "/webhooks/test"): lambda _: Sent("/webhooks/test"),
+    ("post", "/users"): lambda _: Sent("/users", {"name": "eve", "role": "viewer"}),
+    ("post", "/users/{user}/invitation"): invited,
+    ("post", "/tokens"): lambda _: Sent("/tokens", {"name": "keyed", "scope": "run"}),
+    ("post", "/requirements/files"): lambda _: Sent("/requirements/files", content=CSV, query=FILE),
+}
+"""Writes that make something each time, unless they are repeated with the same key."""
+SECRET_ONES = {("post", "/users"), ("post", "/users/{user}/invitation"), ("post", "/tokens")}
+"""Their answers are shown once, and stored nowhere."""
+
+
+def test_every_write_is_safe_to_repeat() -> None:
+    writes = {(method, path.removeprefix(API)): operation for path, method, operation in OPERATIONS if method != "get"}
+    assert writes.keys() == NATURAL.keys() | KEYED.keys()
+    assert not NATURAL.keys() & KEYED.keys()
+    for name, operation in writes.items():
+        headers = [one["name"] for one in operation.get("parameters", ()) if one["in"] == "header"]
+        assert ("Idempotency-Key" in headers) == (name in KEYED), name
+
+
+@pytest.mark.parametrize("write", NATURAL, ids=" ".join)
+def test_repeated_by_nature_it_changes_nothing(service: Service, client: httpx.Client, write: tuple[str, str]) -> None:
+    prepare, statuses = NATURAL[write]
+    with service.signed_in():  # a second session
+        sent = prepare(client)
+        first = sent.to(client, write[0])
+        assert first.status_code == statuses[0], first.text
+        before = state(service)
+        again = sent.to(client, write[0])
+        assert again.status_code == statuses[1], again.text
+        assert state(service) == before
+
+
+@pytest.mark.parametrize("write", KEYED, ids=" ".join)
+def test_repeated_with_its_key_it_makes_nothing(service: Service, client: httpx.Client, write: tuple[str, str]) -> None:
+    sent = KEYED[write](client)
+    first = sent.to(client, "post", "k")
+    assert first.status_code in (201, 202), first.text
+    before = state(service)
+    again = sent.to(client, "post", "k")
+    assert state(service) == before
+    if write in SECRET_ONES:
+        document = problem(again, 409)
+        assert document["type"] == "urn:clearance:problem:already-made"
+        assert "with another" in str(document["detail"])
+        answer = first.json()
+        secret = answer.get("secret") or answer["path"].partition("code=")[2]
+        assert len(secret) > 20
+        assert secret not in str(before)
+    else:
+        assert (again.status_code, again.json()) == (first.status_code, first.json())
+    other = Sent(sent.path, sent.json, sent.content, {**sent.query, "other": 1})
+    if sent.json is not None:
+        other = Sent(sent.path, {**sent.json, "name": "zoe"}, query=sent.query)
+    refused = problem(other.to(client, "post", "k"), 422)
+    assert refused["type"] == "urn:clearance:problem:idempotency-key-reused"
+    assert state(service) == before
+
+
+def test_what_is_refused_leaves_its_key(client: httpx.Client) -> None:
+    problem(Sent("/tokens", {"name": "local", "scope": "run"}).to(client, "post", "left"), 409)
+    assert Sent("/tokens", {"name": "left", "scope": "run"}).to(client, "post", "left").status_code == 201
+
+
+def test_a_key_is_of_its_user(service: Service, client: httpx.Client) -> None:
+    mine = Sent("/drafts", DRAFT).to(client, "post", "shared").json()
+    with service.visitor(authorization=f"Bearer {service.token('program')}") as program:
+        theirs = Sent("/drafts", DRAFT).to(program, "post", "shared").json()
+        assert theirs["id"] != mine["id"]
+        assert theirs["owner"] == "program"
+
+
+@pytest.mark.parametrize(
+    ("key", "status"), [("k" * 128, 201), ("k" * 10_000, 422), ("", 422), (b"\xfcber \xff", 201), (b"a\tb", 201)]
+)
+def test_keys_of_every_kind(client: httpx.Client, key: str | bytes, status: int) -> None:
+    as_bytes = key if isinstance(key, bytes) else key.encode()
+    found = [client.post(f"{API}/drafts", json=DRAFT, headers=[(b"Idempotency-Key", as_bytes)]) for _ in range(2)]
+    assert [answer.status_code for answer in found] == [status, status]
+    assert status != 201 or found[0].json() == found[1].json()
+
+
+def test_a_large_request_is_done_once(client: httpx.Client) -> None:
+    content = b"id,text\n" + b"".join(b"BIG-%d,%s\n" % (i, b"x" * 100) for i in range(10_000))
+    sent = Sent("/requirements/files", content=content, query={**FILE, "name": "big.csv"})
+    first, again = (sent.to(client, "post", "big") for _ in range(2))
+    assert first.status_code == 201, first.text
+    assert len(first.json()["added"]) == 10_000
+    assert again.json() == first.json()
+
+
+def test_answers_are_forgotten_before_they_fill_the_disk(client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(keys, "KEPT", 2)
+    made = [Sent("/drafts", DRAFT).to(client, "post", f"many-{i}").json()["id"] for i in range(3)]
+    told = problem(Sent("/drafts", DRAFT).to(client, "post", "many-0"), 409)
+    assert made[0] in str(told["detail"])
+    assert Sent("/drafts", DRAFT).to(client, "post", "many-2").json()["id"] == made[2]
+
+
+@BOTH
+def test_of_requests_at_the_same_time_one_is_done(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> None:
+    with running(fresh, tmp_path_factory.mktemp("at once")) as service, service.signed_in() as client:
+        service.publish()
+        for sent in (Sent("/drafts", DRAFT), Sent("/runs", {"campaign": campaign()}), Sent("/sweeps", asked())):
+            before = service.rows()
+            with ThreadPoolExecutor(6) as pool:
+                found = list(pool.map(lambda _, s=sent: s.to(client, "post", "k"), range(6)))
+            assert [answer.status_code for answer in found] == [201] * 6, [answer.text for answer in found]
+            assert len({json.dumps(answer.json()) for answer in found}) == 1
+            assert service.rows()["request_keys"] == before["request_keys"] + 1
+        rows = service.rows()
+        assert (rows["drafts"], rows["runs"], rows["sweeps"]) == (1, 4, 1)
+        token = Sent("/tokens", {"name": "one", "scope": "run"})
+        with ThreadPoolExecutor(6) as pool:
+            statuses = sorted(a.status_code for a in pool.map(lambda _: token.to(client, "post", "k"), range(6)))
+        assert statuses == [201] + [409] * 5

@@ -50,7 +50,10 @@ def read(kind: FileKind, content: bytes, id_name: str, text_name: str) -> tuple[
 def _check(found: Sequence[Read]) -> None:
     twice = next((key for key, count in Counter(one.id for one in found).items() if count > 1), None)
     if twice is not None:
-        raise CannotRead(f"the id {twice[:80]!r} occurs more than once: name the attribute that holds unique ids")
+        raise CannotRead(
+            f"the id {twice[:80]!r} occurs more than once: name the attribute that holds unique ids; in a ReqIF file "
+            "IDENTIFIER is the object's own"
+        )
     if len(found) > MOST:
         raise CannotRead(f"{len(found):,} requirements are too many: at most {MOST:,}")
     for one in found:

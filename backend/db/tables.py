@@ -28,6 +28,8 @@ from backend.db.tables_labels import RunLabel as RunLabel
 from backend.db.tables_requirements import Requirement as Requirement
 from backend.db.tables_requirements import RequirementFile as RequirementFile
 from backend.db.tables_requirements import RunRequirement as RunRequirement
+from backend.db.tables_sources import RunSources as RunSources
+from backend.db.tables_sources import SourceText as SourceText
 from backend.db.tables_sweeps import Sweep as Sweep
 from backend.db.tables_sweeps import SweepRun as SweepRun
 from backend.db.tables_users import Audit as Audit

@@ -27,8 +27,6 @@ from tests.api.occupied import occupied
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.api.submitting import submit
-from tests.api.test_sweeps import asked
-from tests.api.test_webhooks import SECRET
 
 API = "/api/v1"
 TRAIL = ("audit", "audit_head")
@@ -55,7 +53,11 @@ class Sent:
 @pytest.fixture(scope="module")
 def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """R-0001 has ended, R-0002 can be signed off; a webhook that nobody answers."""
-    hooks = {"webhooks": SecretStr("http://127.0.0.1:9/"), "webhook_secret": SecretStr(SECRET), "webhook_private": True}
+    hooks = {
+        "webhooks": SecretStr("http://127.0.0.1:9/"),
+        "webhook_secret": SecretStr("whsec_" + "A" * 44),
+        "webhook_private": True,
+    }
     with occupied(fresh_sqlite, tmp_path_factory.mktemp("once"), **hooks) as service:
         finish_fully(service)
         yield service
@@ -121,6 +123,7 @@ def written(client: httpx.Client) -> Sent:
     return Sent("/requirements", query={"requirement": REQUIREMENT["id"]})
 
 
+SWEEP = {"campaign": campaign(), "path": "avoider.d_0", "values": [1.0, 2.0, 3.0]}
 DRAFT = {"name": "", "text": "name:"}
 FILE = {"kind": "csv", "name": "a.csv", "id_attribute": "id", "text_attribute": "text"}
 REQUIREMENT = {"id": "REQ-9", "text": "It stops."}
@@ -150,7 +153,7 @@ NATURAL: dict[tuple[str, str], tuple[Prepared, tuple[int, int]]] = {
     ("post", "/runs/{run}/flights"): (lambda _: Sent("/runs/R-0001/flights", {"finding": "F9"}), (422, 422)),
     ("post", "/runs/{run}/cases"): (lambda _: Sent("/runs/R-0001/cases", {"finding": "F9"}), (422, 422)),
     ("post", "/sweeps/{sweep}/cancel"): (
-        lambda c: Sent(f"{made(c, '/sweeps', 'id', json=asked())}/cancel"),
+        lambda c: Sent(f"{made(c, '/sweeps', 'id', json=SWEEP)}/cancel"),
         (200, 200),
     ),
     ("patch", "/runs/{run}/views/{key}"): (lambda _: Sent(f"/runs/R-0001/views/{VIEW}", {}), (404, 404)),
@@ -183,7 +186,7 @@ def invited(client: httpx.Client) -> Sent:
 
 KEYED: dict[tuple[str, str], Prepared] = {
     ("post", "/runs"): lambda _: Sent("/runs", {"campaign": campaign()}),
-    ("post", "/sweeps"): lambda _: Sent("/sweeps", asked()),
+    ("post", "/sweeps"): lambda _: Sent("/sweeps", SWEEP),
     ("post", "/drafts"): lambda _: Sent("/drafts", DRAFT),
     ("post", "/runs/{run}/signoffs"): signing,
     ("post", "/webhooks/test"): lambda _: Sent("/webhooks/test"),
@@ -289,7 +292,7 @@ def test_answers_are_forgotten_before_they_fill_the_disk(client: httpx.Client, m
 def test_of_requests_at_the_same_time_one_is_done(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> None:
     with running(fresh, tmp_path_factory.mktemp("at once")) as service, service.signed_in() as client:
         service.publish()
-        for sent in (Sent("/drafts", DRAFT), Sent("/runs", {"campaign": campaign()}), Sent("/sweeps", asked())):
+        for sent in (Sent("/drafts", DRAFT), Sent("/runs", {"campaign": campaign()}), Sent("/sweeps", SWEEP)):
             before = service.rows()
             with ThreadPoolExecutor(6) as pool:
                 found = list(pool.map(lambda _, s=sent: s.to(client, "post", "k"), range(6)))

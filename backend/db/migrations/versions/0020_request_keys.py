@@ -1,6 +1,7 @@
-"""one table of Idempotency-Keys for all writes: those of runs and sweeps are moved to it
+"""one table of Idempotency-Keys for all writes, and the sources of components that are not shipped
 
-A request that was sent before the migration and is repeated after it returns the run or sweep of the first.
+A request that was sent before the migration and is repeated after it returns the run or sweep of the first. Runs of
+before have no stored sources.
 
 Revision ID: 0020
 Revises: 0019
@@ -51,6 +52,19 @@ def upgrade() -> None:
         batch.drop_constraint("uq_sweeps_key", type_="unique")
         batch.drop_column("key")
         batch.drop_column("body")
+    op.create_table(
+        "run_sources",
+        sa.Column("run_id", sa.Integer(), nullable=False),
+        sa.Column("document", sa.JSON(), nullable=False),
+        sa.ForeignKeyConstraint(["run_id"], ["runs.id"], ondelete="CASCADE"),
+        sa.PrimaryKeyConstraint("run_id"),
+    )
+    op.create_table(
+        "source_texts",
+        sa.Column("digest", sa.String(64), nullable=False),
+        sa.Column("content", sa.LargeBinary(), nullable=False),
+        sa.PrimaryKeyConstraint("digest"),
+    )
 
 
 def _row(row: Any, operation: str, made: str, user: str) -> dict[str, object]:
@@ -60,6 +74,8 @@ def _row(row: Any, operation: str, made: str, user: str) -> dict[str, object]:
 
 def downgrade() -> None:
     """Keys of other writes are lost: those are then done again if they are repeated."""
+    op.drop_table("source_texts")
+    op.drop_table("run_sources")
     op.create_table(
         "idempotency_keys",
         sa.Column("key", sa.String(128), nullable=False),

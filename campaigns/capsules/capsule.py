@@ -1,7 +1,7 @@
 """The content of a capsule: a finding with its campaign, components, versions, trajectories and digests.
 
-Nothing in it is executed when it is read, and when it is replayed only what the user permits: without that, the components
-of the installation evaluate the finding again. Start reading at `Capsule`.
+Nothing in it is executed when it is read. When it is replayed, the components of the installation evaluate the finding
+again, unless the user permits the code in the capsule. Start reading at `Capsule`.
 """
 
 from __future__ import annotations

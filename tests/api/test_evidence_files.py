@@ -7,6 +7,7 @@ import io
 import json
 import math
 import zipfile
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,8 @@ from backend.db.records import Trace
 from backend.db.store import RunStore
 from backend.exports import mcap, parquet
 from backend.scenes.recordings import recording as recorder
-from campaigns.capsules.packing import read
+from campaigns.capsules.packing import read, read_sources
+from campaigns.capsules.sources import SourceFile, Sources
 from tests.api.answers import problem
 from tests.api.finished import Work, encounter, finish, flight
 from tests.api.server import Service
@@ -34,6 +36,8 @@ from worker.runs import sources
 from worker.stages.parts import offered
 
 Messages = dict[str, list[dict[str, Any]]]
+
+OWN = "worker.components.own.my_robot"
 
 
 @pytest.fixture(autouse=True)
@@ -198,6 +202,10 @@ def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(
     store.plan([stage.plan for stage in evaluated.stages])
     assert evaluated.versions is not None
     store.record_versions(evaluated.versions, sources.code())
+    text = b"component = 1\r\n\x0c"
+    store.record_sources(
+        Sources(files=(SourceFile(module=OWN, package=False, digest=sha256(text).hexdigest()),)), {OWN: text}
+    )
     for at, stage in enumerate(evaluated.stages):
         store.begin(at)
         columns, last = evaluated.evaluations(at), at == len(evaluated.stages) - 1
@@ -212,6 +220,7 @@ def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(
         file = tmp_path / "capsule.zip"
         file.write_bytes(exported(client, "R-0001", "capsule-F1.zip"))
         assert exported(client, "R-0001", "capsule-F1.zip") == file.read_bytes(), "the same finding, the same file"
+    assert read_sources(file) == {OWN: text}
     for named in (["R-0001", "--data", str(bare.settings.data)], [str(file)]):
         assert invoke(["replay", *named, "--json"]) == 0
         said = json.loads(capsys.readouterr().out)

@@ -89,9 +89,12 @@ def _forget(writer: sa.Connection, user: str) -> None:
     answered = (RequestKey.user == user, RequestKey.answer.is_not(None))
     of = sa.select(RequestKey.created).where(*answered).order_by(RequestKey.created.desc()).offset(KEPT - 1).limit(1)
     oldest = writer.scalar(of)
-    if oldest is not None:
-        old = (*answered, RequestKey.created < oldest)
-        writer.execute(sa.update(RequestKey).where(*old).values(answer=None))
+    if oldest is None:
+        return
+    of = sa.select(RequestKey.operation, RequestKey.key).where(*answered, RequestKey.created < oldest)
+    for row in writer.execute(of.with_for_update(skip_locked=True)).all():  # another request forgets the locked ones
+        mine = _mine(Keyed(row.key, user, row.operation, ""))
+        writer.execute(sa.update(RequestKey).where(*mine).values(answer=None))
 
 
 def _mine(asked: Keyed) -> tuple[sa.ColumnElement[bool], ...]:

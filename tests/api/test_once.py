@@ -9,6 +9,7 @@ import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -18,6 +19,7 @@ from pydantic import SecretStr
 
 from backend.db.tables import Base
 from backend.http import keys
+from backend.settings import Settings
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.conftest import Fresh, running
@@ -262,7 +264,16 @@ def test_a_key_is_of_its_user(service: Service, client: httpx.Client) -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "status"), [("k" * 128, 201), ("k" * 10_000, 422), ("", 422), (b"\xfcber \xff", 201), (b"a\tb", 201)]
+    ("key", "status"),
+    [
+        ("k" * 128, 201),
+        ("k" * 10_000, 422),
+        ("", 422),
+        (" ", 422),
+        ("a, b", 201),
+        (b"\xfcber \xff", 201),
+        (b"a\tb", 201),
+    ],
 )
 def test_keys_of_every_kind(client: httpx.Client, key: str | bytes, status: int) -> None:
     as_bytes = key if isinstance(key, bytes) else key.encode()
@@ -286,6 +297,30 @@ def test_answers_are_forgotten_before_they_fill_the_disk(client: httpx.Client, m
     told = problem(Sent("/drafts", DRAFT).to(client, "post", "many-0"), 409)
     assert made[0] in str(told["detail"])
     assert Sent("/drafts", DRAFT).to(client, "post", "many-2").json()["id"] == made[2]
+
+
+def test_a_request_is_not_done_again_after_a_restart(fresh: Fresh, tmp_path: Path) -> None:
+    found = []
+    for number in range(2):
+        settings = Settings(data=tmp_path / "data", database=fresh(tmp_path / "data") if not number else "")
+        service = Service(settings)
+        service.start()
+        with service.signed_in() as client:
+            found.append(Sent("/drafts", DRAFT).to(client, "post", "k"))
+        service.stop()
+    assert [answer.status_code for answer in found] == [201, 201]
+    assert found[0].json() == found[1].json()
+
+
+@BOTH
+def test_answers_are_forgotten_by_requests_at_the_same_time(
+    fresh: Fresh, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(keys, "KEPT", 1)
+    with running(fresh, tmp_path) as service, service.signed_in() as client, ThreadPoolExecutor(6) as pool:
+        found = pool.map(lambda i: Sent("/drafts", DRAFT).to(client, "post", f"k{i}").status_code, range(24))
+        assert list(found) == [201] * 24
+        assert service.rows()["drafts"] == 24
 
 
 @BOTH

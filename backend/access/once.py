@@ -17,6 +17,7 @@ from fastapi import Depends, Request
 from pydantic import TypeAdapter, ValidationError
 
 from backend.access.auth import CurrentVisitor
+from backend.db.engine import read
 from backend.http import keys
 from backend.http.deps import Engine
 from backend.http.errors import RefusedError
@@ -33,10 +34,17 @@ class Once:
     engine: sa.Engine
     asked: Keyed
 
-    def do(self, kind: Any, work: Work[Answer], made: Callable[[Answer], str]) -> Answer:
+    def do(
+        self,
+        kind: Any,
+        work: Work[Answer],
+        made: Callable[[Answer], str],
+        present: Callable[[sa.Connection, Answer], Answer] | None = None,
+    ) -> Answer:
         """The answer of the work, or the stored answer of the first request.
 
         kind: the type of the answer. work: writes in the given transaction. made: names what was made, for sentences.
+        present: of a stored answer, what it is now, if that may say less than it did.
         """
         answers: TypeAdapter[Answer] = TypeAdapter(kind)
         with self.engine.begin() as writer:
@@ -45,7 +53,11 @@ class Once:
                 answer = work(writer)
                 keys.keep(writer, self.asked, made(answer), zlib.compress(answers.dump_json(answer)))
                 return answer
-        return self._stored(answers, row)
+        stored = self._stored(answers, row)
+        if present is None:
+            return stored
+        with read(self.engine) as reader:
+            return present(reader, stored)
 
     def do_secretly(self, work: Work[Answer], made: str, otherwise: str) -> Answer:
         """The same for an answer with a secret, which is stored nowhere: a repeated request is refused (409).

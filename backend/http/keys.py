@@ -91,8 +91,8 @@ def _forget(writer: sa.Connection, user: str) -> None:
     oldest = writer.scalar(of)
     if oldest is None:
         return
-    of = sa.select(RequestKey.operation, RequestKey.key).where(*answered, RequestKey.created < oldest)
-    for row in writer.execute(of.with_for_update(skip_locked=True)).all():  # another request forgets the locked ones
+    old = sa.select(RequestKey.operation, RequestKey.key).where(*answered, RequestKey.created < oldest)
+    for row in writer.execute(old.with_for_update(skip_locked=True)).all():  # another request forgets the locked ones
         mine = _mine(Keyed(row.key, user, row.operation, ""))
         writer.execute(sa.update(RequestKey).where(*mine).values(answer=None))
 

@@ -49,7 +49,10 @@ def sign_off(run: RunName, given: SignoffRequest, once: OnceOnly, visitor: Curre
     def work(writer: sa.Connection) -> Signoff:
         return service.sign(writer, run_id, given, visitor)
 
-    return once.do(Signoff, work, lambda signed: f"the sign-off {signed.id} of {run}")
+    def present(reader: sa.Connection, signed: Signoff) -> Signoff:
+        return service.one(reader, run_id, signed.id)  # it may be withdrawn, or the results may have changed
+
+    return once.do(Signoff, work, lambda signed: f"the sign-off {signed.id} of {run}", present)
 
 
 @router.post("/runs/{run}/signoffs/{signoff}/withdraw", responses=problems("not-found", "withdrawn", "purged"))

@@ -63,7 +63,7 @@ def sign(writer: sa.Connection, run_id: int, given: SignoffRequest, visitor: Vis
     signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
     told = {"signoff": signoff_id, **given.model_dump()} | ({"own": True} if own else {})
     audit.note(writer, visitor, "signoff.created", run_name(run_id), told)
-    return _one(writer, run_id, signoff_id)
+    return one(writer, run_id, signoff_id)
 
 
 def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visitor: Visitor) -> Signoff:
@@ -71,7 +71,7 @@ def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visit
     it is already withdrawn.
     """
     with engine.begin() as writer:
-        standing = _one(writer, run_id, signoff_id)
+        standing = one(writer, run_id, signoff_id)
         require_own(writer, visitor, standing.user, f"sign-off {signoff_id} of {run_name(run_id)}")
         if standing.withdrawn is not None:
             raise _conflict("withdrawn", f"this sign-off was already withdrawn by {standing.withdrawn_by}")
@@ -79,10 +79,11 @@ def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visit
         writer.execute(sa.update(Row).where(Row.id == signoff_id).values(**values))
         detail = {"signoff": signoff_id, "reason": reason}
         audit.note(writer, visitor, "signoff.withdrawn", run_name(run_id), detail)
-        return _one(writer, run_id, signoff_id)
+        return one(writer, run_id, signoff_id)
 
 
-def _one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
+def one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
+    """A sign-off as it is now; 404 if there is none."""
     _verdict(reader, run_id)
     query = sa.select(Row.__table__).where(Row.run_id == run_id, Row.id == signoff_id)
     row = reader.execute(query).mappings().one_or_none()

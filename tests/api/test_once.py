@@ -255,6 +255,15 @@ def test_what_is_refused_leaves_its_key(client: httpx.Client) -> None:
     assert Sent("/tokens", {"name": "left", "scope": "run"}).to(client, "post", "left").status_code == 201
 
 
+def test_a_repeated_sign_off_says_that_it_was_withdrawn(client: httpx.Client) -> None:
+    sent = signing(client)
+    sent = Sent(sent.path, {**sent.json, "name": "Mary"})
+    number = sent.to(client, "post", "withdrawn").json()["id"]
+    client.post(f"{API}{sent.path}/{number}/withdraw", json={"reason": "Overlooked."})
+    again = sent.to(client, "post", "withdrawn").json()
+    assert (again["id"], again["withdrawn_reason"]) == (number, "Overlooked.")
+
+
 def test_a_key_is_of_its_user(service: Service, client: httpx.Client) -> None:
     mine = Sent("/drafts", DRAFT).to(client, "post", "shared").json()
     with service.visitor(authorization=f"Bearer {service.token('program')}") as program:

@@ -14,8 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 OWN = "worker.components.own"
 """The package whose modules are the files of the operator's folders."""
-MOST_FILES, LARGEST = 60, 2 * 2**20
-"""Of the sources of a run: number of files, and size of each [bytes]."""
+MOST_FILES, LARGEST, LARGEST_OF_ALL = 60, 2 * 2**20, 8 * 2**20
+"""Of the sources of a run: number of files, and size of each and of all [bytes]."""
 
 _MODULE = r"[A-Za-z_][A-Za-z0-9_]{0,99}(\.[A-Za-z_][A-Za-z0-9_]{0,99}){0,9}"
 _WORD = r"[A-Za-z0-9][A-Za-z0-9._+!-]{0,99}"
@@ -73,6 +73,8 @@ class Sources(_Part):
         modules = [file.module for file in self.files]
         if sorted(texts) != sorted(modules):
             return "its sources are not those that it states"
+        if sum(map(len, texts.values())) > LARGEST_OF_ALL:
+            return f"its sources are larger than {LARGEST_OF_ALL // 2**20} MiB"
         for file in self.files:
             if hashlib.sha256(texts[file.module]).hexdigest() != file.digest:
                 return f"the text of {file.file} in it was changed"

@@ -19,6 +19,8 @@ from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
 
 from backend.db import queue
+from backend.db import sources as stored
+from backend.db.engine import read as read_of
 from backend.db.records import Trace
 from backend.db.store import RunStore
 from backend.exports import mcap, parquet
@@ -26,6 +28,7 @@ from backend.scenes.recordings import recording as recorder
 from campaigns.capsules.packing import read, read_sources
 from campaigns.capsules.sources import SourceFile, Sources
 from tests.api.answers import problem
+from tests.api.databases import BOTH
 from tests.api.finished import Work, encounter, finish, flight
 from tests.api.server import Service
 from tests.api.submitting import submit
@@ -188,6 +191,24 @@ def test_without_the_packages_the_menu_and_the_files_say_so(
         assert listed["unavailable"] == module.MISSING
         refused = problem(guest.get(f"/api/v1/runs/{run}/exports/{file}"), 503)
         assert package in str(refused["detail"])
+
+
+@BOTH
+def test_the_source_of_a_run_is_stored_once(bare: Service) -> None:
+    text, of = b"component = 1\r\n\x0c", {"package": False}
+    files = [SourceFile(module=f"{OWN}{i}", digest=sha256(text).hexdigest(), **of) for i in range(2)]
+    given = Sources(files=tuple(files)), {file.module: text for file in files}
+    for number in (1, 2):
+        with bare.engine.begin() as writer:
+            queue.submit(writer, ran("violated")[0], name="", tags=[], owner="", planned=1, catalogue=catalogue())
+        claim = queue.Queue(bare.engine).claim("w1")
+        assert claim is not None
+        for _ in range(2):
+            RunStore(bare.engine, claim).record_sources(*given)
+        with read_of(bare.engine) as reader:
+            assert stored.of_run(reader, number) == given
+            assert stored.of_run(reader, 3) is None
+    assert (bare.rows()["run_sources"], bare.rows()["source_texts"]) == (2, 1)
 
 
 def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(

@@ -278,7 +278,6 @@ def test_a_key_is_of_its_user(service: Service, client: httpx.Client) -> None:
         ("k" * 128, 201),
         ("k" * 10_000, 422),
         ("", 422),
-        (" ", 422),
         ("a, b", 201),
         (b"\xfcber \xff", 201),
         (b"a\tb", 201),

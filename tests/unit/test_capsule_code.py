@@ -153,6 +153,22 @@ def test_a_run_of_an_own_component_is_replayed_where_it_is_not_installed(
     assert (said["cases"][0]["agreement"], said["differences"]) == ("same bits", [])
 
 
+def test_source_that_does_not_evaluate_the_finding_is_not_said_to(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The campaign is one of shipped components, with other source next to it."""
+
+    def shipped(document: Document) -> None:
+        document["campaign"]["scenario"]["avoider"]["component"] = "potential_field"
+        document["campaign_digest"] = load_document(document["campaign"], "x").digest
+
+    capsule = with_source(tmp_path, OWN, text_of(tmp_path / "ran"), shipped)
+    assert invoke(["replay", str(capsule), "--allow-code"]) == WRONG_INPUT
+    assert "is not evaluated by exactly the source in it" in capsys.readouterr().err
+    assert invoke(["replay", str(capsule)]) == 0
+    assert "nothing of the capsule was executed" in capsys.readouterr().out
+
+
 def _module(name: str) -> Callable[[Document], object]:
     return lambda d: d["sources"]["files"][0].update(module=name)
 

@@ -44,6 +44,21 @@ def permits(capsule: Capsule) -> str:
     )
 
 
+def refuse_unused(path: str, capsule: Capsule) -> None:
+    """In that process: refuse a capsule that is evaluated by something else than the source in it."""
+    from worker.runs.added import added
+
+    if not is_inside(capsule):
+        return
+    assert capsule.sources is not None
+    used = added(capsule.asked)
+    if used is None or set(used[0].files) != set(capsule.sources.files):
+        raise WrongInputError(
+            f"{path} cannot be replayed: its campaign is not evaluated by exactly the source in it; without "
+            "--allow-code the components of this installation evaluate it"
+        )
+
+
 def replayed_with_its_code(path: Path, arguments: Sequence[str]) -> int | None:
     """The exit code of the replay in that process; None if the capsule has no source, or if this is that process."""
     from campaigns.capsules.packing import CapsuleError, read, read_sources

@@ -15,7 +15,7 @@ import typer
 
 from worker.cli import VIOLATED, WrongInputError
 from worker.cli._capsule import changed, described, is_capsule, of_capsule, sentence
-from worker.cli._capsule_code import permits, replayed_with_its_code
+from worker.cli._capsule_code import permits, refuse_unused, replayed_with_its_code
 from worker.cli._where import DATA, Data, Database, loaded_run
 
 if TYPE_CHECKING:
@@ -67,6 +67,8 @@ def replay(
     capsule = of_capsule(Path(run), allow_code) if is_capsule(run) else None
     recorded = loaded_run(run, data, database, of_folder, of_database) if capsule is None else capsule.recorded
     problem = _opened(run, recorded, "" if capsule is None else permits(capsule.capsule))
+    if capsule is not None:
+        refuse_unused(run, capsule.capsule)
     with closing(problem.system):
         others, elsewhere = _compared(recorded, problem)
         try:

@@ -11,7 +11,7 @@ import importlib.util
 from collections.abc import Iterable, Iterator
 
 from campaigns.asked.spec import Campaign
-from campaigns.capsules.sources import LARGEST, MOST_FILES, EntryPoint, SourceFile, Sources
+from campaigns.capsules.sources import LARGEST, LARGEST_OF_ALL, MOST_FILES, EntryPoint, SourceFile, Sources
 from campaigns.checked.check import parts
 from worker.catalogue import installed
 from worker.runs import sources
@@ -29,7 +29,8 @@ def added(campaign: Campaign) -> tuple[Sources, dict[str, bytes]] | None:
         modules += _of_packages(foreign)
         entries = list(_entries(foreign))
     texts = {name: sources.LOADED.files[name] for name in modules if name in sources.LOADED.files}
-    if not texts or len(texts) > MOST_FILES or max(map(len, texts.values())) > LARGEST:
+    sizes = [len(text) for text in texts.values()]
+    if not sizes or len(sizes) > MOST_FILES or max(sizes) > LARGEST or sum(sizes) > LARGEST_OF_ALL:
         return None
     files = [
         SourceFile(module=name, package=_is_package(name), digest=hashlib.sha256(text).hexdigest())

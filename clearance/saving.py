@@ -56,6 +56,8 @@ def _page(engine: sa.Engine, held: Held) -> str:
     assert store.versions is not None
     assert store.verdict is not None
     stored.record_versions(store.versions, sources.code())
+    if store.sources is not None:
+        stored.record_sources(*store.sources)
     for position, record in enumerate(store.stages):
         stored.begin(position)
         columns = store.evaluations(position)

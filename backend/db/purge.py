@@ -23,6 +23,7 @@ from backend.db.tables import (
     Run,
     RunBaseline,
     RunLabel,
+    RunSources,
     RunText,
     Signoff,
     Stage,
@@ -73,7 +74,17 @@ def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
         if row is None:
             return False
         digest = results_digest(writer, run_id)
-        for table in (EvaluationAhead, EvaluationChunk, Stage, Finding, Trace, RunText, RunLabel, RunBaseline):
+        for table in (
+            EvaluationAhead,
+            EvaluationChunk,
+            Stage,
+            Finding,
+            Trace,
+            RunText,
+            RunSources,
+            RunLabel,
+            RunBaseline,
+        ):
             writer.execute(sa.delete(table).where(table.run_id == run_id))
         left = {**_EMPTY, "purged": now(writer), "purged_by": user[:64], "purged_digest": digest}
         writer.execute(sa.update(Run).where(Run.id == run_id).values(**left))

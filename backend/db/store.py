@@ -6,13 +6,13 @@ lease writes nothing. Start reading at `RunStore.append`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db import codes, evaluations_ahead, snapshots
+from backend.db import codes, evaluations_ahead, snapshots, sources
 from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
@@ -22,6 +22,7 @@ from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
+from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import values_changed
 from campaigns.documents import JsonObject
@@ -66,6 +67,15 @@ class RunStore:
         Runs that are older than this column have nothing to compare.
         """
         self._write(lambda connection: self._check_code(connection, versions, code))
+
+    def record_sources(self, files: Sources, texts: Mapping[str, bytes]) -> None:
+        """Store the sources of the run's components that are not shipped, with their texts by module."""
+
+        def work(connection: sa.Connection) -> None:
+            fenced(connection, self.claim, state=Run.state)
+            sources.store(connection, self._run, files, texts)
+
+        self._write(work)
 
     def begin(self, position: int) -> None:
         """Mark a stage as running."""

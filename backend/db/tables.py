@@ -22,11 +22,14 @@ from backend.db.tables_installed import CatalogueDocument as CatalogueDocument
 from backend.db.tables_installed import CatalogueSnapshot as CatalogueSnapshot
 from backend.db.tables_installed import CodeVersion as CodeVersion
 from backend.db.tables_installed import SimulatorMeasurement as SimulatorMeasurement
+from backend.db.tables_keys import RequestKey as RequestKey
 from backend.db.tables_labels import RunBaseline as RunBaseline
 from backend.db.tables_labels import RunLabel as RunLabel
 from backend.db.tables_requirements import Requirement as Requirement
 from backend.db.tables_requirements import RequirementFile as RequirementFile
 from backend.db.tables_requirements import RunRequirement as RunRequirement
+from backend.db.tables_sources import RunSources as RunSources
+from backend.db.tables_sources import SourceText as SourceText
 from backend.db.tables_sweeps import Sweep as Sweep
 from backend.db.tables_sweeps import SweepRun as SweepRun
 from backend.db.tables_users import Audit as Audit
@@ -268,14 +271,3 @@ class RunText(Base):
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
     text: orm.Mapped[str] = orm.mapped_column(sa.Text)
     """YAML or JSON that parses to the run's campaign without its baseline."""
-
-
-class IdempotencyKey(Base):
-    """An answered submission: the same key returns the same run; a different body under that key is refused."""
-
-    __tablename__ = "idempotency_keys"
-    key: orm.Mapped[str] = orm.mapped_column(sa.String(128), primary_key=True)
-    user: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
-    body: orm.Mapped[str] = orm.mapped_column(sa.String(64))
-    run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"))
-    created: orm.Mapped[float]

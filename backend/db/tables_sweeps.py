@@ -24,11 +24,6 @@ class Sweep(Base):
     """Its value in the campaign; None if that gave none."""
     owner: orm.Mapped[str] = orm.mapped_column(sa.String(64))
     created: orm.Mapped[float]
-    key: orm.Mapped[str | None] = orm.mapped_column(sa.String(128))
-    """The Idempotency-Key of the request."""
-    body: orm.Mapped[str] = orm.mapped_column(sa.String(64))
-    """Digest of its body."""
-    __table_args__ = (sa.UniqueConstraint("owner", "key", name="uq_sweeps_key"),)
 
 
 class SweepRun(Base):

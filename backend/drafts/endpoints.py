@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response, status
 
 from backend.access.auth import CurrentVisitor
+from backend.access.once import OnceOnly
 from backend.drafts import service
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
 from backend.http.deps import Engine, Reader
@@ -23,10 +24,14 @@ def list_drafts(reader: Reader) -> list[DraftSummary]:
     return service.listed(reader)
 
 
-@router.post("/drafts", status_code=status.HTTP_201_CREATED, responses=problems("too-many-drafts"))
-def create_draft(given: DraftContent, engine: Engine, visitor: CurrentVisitor) -> Draft:
+@router.post(
+    "/drafts",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems("too-many-drafts", "idempotency-key-reused", "already-made"),
+)
+def create_draft(given: DraftContent, once: OnceOnly, visitor: CurrentVisitor) -> Draft:
     """Store a new draft of a campaign with its original text."""
-    return service.create(engine, given, visitor)
+    return once.do(Draft, lambda writer: service.create(writer, given, visitor), lambda draft: draft.id)
 
 
 @router.get("/drafts/{draft}", responses=TAGGED | problems("not-found"))

@@ -55,18 +55,17 @@ def one(reader: sa.Connection, draft_id: int) -> Draft:
     return Draft(**_draft(dict(row)))
 
 
-def create(engine: sa.Engine, given: DraftContent, visitor: Visitor) -> Draft:
+def create(writer: sa.Connection, given: DraftContent, visitor: Visitor) -> Draft:
     """Store a new draft; 409 if there are too many."""
-    with engine.begin() as writer:
-        if (writer.scalar(sa.select(sa.func.count()).select_from(Row)) or 0) >= MOST:
-            raise RefusedError(
-                409, "too-many-drafts", f"there are already {MOST} drafts, which is the limit: delete some first"
-            )
-        at = now(writer)
-        who = {"owner": visitor.user, "saved_by": visitor.user, "created": at, "saved": at}
-        values = given.model_dump() | who | {"version": 1}
-        draft_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
-        return one(writer, draft_id)
+    if (writer.scalar(sa.select(sa.func.count()).select_from(Row)) or 0) >= MOST:
+        raise RefusedError(
+            409, "too-many-drafts", f"there are already {MOST} drafts, which is the limit: delete some first"
+        )
+    at = now(writer)
+    who = {"owner": visitor.user, "saved_by": visitor.user, "created": at, "saved": at}
+    values = given.model_dump() | who | {"version": 1}
+    draft_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
+    return one(writer, draft_id)
 
 
 def etag(draft: Draft) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
-from backend.db import codes, continuation, snapshots
+from backend.db import codes, continuation, snapshots, sources
 from backend.db.digest import results_digest
 from backend.http.errors import not_found
 from backend.results import service as results
@@ -50,6 +50,7 @@ def content(reader: sa.Connection, run_id: int, label: str) -> Content:
         components=snapshots.of_run(reader, run_id),
         measured=nominal.measured if isinstance(nominal, NominalResult) else None,
         trajectories=trajectories,
+        sources=sources.of_run(reader, run_id),
     )
 
 

@@ -77,6 +77,9 @@ KINDS = {
     "no-such-view": Kind(404, "This visitor has no such 3D view open."),
     "method-not-allowed": Kind(405, "Method not allowed at this address."),
     "access-conflict": Kind(409, "The name is taken, or the user or token cannot be changed in this way."),
+    "already-made": Kind(
+        409, "A request with this Idempotency-Key was done already; its answer cannot be shown again."
+    ),
     "already-signed": Kind(409, "The same person has already signed off these results in this role."),
     "flight-overtaken": Kind(409, "A newer request of the same client superseded this one."),
     "quota-reached": Kind(409, "The user has as many active runs, or stored evaluations, as one user may have."),

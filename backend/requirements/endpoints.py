@@ -10,6 +10,7 @@ from fastapi import APIRouter, Path, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
 
 from backend.access.auth import CurrentVisitor
+from backend.access.once import OnceOnly
 from backend.db import codes
 from backend.db.engine import now, read
 from backend.db.tables import Run
@@ -89,11 +90,11 @@ def list_imports(reader: Reader) -> list[RequirementFileOut]:
     "/requirements/files",
     status_code=status.HTTP_201_CREATED,
     openapi_extra={"requestBody": FILE_BODY},
-    responses=problems("unreadable", "requirement-conflict", "busy"),
+    responses=problems("unreadable", "requirement-conflict", "busy", "idempotency-key-reused", "already-made"),
 )
 async def import_requirements(
     request: Request,
-    engine: Engine,
+    once: OnceOnly,
     visitor: CurrentVisitor,
     kind: Annotated[FileKind, Query(description="What the file is.")],
     name: Annotated[Name, Query(description="Its name; a later import under the same name replaces it.")],
@@ -103,7 +104,11 @@ async def import_requirements(
     """Import a CSV or ReqIF file, the body; all of it or nothing."""
     body = await request.body()
     found, skipped = await bodies.apart(request, lambda: service.read(kind, body, id_attribute, text_attribute))
-    return await run_in_threadpool(service.import_file, engine, name, kind, body, found, skipped, visitor)
+
+    def work(writer: sa.Connection) -> Imported:
+        return service.import_file(writer, name, kind, body, found, skipped, visitor)
+
+    return await run_in_threadpool(once.do, Imported, work, lambda _: f"the import of {name!r}")
 
 
 @router.delete("/requirements/files/{file}", status_code=status.HTTP_204_NO_CONTENT, responses=problems("not-found"))

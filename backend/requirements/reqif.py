@@ -20,6 +20,8 @@ MOST_ELEMENTS = 400_000
 
 IDS = ("ReqIF.ForeignID", "ID", "UID", "Object Identifier", "Identifier", "Requirement ID")
 """Attributes that hold the id, the first that an object has, in any case; without one, the object's IDENTIFIER."""
+OWN = "IDENTIFIER"
+"""Given as the attribute of the id: the object's own, which the standard requires to be unique."""
 TEXTS = (
     "ReqIF.Text",
     "Text",
@@ -96,27 +98,33 @@ def parse(content: bytes) -> Xml.Element:
 def read(content: bytes, id_name: str = "", text_name: str = "") -> tuple[list[Read], int]:
     """The requirements of a file, in its order, and how many objects without a text were skipped.
 
-    id_name, text_name: the attributes to use, instead of `IDS` and `TEXTS`. Raises `CannotRead`.
+    id_name, text_name: the attributes to use, instead of `IDS` and `TEXTS`; `OWN` unless an attribute is called that.
+    Raises `CannotRead`.
     """
     root = parse(content)
-    names = {_key(e): e.get("LONG-NAME") or _key(e) for e in root.iter() if e.tag.startswith("ATTRIBUTE-DEF")}
+    defined = [e for e in root.iter() if e.tag.startswith("ATTRIBUTE-DEF") and _key(e)]
+    names = {_key(e): e.get("LONG-NAME") or _key(e) for e in defined}
     words = {_key(e): e.get("LONG-NAME", "") for e in root.iter("ENUM-VALUE")}
+    by_own = id_name == OWN and OWN.lower() not in {name.lower() for name in names.values()}
     found, skipped = [], 0
+    used: dict[str, None] = {}
     for thing in root.iter("SPEC-OBJECT"):
         values = dict(_values(thing, names, words))
+        used.update(dict.fromkeys(values))
         text = _text(thing, values, text_name)
         if not text[1].strip():
             skipped += 1
             continue
-        key = _first(values, (id_name,) if id_name else IDS)
-        own = key[1].strip() or ("" if id_name else _key(thing))
+        key = ("", "") if by_own else _first(values, (id_name,) if id_name else IDS)
+        own = key[1].strip() or (_key(thing) if by_own or not id_name else "")
         if not own:
-            raise CannotRead(f"an object has no value of the attribute {id_name[:60]!r}; {_listed(names)}")
+            raise CannotRead(f"an object has no value of the attribute {id_name[:60]!r}; {_listed(names.values())}")
         rest = {name: value for name, value in values.items() if name not in (key[0], text[0]) and value}
         found.append(Read(own, text[1].strip(), rest))
     if not found:
         raise CannotRead(
-            f"no object of the file has a text ({skipped} objects): name the attribute that holds it; {_listed(names)}"
+            f"no object of the file has a text ({skipped} objects): name the attribute that holds it; "
+            f"{_listed(names.values() or used)}"
         )
     return found, skipped
 
@@ -184,8 +192,8 @@ def _first(values: dict[str, str], names: Sequence[str]) -> tuple[str, str]:
     return name, values.get(name, "")
 
 
-def _listed(names: dict[str, str]) -> str:
-    known = sorted({name for name in names.values() if name})[:20]
+def _listed(names: Iterable[str]) -> str:
+    known = sorted({name for name in names if name})[:20]
     return f"the file has the attributes {', '.join(known)}" if known else "the file defines no attributes"
 
 

@@ -50,7 +50,10 @@ def read(kind: FileKind, content: bytes, id_name: str, text_name: str) -> tuple[
 def _check(found: Sequence[Read]) -> None:
     twice = next((key for key, count in Counter(one.id for one in found).items() if count > 1), None)
     if twice is not None:
-        raise CannotRead(f"the id {twice[:80]!r} occurs more than once: name the attribute that holds unique ids")
+        raise CannotRead(
+            f"the id {twice[:80]!r} occurs more than once: name the attribute that holds unique ids; in a ReqIF file "
+            "IDENTIFIER is the object's own"
+        )
     if len(found) > MOST:
         raise CannotRead(f"{len(found):,} requirements are too many: at most {MOST:,}")
     for one in found:
@@ -63,15 +66,20 @@ def _check(found: Sequence[Read]) -> None:
 
 
 def import_file(
-    engine: sa.Engine, name: str, kind: FileKind, content: bytes, found: Sequence[Read], skipped: int, visitor: Visitor
+    writer: sa.Connection,
+    name: str,
+    kind: FileKind,
+    content: bytes,
+    found: Sequence[Read],
+    skipped: int,
+    visitor: Visitor,
 ) -> Imported:
     """Store a file with its requirements, in place of an earlier one of that name; one transaction.
 
     409 for ids of another file: two modules that both number from 1 must not become one requirement.
     """
     try:
-        with engine.begin() as writer:
-            return _imported(writer, name, kind, content, found, skipped, visitor)
+        return _imported(writer, name, kind, content, found, skipped, visitor)
     except sa.exc.IntegrityError:  # another import, at the same time
         raise _conflict("requirements were imported at the same time: try again") from None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import sqlalchemy as sa
 
@@ -12,8 +13,9 @@ from backend.db import audit, baselines, groups, queue
 from backend.db.access import Visitor
 from backend.db.baselines import Resolved
 from backend.db.engine import now, read
-from backend.db.tables import IdempotencyKey, RunText
+from backend.db.tables import RunText
 from backend.http import bodies, keys
+from backend.http.keys import Keyed
 from backend.runs import reuse
 from backend.runs.asked import Asked
 from backend.runs.quota import Quota, refuse_beyond
@@ -24,7 +26,7 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
 from campaigns.documents import JsonObject
 from campaigns.results.baselines import CannotCompare
-from campaigns.runs import RunState, run_name
+from campaigns.runs import RunState, run_name, run_number
 from campaigns.stages.plan import plan
 
 
@@ -74,8 +76,9 @@ def _submission(campaign: Campaign, given: RunSubmit, digest: str) -> Submission
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> RunSubmitted:
     """Queue a run, or return the one queued earlier with the same key; a refused request leaves no row."""
+    keyed = Keyed(key, visitor.user, "submit_run", submission.digest)
     with read(engine) as reader:
-        repeated = _repeated(reader, submission, visitor, key)
+        repeated = _run(keys.earlier(reader, keyed))
         if repeated is not None:
             return _answer(reader, *repeated)
         catalogue = required(reader)
@@ -85,9 +88,9 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         asked = _compared(reader, submission)
         reused = reuse.reusable(reader, asked.campaign) if submission.reuse else None
     with engine.begin() as writer:
-        if submission.group is not None:
+        repeated = _run(keys.claimed(writer, keyed))
+        if submission.group is not None and repeated is None:
             groups.lock(writer, submission.group)
-        repeated = _repeated(writer, submission, visitor, key)
         if repeated is not None:
             run_id, at = repeated
         elif reused is not None:
@@ -95,9 +98,8 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         else:
             refuse_beyond(writer, quota, visitor)
             run_id, at = _queue(writer, submission, asked, visitor, catalogue), now(writer)
-        if key is not None and repeated is None:
-            values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id, "created": at}
-            writer.execute(sa.insert(IdempotencyKey).values(**values))
+        if repeated is None:
+            keys.keep(writer, keyed, run_name(run_id))
         cancelled = _supersede(writer, submission, visitor, run_id) if repeated is None else []
         if repeated is None and reused is None:
             audit.note(writer, visitor, "run.submitted", run_name(run_id), _noted(submission, asked))
@@ -175,11 +177,6 @@ def _answer(reader: sa.Connection, run_id: int, at: float, asked: Resolved | Non
     return RunSubmitted(**dict(found), reused=reused, baseline=compared, superseded=others)
 
 
-def _repeated(
-    reader: sa.Connection, submission: Submission, visitor: Visitor, key: str | None
-) -> tuple[int, float] | None:
-    """The run that was queued with the key, and the time stored with it."""
-    columns = (IdempotencyKey.body, IdempotencyKey.run_id.label("queued"), IdempotencyKey.created)
-    stored = sa.select(*columns).where(IdempotencyKey.key == key, IdempotencyKey.user == visitor.user)
-    row = keys.repeated(reader, stored, key, submission.digest, run_name)
-    return None if row is None else (int(row.queued), float(row.created))
+def _run(row: sa.Row[Any] | None) -> tuple[int, float] | None:
+    """The run that was queued with a key, and the time stored with it."""
+    return None if row is None else (run_number(row.made) or 0, float(row.created))

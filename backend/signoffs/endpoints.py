@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
+import sqlalchemy as sa
 from fastapi import APIRouter, Path, status
 
 from backend.access.auth import CurrentVisitor
+from backend.access.once import OnceOnly
 from backend.http.deps import Engine, Reader
 from backend.http.errors import problems
 from backend.http.schema import RunName
@@ -28,11 +30,29 @@ def list_signoffs(run: RunName, reader: Reader, visitor: CurrentVisitor) -> Sign
 @router.post(
     "/runs/{run}/signoffs",
     status_code=status.HTTP_201_CREATED,
-    responses=problems("not-found", "no-verdict", "results-changed", "already-signed", "own-run", "removed", "purged"),
+    responses=problems(
+        "not-found",
+        "no-verdict",
+        "results-changed",
+        "already-signed",
+        "own-run",
+        "removed",
+        "purged",
+        "idempotency-key-reused",
+        "already-made",
+    ),
 )
-def sign_off(run: RunName, given: SignoffRequest, engine: Engine, visitor: CurrentVisitor) -> Signoff:
+def sign_off(run: RunName, given: SignoffRequest, once: OnceOnly, visitor: CurrentVisitor) -> Signoff:
     """Sign off the results of a run; the digest identifies the reviewed results and must match the current ones."""
-    return service.sign(engine, number(run), given, visitor)
+    run_id = number(run)
+
+    def work(writer: sa.Connection) -> Signoff:
+        return service.sign(writer, run_id, given, visitor)
+
+    def present(reader: sa.Connection, signed: Signoff) -> Signoff:
+        return service.one(reader, run_id, signed.id)  # it may be withdrawn, or the results may have changed
+
+    return once.do(Signoff, work, lambda signed: f"the sign-off {signed.id} of {run}", present)
 
 
 @router.post("/runs/{run}/signoffs/{signoff}/withdraw", responses=problems("not-found", "withdrawn", "purged"))

@@ -37,34 +37,33 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
     return Signoffs(digest=digest, can_sign=can_sign, barred=barred, items=items)
 
 
-def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor) -> Signoff:
+def sign(writer: sa.Connection, run_id: int, given: SignoffRequest, visitor: Visitor) -> Signoff:
     """Sign off the results. 409 without a verdict, for other results, for a repetition, and for a removed run.
 
     403 for the user who launched the run, unless an administrator permits it; then the sign-off says so (`own`).
     """
-    with engine.begin() as writer:
-        refuse_removed(writer, run_id)
-        if _verdict(writer, run_id) is None:
-            raise _conflict("no-verdict", f"{run_name(run_id)} has no verdict: it cannot be signed off")
-        own = _launcher(writer, run_id) == visitor.account
-        dependent = _dependent(writer, run_id, visitor)
-        if dependent is not None:
-            raise dependent
-        digest = results_digest(writer, run_id)
-        if given.digest != digest:
-            detail = (
-                f"the results of {run_name(run_id)} have changed since the review (sha256 {given.digest[:16]}): "
-                "load the run and review it again"
-            )
-            raise _conflict("results-changed", detail)
-        same = (Row.run_id == run_id, Row.name == given.name, Row.role == given.role, Row.digest == digest)
-        if writer.scalar(sa.select(Row.id).where(*same, Row.withdrawn.is_(None))) is not None:
-            raise _conflict("already-signed", f"{given.name} has already signed off these results as {given.role}")
-        values = given.model_dump() | {"run_id": run_id, "user": visitor.user, "created": now(writer)}
-        signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
-        told = {"signoff": signoff_id, **given.model_dump()} | ({"own": True} if own else {})
-        audit.note(writer, visitor, "signoff.created", run_name(run_id), told)
-        return _one(writer, run_id, signoff_id)
+    refuse_removed(writer, run_id)
+    if _verdict(writer, run_id) is None:
+        raise _conflict("no-verdict", f"{run_name(run_id)} has no verdict: it cannot be signed off")
+    own = _launcher(writer, run_id) == visitor.account
+    dependent = _dependent(writer, run_id, visitor)
+    if dependent is not None:
+        raise dependent
+    digest = results_digest(writer, run_id)
+    if given.digest != digest:
+        detail = (
+            f"the results of {run_name(run_id)} have changed since the review (sha256 {given.digest[:16]}): "
+            "load the run and review it again"
+        )
+        raise _conflict("results-changed", detail)
+    same = (Row.run_id == run_id, Row.name == given.name, Row.role == given.role, Row.digest == digest)
+    if writer.scalar(sa.select(Row.id).where(*same, Row.withdrawn.is_(None))) is not None:
+        raise _conflict("already-signed", f"{given.name} has already signed off these results as {given.role}")
+    values = given.model_dump() | {"run_id": run_id, "user": visitor.user, "created": now(writer)}
+    signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
+    told = {"signoff": signoff_id, **given.model_dump()} | ({"own": True} if own else {})
+    audit.note(writer, visitor, "signoff.created", run_name(run_id), told)
+    return one(writer, run_id, signoff_id)
 
 
 def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visitor: Visitor) -> Signoff:
@@ -72,7 +71,7 @@ def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visit
     it is already withdrawn.
     """
     with engine.begin() as writer:
-        standing = _one(writer, run_id, signoff_id)
+        standing = one(writer, run_id, signoff_id)
         require_own(writer, visitor, standing.user, f"sign-off {signoff_id} of {run_name(run_id)}")
         if standing.withdrawn is not None:
             raise _conflict("withdrawn", f"this sign-off was already withdrawn by {standing.withdrawn_by}")
@@ -80,10 +79,11 @@ def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visit
         writer.execute(sa.update(Row).where(Row.id == signoff_id).values(**values))
         detail = {"signoff": signoff_id, "reason": reason}
         audit.note(writer, visitor, "signoff.withdrawn", run_name(run_id), detail)
-        return _one(writer, run_id, signoff_id)
+        return one(writer, run_id, signoff_id)
 
 
-def _one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
+def one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
+    """A sign-off as it is now; 404 if there is none."""
     _verdict(reader, run_id)
     query = sa.select(Row.__table__).where(Row.run_id == run_id, Row.id == signoff_id)
     row = reader.execute(query).mappings().one_or_none()

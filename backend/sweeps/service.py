@@ -17,6 +17,7 @@ from backend.db.engine import now, read
 from backend.db.tables import Run, Sweep, SweepRun
 from backend.http import bodies, keys
 from backend.http.errors import not_found
+from backend.http.keys import Keyed
 from backend.runs.outcomes import outcomes
 from backend.runs.quota import Quota, refuse_beyond
 from backend.sweeps.schemas import SweepDetail, SweepPoint, SweepSubmit, SweepSummary
@@ -59,27 +60,17 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         campaigns = variants(submission.campaign, submission.given.path, submission.given.values, catalogue)
     except CampaignError as error:
         raise bodies.invalid(error) from None
-    try:
-        with engine.begin() as writer:
-            sweep_id = _repeated(writer, submission, visitor, key)
-            if sweep_id is None:
-                refuse_beyond(writer, quota, visitor, len(campaigns))
-                sweep_id = _launch(writer, submission, campaigns, visitor, key, catalogue)
-    except sa.exc.IntegrityError:  # the same request, at the same time
-        with read(engine) as reader:
-            found = _repeated(reader, submission, visitor, key)
-        if found is None:
-            raise
-        sweep_id = found
+    keyed = Keyed(key, visitor.user, "submit_sweep", submission.digest)
+    with engine.begin() as writer:
+        repeated = keys.claimed(writer, keyed)
+        if repeated is None:
+            refuse_beyond(writer, quota, visitor, len(campaigns))
+            sweep_id = _launch(writer, submission, campaigns, visitor, catalogue)
+            keys.keep(writer, keyed, sweep_name(sweep_id))
+        else:
+            sweep_id = number(repeated.made)
     with read(engine) as reader:
         return detail(reader, sweep_id)
-
-
-def _repeated(reader: sa.Connection, submission: Submission, visitor: Visitor, key: str | None) -> int | None:
-    """The sweep that was launched with the key."""
-    stored = sa.select(Sweep.id.label("queued"), Sweep.body).where(Sweep.key == key, Sweep.owner == visitor.user)
-    row = keys.repeated(reader, stored, key, submission.digest, sweep_name)
-    return None if row is None else int(row.queued)
 
 
 def _launch(
@@ -87,7 +78,6 @@ def _launch(
     submission: Submission,
     campaigns: list[Campaign],
     visitor: Visitor,
-    key: str | None,
     catalogue: Catalogue,
 ) -> int:
     given, asked = submission.given, submission.campaign
@@ -102,8 +92,6 @@ def _launch(
         "nominal": nominal if math.isfinite(nominal) else None,
         "owner": visitor.user,
         "created": now(writer),
-        "key": key,
-        "body": submission.digest,
     }
     sweep_id = int(writer.execute(sa.insert(Sweep).values(**row).returning(Sweep.id)).scalar_one())
     runs, notes = [], []

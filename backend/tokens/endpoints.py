@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, status
 
 from backend.access.auth import CurrentVisitor
+from backend.access.once import OnceOnly
 from backend.http.deps import Engine, Reader
 from backend.http.errors import problems
 from backend.tokens import service
@@ -23,10 +24,15 @@ def list_tokens(visitor: CurrentVisitor, reader: Reader) -> list[Token]:
     return service.listed(reader, visitor)
 
 
-@router.post("/tokens", status_code=status.HTTP_201_CREATED, responses=problems("access-conflict"))
-def create_token(given: TokenRequest, engine: Engine, visitor: CurrentVisitor) -> NewToken:
+@router.post(
+    "/tokens",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems("access-conflict", "idempotency-key-reused", "already-made"),
+)
+def create_token(given: TokenRequest, once: OnceOnly, visitor: CurrentVisitor) -> NewToken:
     """Create an API token of your own; the answer is the only one that holds its secret."""
-    return service.create(engine, given, visitor)
+    made, otherwise = f"the token {given.name!r}", "revoke it and make another, with another name and key"
+    return once.do_secretly(lambda writer: service.create(writer, given, visitor), made, otherwise)
 
 
 @router.delete("/tokens/{token}", responses=problems("not-found"))

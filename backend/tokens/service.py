@@ -19,17 +19,16 @@ def listed(reader: sa.Connection, visitor: Visitor) -> list[Token]:
     return [_token(row, at) for row in reversed(access.tokens(reader, None if visitor.sees_all else visitor.account))]
 
 
-def create(engine: sa.Engine, given: TokenRequest, visitor: Visitor) -> NewToken:
+def create(writer: sa.Connection, given: TokenRequest, visitor: Visitor) -> NewToken:
     """Create a token of the visitor's account; 409 if the name is taken or the scope is wider than the role."""
     lifetime = None if given.days is None else given.days * DAY
-    with engine.begin() as writer:
-        try:
-            secret = access.create_token(writer, given.name, visitor.account, given.scope, lifetime)
-        except AccessError as error:
-            raise RefusedError(409, "access-conflict", f"{error}") from None
-        told = {"owner": visitor.account, "scope": given.scope, "days": given.days}
-        audit.note(writer, visitor, "token.created", given.name, told)
-        return NewToken(token=_one(writer, given.name), secret=secret)
+    try:
+        secret = access.create_token(writer, given.name, visitor.account, given.scope, lifetime)
+    except AccessError as error:
+        raise RefusedError(409, "access-conflict", f"{error}") from None
+    told = {"owner": visitor.account, "scope": given.scope, "days": given.days}
+    audit.note(writer, visitor, "token.created", given.name, told)
+    return NewToken(token=_one(writer, given.name), secret=secret)
 
 
 def revoke(engine: sa.Engine, name: str, visitor: Visitor) -> Token:

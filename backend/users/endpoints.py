@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Request, Response, status
 
 from backend.access.auth import CurrentVisitor
+from backend.access.once import OnceOnly
 from backend.http.deps import Engine, Reader
 from backend.http.errors import problems
 from backend.http.matches import TAGGED, IfMatch
@@ -14,6 +15,9 @@ from backend.users import service
 from backend.users.schemas import AccessSettings, AccessSettingsChange, Invitation, User, UserChange, UserInvite
 
 router = APIRouter(tags=["users"])
+
+MADE = problems("access-conflict", "idempotency-key-reused", "already-made")
+RENEW = "make a new link with another key; the earlier one becomes invalid"
 
 UserName = Annotated[str, Path(max_length=64, description="The user by name.")]
 
@@ -24,10 +28,12 @@ def list_users(reader: Reader) -> list[User]:
     return service.listed(reader)
 
 
-@router.post("/users", status_code=status.HTTP_201_CREATED, responses=problems("access-conflict"))
-def invite_user(given: UserInvite, request: Request, engine: Engine, visitor: CurrentVisitor) -> Invitation:
+@router.post("/users", status_code=status.HTTP_201_CREATED, responses=MADE)
+def invite_user(given: UserInvite, request: Request, once: OnceOnly, visitor: CurrentVisitor) -> Invitation:
     """Create a user and a single-use link, valid for three days, with which the user sets a password."""
-    return service.invite(engine, given, request.app.state.settings.public_url, visitor)
+    address, name = request.app.state.settings.public_url, given.name.strip().lower()
+    made = f"the invitation of {name}"
+    return once.do_secretly(lambda writer: service.invite(writer, given, address, visitor), made, RENEW)
 
 
 @router.get("/users/{user}", responses=TAGGED | problems("not-found"))
@@ -56,11 +62,12 @@ def change_user(
 @router.post(
     "/users/{user}/invitation",
     status_code=status.HTTP_201_CREATED,
-    responses=problems("not-found", "access-conflict"),
+    responses=MADE | problems("not-found"),
 )
-def renew_invitation(user: UserName, request: Request, engine: Engine, visitor: CurrentVisitor) -> Invitation:
+def renew_invitation(user: UserName, request: Request, once: OnceOnly, visitor: CurrentVisitor) -> Invitation:
     """A new link for a user to set a password; earlier unused ones become invalid."""
-    return service.renew(engine, user, request.app.state.settings.public_url, visitor)
+    address, made = request.app.state.settings.public_url, f"a link for {user}"
+    return once.do_secretly(lambda writer: service.renew(writer, user, address, visitor), made, RENEW)
 
 
 @router.get("/settings", responses=TAGGED)

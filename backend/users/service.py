@@ -24,28 +24,26 @@ def listed(reader: sa.Connection) -> list[User]:
     return [_user(row) for row in users.users(reader)]
 
 
-def invite(engine: sa.Engine, given: UserInvite, public_url: str, visitor: Visitor) -> Invitation:
+def invite(writer: sa.Connection, given: UserInvite, public_url: str, visitor: Visitor) -> Invitation:
     """Create a user and the link; 409 if the name cannot be used."""
-    with engine.begin() as writer:
-        name = given.name.strip().lower()
-        with _conflicts():
-            code = users.invite(writer, name, given.role, visitor.account)
-        audit.note(writer, visitor, "user.invited", name, {"role": given.role})
-        return _link(writer, name, code, public_url)
+    name = given.name.strip().lower()
+    with _conflicts():
+        code = users.invite(writer, name, given.role, visitor.account)
+    audit.note(writer, visitor, "user.invited", name, {"role": given.role})
+    return _link(writer, name, code, public_url)
 
 
-def renew(engine: sa.Engine, name: str, public_url: str, visitor: Visitor) -> Invitation:
+def renew(writer: sa.Connection, name: str, public_url: str, visitor: Visitor) -> Invitation:
     """A new link for a user who lost the first one or forgot the password. 409 for a disabled user."""
-    with engine.begin() as writer:
-        user = one(writer, name)
-        if user.disabled is not None:
-            raise RefusedError(409, "access-conflict", f"the access of {name} is withdrawn: grant it again first")
-        if user.provided:
-            detail = f"{name} signs in through the provider, which also renews forgotten passwords: there is no link"
-            raise RefusedError(409, "access-conflict", detail)
-        code = users.renew(writer, name, visitor.account)
-        audit.note(writer, visitor, "user.link_made", name, {})
-        return _link(writer, name, code, public_url)
+    user = one(writer, name)
+    if user.disabled is not None:
+        raise RefusedError(409, "access-conflict", f"the access of {name} is withdrawn: grant it again first")
+    if user.provided:
+        detail = f"{name} signs in through the provider, which also renews forgotten passwords: there is no link"
+        raise RefusedError(409, "access-conflict", detail)
+    code = users.renew(writer, name, visitor.account)
+    audit.note(writer, visitor, "user.link_made", name, {})
+    return _link(writer, name, code, public_url)
 
 
 def one(reader: sa.Connection, name: str) -> User:
@@ -102,9 +100,10 @@ def change_settings(
         users.hold(writer, LOCAL)  # settings that were never changed have no row of their own
         before = users.own_sign_offs(writer)
         require_match(match, tag(before), "a setting")
-        users.set_own_sign_offs(writer, own_sign_offs)
-        told = {"before": before, "after": own_sign_offs}
-        audit.note(writer, visitor, "setting.changed", users.OWN_SIGN_OFFS, told)
+        if own_sign_offs != before:
+            users.set_own_sign_offs(writer, own_sign_offs)
+            told = {"before": before, "after": own_sign_offs}
+            audit.note(writer, visitor, "setting.changed", users.OWN_SIGN_OFFS, told)
         return settings(writer)
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
+import sqlalchemy as sa
 from fastapi import APIRouter, Depends, Query, Request, status
 
 from backend.access.auth import CurrentVisitor
-from backend.http.deps import Engine, Reader
+from backend.access.once import OnceOnly
+from backend.http.deps import Reader
 from backend.http.errors import problems
 from backend.webhooks import service
 from backend.webhooks.configured import Configured as Settings
@@ -43,10 +45,18 @@ def list_deliveries(
     return service.deliveries(reader, configured, limit)
 
 
-@router.post("/webhooks/test", status_code=status.HTTP_202_ACCEPTED, responses=problems("no-webhook"))
-def test_webhooks(engine: Engine, configured: Configured, visitor: CurrentVisitor) -> list[WebhookDelivery]:
+@router.post(
+    "/webhooks/test",
+    status_code=status.HTTP_202_ACCEPTED,
+    responses=problems("no-webhook", "idempotency-key-reused", "already-made"),
+)
+def test_webhooks(once: OnceOnly, configured: Configured, visitor: CurrentVisitor) -> list[WebhookDelivery]:
     """Send a message of type `test` to every target; while one still waits, it is that one.
 
     `GET /webhooks/deliveries` shows the outcome.
     """
-    return service.test(engine, configured, visitor)
+
+    def work(writer: sa.Connection) -> list[WebhookDelivery]:
+        return service.test(writer, configured, visitor)
+
+    return once.do(list[WebhookDelivery], work, lambda sent: ", ".join(one.id for one in sent))

@@ -29,22 +29,21 @@ def deliveries(reader: sa.Connection, configured: Configured, limit: int) -> lis
     return [_delivery(row, configured) for row in rows]
 
 
-def test(engine: sa.Engine, configured: Configured, visitor: Visitor) -> list[WebhookDelivery]:
+def test(writer: sa.Connection, configured: Configured, visitor: Visitor) -> list[WebhookDelivery]:
     """Queue a test message to every target; 409 if there is no target."""
     if not configured.targets:
         detail = (
             "no webhook is configured: set CLEARANCE_WEBHOOKS and CLEARANCE_WEBHOOK_SECRET, then restart the service"
         )
         raise RefusedError(409, "no-webhook", detail)
-    with engine.begin() as writer:
-        made = []
-        for target in configured.targets:
-            row = insert(writer, TargetRow).values(id=target.id, since=now(writer))
-            writer.execute(row.on_conflict_do_nothing())
-            made.append(outbox.test(writer, target.id))
-        audit.note(writer, visitor, "webhooks.tested", "webhooks", {"messages": made})
-        rows = writer.execute(sa.select(Row.__table__).where(Row.id.in_(made)).order_by(Row.id)).mappings()
-        return [_delivery(row, configured) for row in rows]
+    made = []
+    for target in configured.targets:
+        row = insert(writer, TargetRow).values(id=target.id, since=now(writer))
+        writer.execute(row.on_conflict_do_nothing())
+        made.append(outbox.test(writer, target.id))
+    audit.note(writer, visitor, "webhooks.tested", "webhooks", {"messages": made})
+    rows = writer.execute(sa.select(Row.__table__).where(Row.id.in_(made)).order_by(Row.id)).mappings()
+    return [_delivery(row, configured) for row in rows]
 
 
 def _target(reader: sa.Connection, target: Target, configured: Configured) -> WebhookTarget:

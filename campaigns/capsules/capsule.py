@@ -1,7 +1,7 @@
 """The content of a capsule: a finding with its campaign, components, versions, trajectories and digests.
 
-Nothing in it is executed when it is read or replayed: texts of components are evidence, and the finding is evaluated
-again by the components of the installation. Start reading at `Capsule`.
+Nothing in it is executed when it is read. When it is replayed, the components of the installation evaluate the finding
+again, unless the user permits the code in the capsule. Start reading at `Capsule`.
 """
 
 from __future__ import annotations
@@ -9,14 +9,15 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import Campaign
+from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.documents import JsonObject
 from campaigns.results import Finding, TraceHead
@@ -75,6 +76,8 @@ class Capsule(Part):
     """Whether a simulator repeated."""
     program: JsonObject | None
     """The command of a simulator, if the campaign file gave it: code, which is used only if that is permitted."""
+    sources: Annotated[Sources | None, Field(exclude_if=lambda given: given is None)] = None
+    """The source of components and methods that are not shipped: code, which is used only if that is permitted."""
     trajectories: list[Trajectory]
     files: dict[str, str]
     """SHA-256 of every other file in the capsule."""

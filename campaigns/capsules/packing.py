@@ -22,6 +22,8 @@ from pydantic import ValidationError
 
 from campaigns.asked.problem import CampaignError
 from campaigns.capsules.capsule import FORMAT, Capsule, Floats, Origin, Trajectory, digest_of
+from campaigns.capsules.sources import LARGEST as LARGEST_SOURCE
+from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import digest_of as described_digest
 from campaigns.documents import JsonObject
@@ -33,10 +35,11 @@ from campaigns.versions import Versions
 DOCUMENT, PAGE = "capsule.json", "flight.html"
 LARGEST_FILE = 64 * 2**20
 """Maximum size of a capsule [bytes]."""
-LARGEST = {DOCUMENT: 32 * 2**20, PAGE: 32 * 2**20, ".npy": 64 * 2**20}
+LARGEST = {DOCUMENT: 32 * 2**20, PAGE: 32 * 2**20, ".npy": 64 * 2**20, ".py": LARGEST_SOURCE}
 """Maximum size of each kind of file in it, decompressed [bytes]."""
 
 _TRAJECTORY = re.compile(r"(nominal|F[1-9][0-9]{0,3})\.npy")
+_SOURCE = re.compile(r"source/([A-Za-z0-9_.]{1,200})\.py")
 _AT = (1980, 1, 1, 0, 0, 0)
 """The time of every file in a capsule, so that the same content gives the same bytes."""
 _MAGIC = b"\x93NUMPY\x01\x00"
@@ -71,6 +74,8 @@ class Content:
     measured: Measured | None
     trajectories: Sequence[tuple[Trajectory, Floats]]
     program: JsonObject | None = None
+    sources: tuple[Sources, Mapping[str, bytes]] | None = None
+    """The source of what is not shipped, and its texts by module."""
     page: str = ""
     """The recording of the finding in 3D, one self-contained page; empty if there is none."""
 
@@ -80,6 +85,8 @@ def packed(content: Content) -> bytes:
     files = {f"{head.name}.npy": _array(data) for head, data in content.trajectories}
     if content.page:
         files[PAGE] = content.page.encode()
+    if content.sources is not None:
+        files |= {f"source/{module}.py": text for module, text in content.sources[1].items()}
     components = None if content.components is None else content.components.model_dump(mode="json")
     document: JsonObject = {
         "format": FORMAT,
@@ -97,6 +104,8 @@ def packed(content: Content) -> bytes:
         "trajectories": [head.model_dump(mode="json") for head, _ in content.trajectories],
         "files": {name: hashlib.sha256(data).hexdigest() for name, data in files.items()},
     }
+    if content.sources is not None:
+        document["sources"] = content.sources[0].model_dump(mode="json")
     document["digest"] = digest_of(document)
     text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
     buffer = io.BytesIO()
@@ -108,16 +117,28 @@ def packed(content: Content) -> bytes:
 
 def read(path: Path) -> tuple[Capsule, dict[str, Floats]]:
     """A capsule from a file. Raises `CapsuleError`."""
+    return unpacked(_content(path))
+
+
+def read_sources(path: Path) -> dict[str, bytes]:
+    """The texts of the source files of a capsule by module. Raises `CapsuleError`."""
+    return _whole(_content(path))[2]
+
+
+def _content(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
+            return file.read(LARGEST_FILE + 1)
     except OSError as error:
         raise CapsuleError(f"it cannot be read: {error.strerror}") from None
-    return unpacked(data)
 
 
 def unpacked(data: bytes) -> tuple[Capsule, dict[str, Floats]]:
     """A capsule and the data of its trajectories by name, each (rows, columns). Raises `CapsuleError`."""
+    return _whole(data)[:2]
+
+
+def _whole(data: bytes) -> tuple[Capsule, dict[str, Floats], dict[str, bytes]]:
     if len(data) > LARGEST_FILE:
         raise CapsuleError(f"it is larger than {LARGEST_FILE // 2**20} MiB")
     files = _files(data)
@@ -125,10 +146,15 @@ def unpacked(data: bytes) -> tuple[Capsule, dict[str, Floats]]:
     if {name: hashlib.sha256(content).hexdigest() for name, content in files.items()} != capsule.files:
         raise CapsuleError("its files are not those that it states: it was changed")
     _consistent(capsule)
+    texts = {found[1]: files.pop(name) for name in list(files) if (found := _SOURCE.fullmatch(name))}
+    faults = "its sources are not those that it states" if texts else ""
+    faults = faults if capsule.sources is None else capsule.sources.faults(texts)
+    if faults:
+        raise CapsuleError(faults)
     arrays = {t.name: _numbers(t, files.get(f"{t.name}.npy")) for t in capsule.trajectories}
     if len(arrays) != sum(name != PAGE for name in files) or len(arrays) != len(capsule.trajectories):
         raise CapsuleError("its trajectories are not those that it states")
-    return capsule, arrays
+    return capsule, arrays, texts
 
 
 def _files(data: bytes) -> dict[str, bytes]:
@@ -139,11 +165,11 @@ def _files(data: bytes) -> dict[str, bytes]:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             for entry in archive.infolist():
                 name = entry.filename
-                if not (name in LARGEST or _TRAJECTORY.fullmatch(name)) or name in found:
+                if not (name in LARGEST or _TRAJECTORY.fullmatch(name) or _SOURCE.fullmatch(name)) or name in found:
                     raise CapsuleError(f"it contains {name[:60]!r}, or that twice, which no capsule does")
                 if entry.compress_type not in _COMPRESSIONS:  # others take memory as the file states, up to 4 GiB
                     raise CapsuleError(f"{name} in it is not compressed as a capsule is")
-                most = LARGEST.get(name, LARGEST[".npy"])
+                most = LARGEST.get(name, LARGEST[".py" if name.endswith(".py") else ".npy"])
                 with archive.open(entry) as file:
                     found[name] = file.read(most + 1)
                 if len(found[name]) > most or sum(map(len, found.values())) > 2 * LARGEST_FILE:

@@ -7,6 +7,7 @@ import io
 import json
 import math
 import zipfile
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,16 @@ import pytest
 from mcap.reader import make_reader
 
 from backend.db import queue
+from backend.db import sources as stored
+from backend.db.engine import read as read_of
 from backend.db.records import Trace
 from backend.db.store import RunStore
 from backend.exports import mcap, parquet
 from backend.scenes.recordings import recording as recorder
-from campaigns.capsules.packing import read
+from campaigns.capsules.packing import read, read_sources
+from campaigns.capsules.sources import SourceFile, Sources
 from tests.api.answers import problem
+from tests.api.databases import BOTH
 from tests.api.finished import Work, encounter, finish, flight
 from tests.api.server import Service
 from tests.api.submitting import submit
@@ -33,6 +38,8 @@ from worker.runs import sources
 from worker.stages.parts import offered
 
 Messages = dict[str, list[dict[str, Any]]]
+
+OWN = "worker.components.own.my_robot"
 
 
 @pytest.fixture(autouse=True)
@@ -187,6 +194,24 @@ def test_without_the_packages_the_menu_and_the_files_say_so(
         assert package in str(refused["detail"])
 
 
+@BOTH
+def test_the_source_of_a_run_is_stored_once(bare: Service) -> None:
+    text, of = b"component = 1\r\n\x0c", {"package": False}
+    files = [SourceFile(module=f"{OWN}{i}", digest=sha256(text).hexdigest(), **of) for i in range(2)]
+    given = Sources(files=tuple(files)), {file.module: text for file in files}
+    for number in (1, 2):
+        with bare.engine.begin() as writer:
+            queue.submit(writer, ran("violated")[0], name="", tags=[], owner="", planned=1, catalogue=catalogue())
+        claim = queue.Queue(bare.engine).claim("w1")
+        assert claim is not None
+        for _ in range(2):
+            RunStore(bare.engine, claim).record_sources(*given)
+        with read_of(bare.engine) as reader:
+            assert stored.of_run(reader, number) == given
+            assert stored.of_run(reader, 3) is None
+    assert (bare.rows()["run_sources"], bare.rows()["source_texts"]) == (2, 1)
+
+
 def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(
     bare: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -199,6 +224,10 @@ def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(
     store.plan([stage.plan for stage in evaluated.stages])
     assert evaluated.versions is not None
     store.record_versions(evaluated.versions, sources.code())
+    text = b"component = 1\r\n\x0c"
+    store.record_sources(
+        Sources(files=(SourceFile(module=OWN, package=False, digest=sha256(text).hexdigest()),)), {OWN: text}
+    )
     for at, stage in enumerate(evaluated.stages):
         store.begin(at)
         columns, last = evaluated.evaluations(at), at == len(evaluated.stages) - 1
@@ -213,6 +242,7 @@ def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(
         file = tmp_path / "capsule.zip"
         file.write_bytes(exported(client, "R-0001", "capsule-F1.zip"))
         assert exported(client, "R-0001", "capsule-F1.zip") == file.read_bytes(), "the same finding, the same file"
+    assert read_sources(file) == {OWN: text}
     for named in (["R-0001", "--data", str(bare.settings.data)], [str(file)]):
         assert invoke(["replay", *named, "--json"]) == 0
         said = json.loads(capsys.readouterr().out)

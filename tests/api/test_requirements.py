@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import gzip
 import io
 import os
 from pathlib import Path
@@ -27,6 +28,13 @@ AT = "/api/v1/requirements"
 WRITTEN = (Path(__file__).parent / "requirements" / "written.reqif").read_bytes()
 PUBLIC = os.environ.get("CLEARANCE_REQIF_EXAMPLES", "")
 """A folder of public ReqIF files, see `tests.unit.test_requirement_files`."""
+SHIPPED = Path(__file__).parent / "requirements" / "public"
+TOOLS = {
+    "polarion.reqif": ({"id_attribute": "IDENTIFIER"}, 58),
+    "reqif_studio.reqif": ({"id_attribute": "IDENTIFIER"}, 137),
+    "doors.reqif": ({"text_attribute": "_3ca983d9-5ec5-4752-898f-37ab52beafd0"}, 1),
+}
+"""Files of other tools, with the attributes to name (their ids are anonymous), and how many requirements they have."""
 TEXT = "Keep 0.5 m."
 
 
@@ -208,23 +216,38 @@ def test_a_requirement_without_text_in_its_campaign_is_that_of_the_sign_off(
 
 @BOTH
 def test_a_reqif_file_is_written_back_byte_by_byte(client: httpx.Client) -> None:
-    files = {"written.reqif": WRITTEN}
-    files |= {
-        str(i): file.read_bytes() for i, file in enumerate(sorted(Path(PUBLIC).rglob("*.reqif")) if PUBLIC else [])
-    }
+    """Those of other tools, see `requirements/public/README.md`, and those of a folder."""
+    files: dict[str, tuple[bytes, dict[str, str], int]] = {"written.reqif": (WRITTEN, {}, 2)}
+    for name, (named, count) in TOOLS.items():
+        files[name] = gzip.decompress((SHIPPED / f"{name}.gz").read_bytes()), named, count
+    for name, (content, named, count) in files.items():
+        answer = sent(client, content, name, "reqif", **named)
+        assert answer.status_code == 201, answer.text
+        assert len(answer.json()["added"]) == count
+        written_back(client, answer, name, content)
+    for name, (named, _) in TOOLS.items():  # without those attributes the sentence says how
+        assert any(value in str(problem(sent(client, files[name][0], name, "reqif"), 422)) for value in named.values())
+
+
+@pytest.mark.skipif(not PUBLIC, reason="CLEARANCE_REQIF_EXAMPLES names no folder")
+def test_public_reqif_files_are_written_back_byte_by_byte(client: httpx.Client) -> None:
     taken = 0
-    for name, content in list(files.items())[:40]:
-        answer = sent(client, content, name, "reqif")
+    for file in sorted(Path(PUBLIC).rglob("*.reqif"))[:40]:
+        answer = sent(client, file.read_bytes(), "x.reqif", "reqif")
         if answer.status_code == 201:
-            file = answer.json()["file"]
-            again = client.get(f"{AT}/files/{file['id']}/content")
-            assert again.content == content
-            assert name in again.headers["content-disposition"]
+            written_back(client, answer, "x.reqif", file.read_bytes())
             taken += 1
-            assert client.delete(f"{AT}/files/{file['id']}").status_code == 204
         else:
             problem(answer, 422)
-    assert taken > (5 if PUBLIC else 0)
+    assert taken > 5
+
+
+def written_back(client: httpx.Client, answer: httpx.Response, name: str, content: bytes) -> None:
+    file = answer.json()["file"]
+    again = client.get(f"{AT}/files/{file['id']}/content")
+    assert again.content == content
+    assert name in again.headers["content-disposition"]
+    assert client.delete(f"{AT}/files/{file['id']}").status_code == 204
 
 
 def test_an_import_states_what_it_has_done_and_replaces_its_earlier_file(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from campaigns.documents import JsonObject
 from worker.cli import WrongInputError
+from worker.cli._capsule_code import is_inside
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -25,8 +26,8 @@ class Opened:
 
     capsule: Capsule
     recorded: Recorded
-    executed: bool
-    """Whether a command of the capsule was permitted."""
+    executed: str
+    """What of the capsule was permitted and executed; empty for nothing."""
 
 
 def is_capsule(run: str) -> bool:
@@ -48,7 +49,9 @@ def of_capsule(path: Path, allow_code: bool) -> Opened:
     recorded = Recorded(
         capsule.asked, [], {}, [capsule.finding], capsule.versions, capsule.modules, measured=capsule.measured
     )
-    return Opened(capsule, recorded, capsule.program is not None)
+    executed = [] if capsule.program is None else ["the command"]
+    executed += ["the components"] if is_inside(capsule) else []
+    return Opened(capsule, recorded, " and ".join(executed))
 
 
 def changed(opened: Opened) -> list[str]:
@@ -64,12 +67,12 @@ def described(opened: Opened, apart: list[str]) -> JsonObject:
     """What --json adds for a capsule."""
     capsule = opened.capsule
     origin = capsule.origin.model_dump(mode="json")
-    return {"capsule": capsule.digest, "origin": origin, "component_changes": apart, "executed": opened.executed}
+    return {"capsule": capsule.digest, "origin": origin, "component_changes": apart, "executed": bool(opened.executed)}
 
 
 def sentence(opened: Opened, apart: list[str]) -> str:
     """Where the components come from, and how their descriptions differ."""
-    by = "the command of the capsule" if opened.executed else "the components of this installation"
+    by = f"{opened.executed} of the capsule" if opened.executed else "the components of this installation"
     said = f"Evaluated by {by}" + ("" if opened.executed else "; nothing of the capsule was executed")
     if opened.capsule.described is None:
         return f"{said}. The capsule has no descriptions of components."
@@ -105,6 +108,7 @@ def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program
             measured=nominal.measured if isinstance(nominal, NominalResult) else None,
             trajectories=[(Trajectory(name=t.name, columns=t.columns, head=t.meta), t.data) for t in traces],
             program=program,
+            sources=store.sources,
         )
         (folder / f"capsule-{finding.label}.zip").write_bytes(packed(content))
 

@@ -16,6 +16,7 @@ import typer
 from campaigns.unreadable import UNREADABLE
 from worker.cli import VIOLATED, WrongInputError
 from worker.cli._capsule import changed, described, is_capsule, of_capsule, sentence
+from worker.cli._capsule_code import permits, refuse_unused, replayed_with_its_code
 from worker.cli._where import DATA, Data, Database, loaded_run
 
 if TYPE_CHECKING:
@@ -46,8 +47,8 @@ def replay(
         bool,
         typer.Option(
             "--allow-code",
-            help="Permit the command of a simulator that a capsule contains, which runs any program as you: only for "
-            "files that you trust. Without it nothing of a capsule is executed.",
+            help="Permit the source of components and the command of a simulator that a capsule contains, which run "
+            "any program as you: only for files that you trust. Without it nothing of a capsule is executed.",
         ),
     ] = False,
 ) -> None:
@@ -55,12 +56,20 @@ def replay(
 
     On a machine of the kind that made the run the costs must have the same bits; on another they may differ by 1e-9.
     """
+    if allow_code and is_capsule(run):
+        ended = replayed_with_its_code(
+            Path(run), [run, *(case or []), *(["--json"] if as_json else []), "--allow-code"]
+        )
+        if ended is not None:
+            raise typer.Exit(ended)
     from worker.runs import sources as sources  # first: it records the files before they are loaded
     from worker.runs.replay import UnknownCase, agrees, cases, replayed
 
     capsule = of_capsule(Path(run), allow_code) if is_capsule(run) else None
     recorded = loaded_run(run, data, database, of_folder, of_database) if capsule is None else capsule.recorded
-    problem = _opened(run, recorded)
+    problem = _opened(run, recorded, "" if capsule is None else permits(capsule.capsule))
+    if capsule is not None:
+        refuse_unused(run, capsule.capsule)
     with closing(problem.system):
         others, elsewhere = _compared(recorded, problem)
         try:
@@ -145,7 +154,8 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
     )
 
 
-def _opened(run: str, recorded: Recorded) -> Problem:
+def _opened(run: str, recorded: Recorded, permitted: str) -> Problem:
+    """permitted: what is said of code that a capsule contains."""
     from campaigns import check
     from worker.catalogue.installed import catalogue
     from worker.opening import opened
@@ -157,7 +167,7 @@ def _opened(run: str, recorded: Recorded) -> Problem:
             return opened.problem(recorded.campaign)
     except CampaignUnusable as error:
         problems = error.problems
-    raise WrongInputError(f"{run} cannot be evaluated by this installation: {'; '.join(map(str, problems))}")
+    raise WrongInputError(f"{run} cannot be evaluated by this installation: {'; '.join(map(str, problems))}{permitted}")
 
 
 def _compared(recorded: Recorded, problem: Problem) -> tuple[list[str], list[str]]:

@@ -12,15 +12,21 @@ from pathlib import Path
 from llvmlite import binding
 from numba.core.codegen import get_host_cpu_features
 
+from campaigns.asked.spec import Campaign
 from campaigns.versions import Processor, Versions
 from worker.runs import sources
+from worker.runs.added import added
 from worker.stages.parts.store import Store
 from worker.systems.base import System
 
 
-def begin(store: Store, system: System) -> None:
-    """Store the present versions; raises `backend.db.store.OtherCode` if the run was begun by other code."""
+def begin(store: Store, system: System, campaign: Campaign) -> None:
+    """Store the present versions, and the source of what is not shipped; raises `backend.db.store.OtherCode` if the run
+    was begun by other code."""
     store.record_versions(versions(system), sources.code())
+    found = added(campaign)
+    if found is not None:
+        store.record_sources(*found)
 
 
 def versions(system: System) -> Versions:

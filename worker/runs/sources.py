@@ -55,7 +55,7 @@ def note() -> Noted:
     """Read all files now."""
     files: dict[str, bytes] = {}
     paths: list[str] = []
-    added = _added()
+    added = added_places()
     places = [*_ours(), *((name, place) for name, place, _ in added), *((OWN, folder) for folder in folders())]
     for name, place in places:
         found = _modules(name, place, paths) if name != OWN else _own(place, paths)
@@ -120,7 +120,7 @@ def _ours() -> Iterator[tuple[str, Path]]:
         yield name, root.joinpath(*name.split("."))
 
 
-def _added() -> list[tuple[str, Path, EntryPoint]]:
+def added_places() -> list[tuple[str, Path, EntryPoint]]:
     """The packages or single modules of others that entry points name, each with where it is."""
     found: dict[str, tuple[str, Path, EntryPoint]] = {}
     for entry in (entry for group in GROUPS for entry in entry_points(group=group)):

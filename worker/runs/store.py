@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from campaigns.capsules.sources import Sources
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.runs import StageState
 from campaigns.versions import Code, Versions
@@ -23,6 +24,7 @@ class MemoryStore:
     traces: dict[str, Trace] = field(default_factory=dict)
     verdict: Verdict | None = None
     versions: Versions | None = None
+    sources: tuple[Sources, dict[str, bytes]] | None = None
     waiting: dict[int, list[Ahead]] = field(default_factory=dict)
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
@@ -32,6 +34,9 @@ class MemoryStore:
 
     def record_versions(self, versions: Versions, code: Code) -> None:
         self.versions = versions
+
+    def record_sources(self, files: Sources, texts: Mapping[str, bytes]) -> None:
+        self.sources = files, dict(texts)
 
     def begin(self, position: int) -> None:
         stage = self.stages[position]

@@ -7,7 +7,7 @@ plain records (`backend.db.records`).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from backend.db.records import (
@@ -19,6 +19,7 @@ from backend.db.records import (
     Trace,
     join,
 )
+from campaigns.capsules.sources import Sources
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.versions import Code, Versions
 
@@ -43,6 +44,9 @@ class Store(Protocol):
     def record_versions(self, versions: Versions, code: Code) -> None:
         """Store the versions of the code when the first stage begins; raises `OtherCode` if other code has run
         already."""
+
+    def record_sources(self, files: Sources, texts: Mapping[str, bytes]) -> None:
+        """Store the sources of the run's components that are not shipped, with their texts by module."""
 
     def begin(self, position: int) -> None:
         """Mark a stage running."""

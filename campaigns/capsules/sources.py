@@ -1,0 +1,84 @@
+"""The source of components that are not shipped: of the operator's folders and of other packages. It is code.
+
+Nothing here executes it. A run stores it when it begins, and capsules contain it. Start reading at `Sources`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+OWN = "worker.components.own"
+"""The package whose modules are the files of the operator's folders."""
+MOST_FILES, LARGEST, LARGEST_OF_ALL = 60, 2 * 2**20, 8 * 2**20
+"""Of the sources of a run: number of files, and size of each and of all [bytes]."""
+
+_MODULE = r"[A-Za-z_][A-Za-z0-9_]{0,99}(\.[A-Za-z_][A-Za-z0-9_]{0,99}){0,9}"
+_WORD = r"[A-Za-z0-9][A-Za-z0-9._+!-]{0,99}"
+_OURS = re.compile(r"(worker|campaigns|backend|clearance)(\..*)?")
+
+Module = Annotated[str, Field(pattern=f"^{_MODULE}$", max_length=200)]
+Word = Annotated[str, Field(pattern=f"^{_WORD}$")]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class SourceFile(_Part):
+    """One module; its text is apart."""
+
+    module: Module
+    package: bool
+    """Whether it is the `__init__.py` of a package."""
+    digest: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    """SHA-256 of its text."""
+
+    @property
+    def own(self) -> bool:
+        """Whether it is a file of the operator's folders."""
+        return self.module.startswith(f"{OWN}.")
+
+    @property
+    def file(self) -> str:
+        """Where it is below its folder: my_robot.py, acme/robots/__init__.py."""
+        if self.own:
+            return f"{self.module.removeprefix(f'{OWN}.')}.py"
+        path = self.module.replace(".", "/")
+        return f"{path}/__init__.py" if self.package else f"{path}.py"
+
+
+class EntryPoint(_Part):
+    """By which a package adds a component or a method."""
+
+    distribution: Word
+    version: Word
+    group: Annotated[str, Field(pattern=r"^clearance\.(components|methods)$")]
+    name: Word
+    value: Annotated[str, Field(pattern=rf"^{_MODULE}(:[A-Za-z_][A-Za-z0-9_.]*)?$", max_length=300)]
+
+
+class Sources(_Part):
+    """The files of a run, without their texts."""
+
+    files: Annotated[tuple[SourceFile, ...], Field(max_length=MOST_FILES)]
+    entries: Annotated[tuple[EntryPoint, ...], Field(max_length=MOST_FILES)] = ()
+
+    def faults(self, texts: Mapping[str, bytes]) -> str:
+        """What is wrong with them or their texts by module, as a clause; empty if nothing is."""
+        modules = [file.module for file in self.files]
+        if sorted(texts) != sorted(modules):
+            return "its sources are not those that it states"
+        if sum(map(len, texts.values())) > LARGEST_OF_ALL:
+            return f"its sources are larger than {LARGEST_OF_ALL // 2**20} MiB"
+        for file in self.files:
+            if hashlib.sha256(texts[file.module]).hexdigest() != file.digest:
+                return f"the text of {file.file} in it was changed"
+            nested = file.own and "." in file.module.removeprefix(f"{OWN}.")
+            if nested or (_OURS.fullmatch(file.module) and not file.own):
+                return f"{file.module} in it is no component of the operator or of another package"
+        return ""

@@ -1,0 +1,221 @@
+"""The source of components in capsules: run only if that is permitted, with the same bits; no other text is run."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from campaigns.asked.load import load_document
+from campaigns.capsules.capsule import digest_of
+from campaigns.capsules.packing import CapsuleError, read_sources, unpacked
+from tests.unit.packages import package
+from tests.unit.records import ran
+from worker.cli import VIOLATED, WRONG_INPUT, invoke
+from worker.cli._capsule import write_capsules
+from worker.components.avoiders import potential_field
+from worker.runs import added as recorded
+from worker.runs.meaning import meaning
+from worker.stages.parts import offered
+
+SHIPPED = Path(potential_field.__file__).read_text(encoding="utf-8")
+OWN, FOREIGN = "worker.components.own.my_field", "acme_fields"
+Document = dict[str, Any]
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """As in the tests of replay, so that they share their runs."""
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
+    monkeypatch.setattr(offered, "AT_MOST", 3)
+
+
+def text_of(trace: Path) -> bytes:
+    """The shipped component under another name; importing it leaves a trace."""
+    text = SHIPPED.replace('name="potential_field"', 'name="my_field"')
+    return f"{text}\nopen({str(trace)!r}, 'w').close()\n".encode()
+
+
+def with_source(folder: Path, module: str, text: bytes, change: Callable[[Document], object] = lambda d: None) -> Path:
+    """The capsule of a run whose avoider is not shipped: the same numbers as those of the shipped one."""
+    write_capsules(folder, *ran("violated"), None)
+    with zipfile.ZipFile(folder / "capsule-F1.zip") as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    document = json.loads(files["capsule.json"])
+    document["campaign"]["scenario"]["avoider"]["component"] = "my_field"
+    document["campaign_digest"] = load_document(document["campaign"], "x").digest
+    document |= {"components": None, "components_digest": ""}
+    digest = hashlib.sha256(text).hexdigest()
+    document["sources"] = {"files": [{"module": module, "package": False, "digest": digest}], "entries": []}
+    if module == OWN:
+        document["versions"]["components"] = {"my_field.py": meaning(text)}
+    else:
+        entry = {"distribution": "acme-fields", "version": "1.2", "group": "clearance.components", "name": "my_field"}
+        document["sources"]["entries"] = [entry | {"value": FOREIGN}]
+        document["modules"][module] = meaning(text)
+        document["versions"]["packages"]["acme-fields"] = "1.2"
+    files[f"source/{module}.py"] = text
+    document["files"][f"source/{module}.py"] = digest
+    change(document)
+    document["digest"] = digest_of(document)
+    files["capsule.json"] = json.dumps(document).encode()
+    made = folder / "capsule-F1.zip"
+    made.write_bytes(zipped(files))
+    return made
+
+
+def zipped(files: dict[str, bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            archive.writestr(name, data)
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize("module", [OWN, FOREIGN])
+def test_source_in_a_capsule_runs_only_if_permitted_and_gives_the_same_bits(
+    module: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    trace = tmp_path / "ran"
+    capsule = with_source(tmp_path, module, text_of(trace))
+    assert invoke(["replay", str(capsule)]) == WRONG_INPUT
+    refused = capsys.readouterr().err
+    assert "nothing of it was executed; for a file that you trust, --allow-code permits it" in refused
+    assert f"({module.rpartition('.')[2]}.py), which is code" in refused
+    assert not trace.exists()
+    assert invoke(["replay", str(capsule), "--allow-code", "--json"]) == 0, capsys.readouterr().err
+    said = json.loads(capsys.readouterr().out)
+    (case,) = said["cases"]
+    assert (case["agreement"], case["now"]["values"]) == ("same bits", case["stored"]["values"])
+    assert said["executed"] is True
+    assert not [one for one in said["differences"] if "my_field" in one or "acme" in one]
+    assert trace.exists()
+
+
+@pytest.mark.parametrize("module", [OWN, FOREIGN])
+def test_text_that_was_changed_is_refused_and_not_run(
+    module: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    trace = tmp_path / "ran"
+    capsule = with_source(tmp_path, module, text_of(trace))
+    with zipfile.ZipFile(capsule) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    changed = files[f"source/{module}.py"] + b"x = 1\n"
+    capsule.write_bytes(zipped(files | {f"source/{module}.py": changed}))
+    assert invoke(["replay", str(capsule), "--allow-code"]) == WRONG_INPUT
+    assert "was changed" in capsys.readouterr().err
+
+    def sealed(document: Document) -> None:
+        """With digests of the file that fit, but not that of the run."""
+        document["versions"]["components"] = {"my_field.py": "0" * 16}
+        document["modules"][module] = "0" * 16
+
+    capsule = with_source(tmp_path, module, text_of(trace), sealed)
+    assert invoke(["replay", str(capsule), "--allow-code"]) == WRONG_INPUT
+    assert "is not the one that the run recorded" in capsys.readouterr().err
+    assert not trace.exists()
+
+
+@pytest.mark.nightly
+def test_a_run_of_an_own_component_is_replayed_where_it_is_not_installed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, out = tmp_path / "components", tmp_path / "out"
+    folder.mkdir()
+    text = SHIPPED.replace('name="potential_field"', 'name="my_field"')
+    text = text.replace("from worker.physics.fields", "from ._shared import HALF\nfrom worker.physics.fields")
+    (folder / "my_field.py").write_text(text.replace("k_att * (goal.x", "k_att * 2.0 * HALF * (goal.x"))
+    (folder / "_shared.py").write_text("HALF = 0.5\n")
+    document = ran("violated")[0].document()
+    document["scenario"]["avoider"]["component"] = "my_field"
+    campaign = tmp_path / "campaign.json"
+    campaign.write_text(json.dumps(document))
+    command = [sys.executable, "-m", "worker.cli", "run", str(campaign), "--out", str(out)]
+    ended = subprocess.run(
+        command, env={**os.environ, "CLEARANCE_COMPONENTS": str(folder)}, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == VIOLATED, ended.stderr
+    capsule = out / "capsule-F1.zip"
+    assert set(read_sources(capsule)) == {OWN, "worker.components.own._shared"}
+    assert invoke(["replay", str(capsule)]) == WRONG_INPUT
+    capsys.readouterr()
+    assert invoke(["replay", str(capsule), "--allow-code", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["cases"][0]["agreement"], said["differences"]) == ("same bits", [])
+
+
+def test_source_that_does_not_evaluate_the_finding_is_not_said_to(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The campaign is one of shipped components, with other source next to it."""
+
+    def shipped(document: Document) -> None:
+        document["campaign"]["scenario"]["avoider"]["component"] = "potential_field"
+        document["campaign_digest"] = load_document(document["campaign"], "x").digest
+
+    capsule = with_source(tmp_path, OWN, text_of(tmp_path / "ran"), shipped)
+    assert invoke(["replay", str(capsule), "--allow-code"]) == WRONG_INPUT
+    assert "is not evaluated by exactly the source in it" in capsys.readouterr().err
+    assert invoke(["replay", str(capsule)]) == 0
+    assert "nothing of the capsule was executed" in capsys.readouterr().out
+
+
+def _module(name: str) -> Callable[[Document], object]:
+    return lambda d: d["sources"]["files"][0].update(module=name)
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (_module("worker.kernels.maths"), "not those that it states"),
+        (_module("../evil"), "module"),
+        (lambda d: d["sources"]["files"][0].update(digest="0" * 64), "was changed"),
+        (lambda d: d["sources"]["files"].clear(), "not those that it states"),
+        (lambda d: d["sources"]["files"].extend(d["sources"]["files"] * 60), "at most 60"),
+        (lambda d: d.pop("sources"), "not those that it states"),
+        (lambda d: d["sources"].update(entries=[{"distribution": "../x", "version": "1"}]), "distribution"),
+    ],
+)
+def test_sources_that_contradict_the_document_are_refused(
+    tmp_path: Path, change: Callable[[Document], object], why: str
+) -> None:
+    capsule = with_source(tmp_path, OWN, text_of(tmp_path / "ran"), change)
+    with pytest.raises(CapsuleError, match=why):
+        unpacked(capsule.read_bytes())
+
+
+def test_source_of_shipped_code_is_not_replaced(tmp_path: Path) -> None:
+    capsule = with_source(tmp_path, "worker.kernels.maths", b"x = 1\n")
+    with pytest.raises(CapsuleError, match=r"worker\.kernels\.maths in it is no component"):
+        read_sources(capsule)
+
+
+def test_a_run_records_the_source_of_a_packages_component(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package(tmp_path, "clearance.components", FOREIGN, text_of(tmp_path / "ran").decode())
+    monkeypatch.syspath_prepend(tmp_path)
+    campaign = ran("violated")[0]
+    assert recorded.added(campaign) is None
+    import acme_fields  # type: ignore[import-not-found]
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setitem(recorded.installed.components(), ("avoider", "my_field"), acme_fields.component)
+        patched.setitem(recorded.installed._HOMES, id(acme_fields.component), FOREIGN)
+        patched.setitem(recorded.sources.LOADED.files, FOREIGN, (tmp_path / f"{FOREIGN}.py").read_bytes())
+        document = campaign.document()
+        document["scenario"]["avoider"]["component"] = "my_field"
+        found = recorded.added(load_document(document, "x"))
+    assert found is not None
+    sources, texts = found
+    assert sources.faults(texts) == ""
+    assert [(file.module, file.package, file.own) for file in sources.files] == [(FOREIGN, False, False)]
+    (entry,) = sources.entries
+    assert (entry.distribution, entry.group, entry.value) == (FOREIGN, "clearance.components", FOREIGN)

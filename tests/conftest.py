@@ -1,7 +1,8 @@
-"""The order of test files: slow ones first, so that all workers finish at the same time."""
+"""The order of test files, slow ones first, so that all workers finish at the same time; and garbage collection."""
 
 from __future__ import annotations
 
+import gc
 import re
 from typing import Any
 
@@ -63,3 +64,20 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return next((i for i, name in enumerate(LONG) if name in path), len(LONG))
 
     items.sort(key=turn)
+
+
+def pytest_configure() -> None:
+    """Collecting makes hardly any garbage."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """From here on only what the tests make is searched for cycles.
+
+    A process that has collected all tests holds 800,000 objects, none of which ends before it does. Searching them again
+    and again took a third of the collection and a fifth of the tests' time.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(10_000, 10, 10)
+    gc.enable()

@@ -74,8 +74,8 @@ def pytest_configure() -> None:
 def pytest_collection_finish() -> None:
     """From here on only what the tests make is searched for cycles.
 
-    A process that has collected all tests holds 800,000 objects, none of which ends before it does. Searching them again
-    and again took a third of the collection and a fifth of the tests' time.
+    A process that has collected all tests holds 800,000 objects, none of which ends before it does. Searching them
+    again and again took a third of the collection and a fifth of the tests' time.
     """
     gc.collect()
     gc.freeze()

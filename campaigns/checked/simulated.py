@@ -11,6 +11,7 @@ from campaigns.checked import limits, said
 
 PREFIX = "simulator"
 """The prefix of its parameters' paths: simulator.x."""
+NONE = "it has none: name the folder that contains the simulator's own folder in CLEARANCE_SIMULATORS"
 
 
 def simulated(campaign: Campaign, asked: Simulator, catalogue: Catalogue) -> Iterator[Problem]:
@@ -18,7 +19,7 @@ def simulated(campaign: Campaign, asked: Simulator, catalogue: Catalogue) -> Ite
     entry = catalogue.simulator(asked.name)
     if entry is None:
         names = [s.name for s in catalogue.simulators]
-        text = f"no such simulator in this installation; {said.known(asked.name, names)}"
+        text = f"no such simulator in this installation; {said.known(asked.name, names) if names else NONE}"
         yield Problem("simulator.name", asked.name, catalogue.why_not("simulator", asked.name, text))
     else:
         yield from limits.refused("simulator.parameters", entry.parameters, asked.parameters)

@@ -97,7 +97,7 @@ def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[st
     assert invoke(["validate", "unicycle_static"]) == 0
     out = capsys.readouterr().out
     assert out.startswith(f"Unicycle, static obstacle: can be run here. Digest {campaign().digest[:16]}\n")
-    assert "2 uncertain parameters, at most 13543 evaluations:" in out
+    assert "2 uncertain parameters, about 13543 evaluations:" in out
     assert "  search by direct: 3000\n" in out
 
 

@@ -186,7 +186,8 @@ def _line(found: Run, figures: bool) -> str:
     if not figures:
         return f"{found.id} {name}"
     best = "" if stage.best is None else f", best {stage.best:.6g} {found.unit}"
-    return f"{found.id} {name}, {stage.evaluations:,} of at most {stage.planned:,} evaluations{best}"
+    planned = "about" if stage.kind == "validate" else "at most"
+    return f"{found.id} {name}, {stage.evaluations:,} of {planned} {stage.planned:,} evaluations{best}"
 
 
 def counts(found: Run) -> str:

@@ -60,7 +60,8 @@ class Progress:
         self._bars.start()  # not before the first evaluation: a campaign may turn out to be unusable
         if position not in self._tasks:
             name = _named(stage.kind, stage.method)
-            self._tasks[position] = self._bars.add_task(name, total=stage.planned, best="")
+            total = None if stage.kind == "validate" else stage.planned  # how much it repeats depends on what was found
+            self._tasks[position] = self._bars.add_task(name, total=total, best="")
         best = "" if tally.best is None else f"best {number(tally.best)}"
         self._bars.update(self._tasks[position], completed=tally.evaluations, best=best)
 

@@ -22,6 +22,7 @@ from worker.cli import _interrupt as interrupt
 from worker.cli import _launch as launch
 from worker.cli._ended import Case, EndedRun, Source, write_files
 from worker.cli._out import writable
+from worker.cli._skipped import report_unusable
 from worker.cli._where import DATA, Data, Database
 
 if TYPE_CHECKING:
@@ -167,7 +168,7 @@ def _fresh(file: Path, campaign: Campaign, execute: Execute) -> tuple[Campaign, 
 
     if problems := check(campaign, catalogue()):
         if any(problem.field == "simulator.name" for problem in problems):
-            _report_unusable()
+            report_unusable()
         raise CampaignError(str(file), problems)
     store = MemoryStore()
     try:
@@ -185,15 +186,6 @@ def _announcing(execute: Execute, data: Path, database: str, quiet: bool) -> Exe
         return execute(campaign, store, cancelled)
 
     return execute if quiet else announced
-
-
-def _report_unusable() -> None:
-    """Report the simulators that were skipped: one of them may be the one that the campaign names."""
-    from worker.catalogue.descriptor import unusable
-    from worker.catalogue.files import unusable_files
-
-    for problem in [*unusable(), *unusable_files()]:
-        typer.echo(f"a simulator is skipped: {problem}", err=True)
 
 
 def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObject:

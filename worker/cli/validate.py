@@ -10,6 +10,7 @@ import typer
 from worker.cli import WrongInputError
 from worker.cli import _code as code
 from worker.cli._service import PATIENCE, Patience, Token
+from worker.cli._skipped import report_unusable
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -71,6 +72,8 @@ def _here(file: Path, normal: bool, allow_code: bool) -> None:
     campaign = code.read(file, allow_code)
     problems = check(campaign, catalogue())
     if problems:
+        if campaign.simulator is not None:
+            report_unusable()
         raise CampaignError(str(file), problems)
     if normal:
         typer.echo(json.dumps(campaign.document(), indent=2))
@@ -102,6 +105,8 @@ def _print_usable(campaign: Campaign, where: str) -> None:
 
     stages = plan(campaign)
     typer.echo(f"{campaign.name}: can be run {where}. Digest {campaign.digest[:16]}")
-    typer.echo(f"{len(campaign.uncertain)} uncertain parameters, at most {sum(s.planned for s in stages)} evaluations:")
+    typer.echo(f"{len(campaign.uncertain)} uncertain parameters, about {sum(s.planned for s in stages)} evaluations:")
     for stage in stages:
-        typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {stage.planned}")
+        # How many validation takes depends on the worst cases found: the plan has an estimate.
+        number = f"about {stage.planned}" if stage.kind == "validate" else f"{stage.planned}"
+        typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {number}")

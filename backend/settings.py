@@ -22,8 +22,8 @@ PREFIX = "CLEARANCE_"
 _OTHERS = frozenset(
     PREFIX + name
     for name in (
-        "CHILD_MEMORY", "COMMAND", "COMPONENTS", "DESCRIBING", "EVALUATOR", "EXAMINATION_TIMEOUT", "FMU", "FUNCTION",
-        "KERNEL_CACHE", "SERVICE", "SIMULATORS", "SLOT", "THREADS", "TOKEN",
+        "CAPSULE_CODE", "CHILD_MEMORY", "COMMAND", "COMPONENTS", "DESCRIBING", "EVALUATOR", "EXAMINATION_TIMEOUT",
+        "FMU", "FUNCTION", "KERNEL_CACHE", "SERVICE", "SIMULATORS", "SLOT", "THREADS", "TOKEN",
     )
 )  # fmt: skip
 """Variables of workers, simulators and the command line."""

@@ -28,7 +28,8 @@ QUANTITIES = frozenset(
         "horizon", "largest", "low", "lower_bound", "lower_by", "lowest", "margin", "margin_again",
         "margin_before", "mean", "median", "mode", "moved", "mu", "mu_star", "mu_star_confidence", "nominal",
         "nominal_cost", "obstacle_x", "obstacle_y", "outside", "period", "plus_minus", "quantile", "radius",
-        "rate", "reach", "reference", "remaining", "seconds", "share", "sigma", "speed", "spread",
+        "rate", "reach", "reference", "remaining", "seconds", "seconds_least", "seconds_most", "share",
+        "sigma", "speed", "spread",
         "start_seconds", "step", "target_probability", "threshold", "time", "times", "tolerance", "total",
         "total_confidence", "upper_bound", "value", "way", "worst_cost", "x", "y",
     )

@@ -80,4 +80,4 @@ def test_the_address_is_part_of_what_a_key_repeats(client: httpx.Client) -> None
     assert first.json()["id"] == submitted(client, {"label": "branch=main"}, key="k").json()["id"] == "R-0001"
     for other in ({"label": "branch=slow"}, {}):
         refused = problem(submitted(client, other, key="k"), 422)
-        assert "queued R-0001" in refused["detail"]
+        assert "made R-0001" in refused["detail"]

@@ -35,8 +35,27 @@ export interface Ink {
   turned: boolean
 }
 
-/** Maximum number of lines in one path; beyond it Chromium's rasteriser is faster with several paths. */
+/** Maximum number of marks in one path; beyond it Chromium's rasteriser is faster with several paths. */
 const AT_ONCE = 40
+
+/**
+ * Maximum number of dashed lines; of more, no dash can be seen. Drawing 4,000 without a graphics card takes 20 s of
+ * Chromium's graphics process, in which the page and the 3D view stand still.
+ */
+export const DASHED = 400
+
+/** The dashes of so many lines. */
+export const dashOf = (lines: number, dash: readonly number[]): number[] => (lines > DASHED ? [] : [...dash])
+
+/** Stroke what is drawn for each row, in several paths. */
+function inParts(ctx: CanvasRenderingContext2D, rows: readonly number[], draw: (row: number) => void): void {
+  for (let first = 0; first < rows.length; first += AT_ONCE) {
+    ctx.lineDashOffset = (first / AT_ONCE) * 3 // aligned dashes would look like rings
+    ctx.beginPath()
+    rows.slice(first, first + AT_ONCE).forEach(draw)
+    ctx.stroke()
+  }
+}
 
 /** The canvas at its element's size, cleared; units are CSS pixels. */
 export function prepared(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D | null {
@@ -84,24 +103,19 @@ export function paintLines(ctx: CanvasRenderingContext2D, space: Space, kept: Ui
   const { fates, shaded } = layersOf(space, kept, ink)
   ctx.lineWidth = 1
   ctx.lineJoin = 'bevel'
-  const stroke = (rows: number[]) => {
-    for (let first = 0; first < rows.length; first += AT_ONCE) {
-      ctx.lineDashOffset = (first / AT_ONCE) * 3 // aligned dashes would look like rings
-      ctx.beginPath()
-      for (const i of rows.slice(first, first + AT_ONCE))
-        crossings(space, i, lines).forEach((y, k) => {
-          const x = lines.xs[k] as number
-          if (k === 0) ctx.moveTo(x, y)
-          else ctx.lineTo(x, y)
-        })
-      ctx.stroke()
-    }
-  }
+  const stroke = (rows: number[]) =>
+    inParts(ctx, rows, (i) => {
+      crossings(space, i, lines).forEach((y, k) => {
+        const x = lines.xs[k] as number
+        if (k === 0) ctx.moveTo(x, y)
+        else ctx.lineTo(x, y)
+      })
+    })
   ctx.strokeStyle = colour('--ink-3')
   for (const [rows, dash] of [[fates[1] ?? [], [4, 3]], [fates[2] ?? [], [1, 3]]] as const) {
     // They all start at one point: many of them must not be more prominent than those with a value.
-    ctx.globalAlpha = rows.length > 400 ? 0.2 : rows.length > 80 ? 0.35 : 0.6
-    ctx.setLineDash([...dash])
+    ctx.globalAlpha = rows.length > DASHED ? 0.2 : rows.length > 80 ? 0.35 : 0.6
+    ctx.setLineDash(dashOf(rows.length, dash))
     stroke(rows)
   }
   ctx.setLineDash([])
@@ -139,12 +153,10 @@ export function paintPoints(
       const [x, y] = placed(space, i, cell)
       if (!Number.isNaN(x + y)) ctx.strokeRect(x - 2.5, y - 2.5, 5, 5)
     }
-    ctx.beginPath()
-    for (const i of fates[1] ?? []) {
+    inParts(ctx, fates[1] ?? [], (i) => {
       const [x, y] = placed(space, i, cell)
       if (!Number.isNaN(x + y)) cross(ctx, x, y)
-    }
-    ctx.stroke()
+    })
     for (let shade = SHADES - 1; shade >= 0; shade--) {
       ctx.fillStyle = palette[shade] as string
       for (const i of shaded[shade] as number[]) {

@@ -2,7 +2,7 @@
 import { expect, it } from 'vitest'
 import type { Evaluations, EvaluationSeries } from '../../client'
 import { rgbOf, SHADES, shadeOf } from './colours'
-import { layersOf } from './paint'
+import { DASHED, dashOf, layersOf } from './paint'
 import {
   type Axis,
   brushed,
@@ -171,4 +171,9 @@ it.each(['light', 'dark'] as const)('colours stand out and fade evenly towards t
 it('gives lower values lower shades', () => {
   expect([0, 5, 10, 11].map((v) => shadeOf(v, 0, 10))).toEqual([0, SHADES / 2, SHADES - 1, SHADES - 1])
   expect(shadeOf(3, 3, 3)).toBe(0)
+})
+
+it('dashes few lines only: thousands of them stop the page for 20 s without a graphics card', () => {
+  expect(dashOf(DASHED, [4, 3])).toEqual([4, 3])
+  expect(dashOf(DASHED + 1, [4, 3])).toEqual([])
 })

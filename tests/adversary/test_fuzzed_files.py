@@ -1,7 +1,7 @@
 """Files and messages of others, mutated: each is read, or refused with its own error; nothing of them is executed.
 
-Descriptors of simulators, files of components, answers of programs, labels, entity tags, addresses of views. A few by
-day, many by night.
+Descriptors of simulators, files of components, answers of programs, labels, entity tags, addresses of views, files of
+requirements. A few by day, many by night.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ import pytest
 
 from backend.http.errors import RefusedError
 from backend.http.matches import require_match
+from backend.requirements import service as requirements
+from backend.requirements.reqif import write
 from backend.scenes.base.address import parse
 from campaigns import labels
 from tests.adversary.mutations import GROWING, mutated
@@ -72,13 +74,22 @@ def addressed(folder: Path, content: bytes) -> None:
         parse(content.decode("utf-8", "replace"))
 
 
+def required(folder: Path, content: bytes) -> None:
+    for kind in ("csv", "reqif"):
+        with contextlib.suppress(RefusedError):
+            requirements.read(kind, content, "", "")
+
+
 LINES = "\n".join(json.dumps({"id": i, "results": {"margin": 0.5 * i, "x": [1, 2]}}) for i in range(20)) + "\n"
+CSV = 'id,text\nREQ-1,"Keep 0.5 m"\nREQ-2,"Two\nlines"\n'
+REQIF = write([("REQ-1", "Keep 0.5 m", "", ""), ("REQ-2", "é < & >", "", "")], 1.7e9, "Clearance").decode()
 READERS: dict[str, tuple[Callable[[Path, bytes], None], list[str]]] = {
     "descriptors": (described, [path.read_text(encoding="utf-8") for path in DESCRIPTORS]),
     "components": (examined, [path.read_text(encoding="utf-8") for path in COMPONENTS]),
     "answers": (answered, [LINES, '{"trace": [[0.0, 1.5], [null, 2]]}\n']),
     "labels": (labelled, ["branch=main\ncommit=4f2a91c", "a=b=c\n=\nx="]),
     "entity tags": (matched, ['"abc", W/"abc", "x"', "*"]),
+    "requirements": (required, [CSV, REQIF]),
     "views": (addressed, ["F2/t/12.5/cam/chase/dark/key/00000000-0000-4000-8000-000000000000", "nominal/t/nan"]),
 }
 

@@ -36,7 +36,7 @@ export function Toggles({ space, hidden, onToggle }: TogglesProps) {
             type="button"
             className={figures.k}
             aria-pressed={!hidden.has(fate)}
-            title={`Without a value: ${fate === 'failed' ? 'a cross and a dashed line (a faint one if there are more than 400)' : 'a square and a dotted line (a faint one if there are more than 400)'}`}
+            title={`Without a value: ${fate === 'failed' ? 'a cross and a dashed line' : 'a square and a dotted line'}; of more than 400, faint lines`}
             onClick={() => onToggle(fate)}
           >
             <svg className={figures.mk} viewBox="0 0 10 10" aria-hidden="true">

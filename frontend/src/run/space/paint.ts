@@ -114,7 +114,7 @@ export function paintLines(ctx: CanvasRenderingContext2D, space: Space, kept: Ui
   ctx.strokeStyle = colour('--ink-3')
   for (const [rows, dash] of [[fates[1] ?? [], [4, 3]], [fates[2] ?? [], [1, 3]]] as const) {
     // They all start at one point: many of them must not be more prominent than those with a value.
-    ctx.globalAlpha = rows.length > DASHED ? 0.2 : rows.length > 80 ? 0.35 : 0.6
+    ctx.globalAlpha = rows.length > 2000 ? 0.03 : rows.length > DASHED ? 0.1 : rows.length > 80 ? 0.35 : 0.6
     ctx.setLineDash(dashOf(rows.length, dash))
     stroke(rows)
   }

@@ -156,10 +156,16 @@ def set_disabled(writer: sa.Connection, name: str, disabled: bool) -> None:
 
 def own_sign_offs(reader: sa.Connection) -> bool:
     """Whether users may sign off runs that they launched. By default only while `local` is the only user."""
-    stored = reader.scalar(sa.select(ServiceSetting.value).where(ServiceSetting.key == OWN_SIGN_OFFS))
-    if stored:
-        return bool(stored[0])
+    stored = stored_own_sign_offs(reader)
+    if stored is not None:
+        return stored
     return reader.scalar(sa.select(User.name).where(User.name != LOCAL).limit(1)) is None
+
+
+def stored_own_sign_offs(reader: sa.Connection) -> bool | None:
+    """That setting as somebody chose it; None if nobody has."""
+    stored = reader.scalar(sa.select(ServiceSetting.value).where(ServiceSetting.key == OWN_SIGN_OFFS))
+    return bool(stored[0]) if stored else None
 
 
 def set_own_sign_offs(writer: sa.Connection, permitted: bool) -> None:

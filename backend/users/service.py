@@ -100,7 +100,8 @@ def change_settings(
         users.hold(writer, LOCAL)  # settings that were never changed have no row of their own
         before = users.own_sign_offs(writer)
         require_match(match, tag(before), "a setting")
-        if own_sign_offs != before:
+        # A choice is stored also where it is the default, which changes once another user is invited.
+        if own_sign_offs != users.stored_own_sign_offs(writer):
             users.set_own_sign_offs(writer, own_sign_offs)
             told = {"before": before, "after": own_sign_offs}
             audit.note(writer, visitor, "setting.changed", users.OWN_SIGN_OFFS, told)

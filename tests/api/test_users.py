@@ -455,3 +455,13 @@ def test_two_acceptances_at_the_same_time_make_one_session(service: Service, adm
     with read(service.engine) as reader:
         assert users.invited(reader, code) is None
         assert access.sessions(reader, user) == []
+
+
+def test_a_setting_that_was_chosen_stays_where_its_default_changes(fresh_sqlite: Fresh, tmp_path: Path) -> None:
+    """Alone, the user may sign off own runs by default; once he has chosen so, also after another one joined."""
+    with running(fresh_sqlite, tmp_path) as alone, alone.signed_in() as admin:
+        for _ in range(2):
+            assert admin.patch(f"{API}/settings", json={"own_sign_offs": True}).json() == {"own_sign_offs": True}
+        assert actions(alone, "own_sign_offs") == ["setting.changed"]
+        assert admin.post(f"{API}/users", json={"name": "ann", "role": "viewer"}).status_code == 201
+        assert admin.get(f"{API}/settings").json() == {"own_sign_offs": True}

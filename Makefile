@@ -22,7 +22,7 @@ test: install ## run every check and every test
 
 nightly: install ## run the tests that take minutes, left out of `make test`
 	@source tools/common.sh; source tools/node.sh; cd frontend; export CLEARANCE_NIGHTLY=1; node_modules/.bin/eslint . && npm run --silent test
-	@.venv/bin/pytest -m nightly -n "$$(nproc)" --dist loadfile --no-loadscope-reorder
+	@.venv/bin/pytest -m nightly --processes "$$(nproc)"
 
 screenshots: install ## pictures of the pages as the browser tests meet them, in build/screenshots
 	@tools/chromium.sh

@@ -1,13 +1,15 @@
-"""The order of test files, slow ones first, so that all workers finish at the same time; and garbage collection."""
+"""The order of test files, slow ones first, so that all processes finish at the same time; and garbage collection."""
 
 from __future__ import annotations
 
 import gc
 import re
-from typing import Any
 
 import pytest
-from xdist.scheduler import LoadFileScheduling
+
+from tests.side_by_side import pytest_addoption, pytest_runtestloop
+
+__all__ = ["pytest_addoption", "pytest_runtestloop"]
 
 LONG = (
     "contract/test_compiled.py",
@@ -32,28 +34,20 @@ BROWSED = {
     **dict.fromkeys(("browse", "isolation", "narrow", "reading_a_run", "simulator", "simulator_run"), "evaluated"),
     "whole_way": "whole_way",
 }
-"""By file of tests/e2e, the group that stays on one worker, where it shares browsers; all others are one more group.
+"""By file of tests/e2e, the group that stays in one process, where it shares browsers; all others are one more group.
 Those that need the fixture `flown` are together. The groups take about as long as each other."""
 
 SPREAD = ("contract/test_compiled.py",)
 """Files whose tests share only a closed loop: tests whose ids start with the same number stay together."""
 
 
-class ByFile(LoadFileScheduling):
-    """Tests of a file share services and stay on one worker, those of a group of `BROWSED` too. Some are spread."""
-
-    def _split_scope(self, nodeid: str) -> str:
-        file, _, rest = nodeid.partition("::")
-        if browsed := re.fullmatch(r"tests/e2e/test_(\w+)\.py", file):
-            return f"tests/e2e: {BROWSED.get(browsed[1], 'others')}"
-        number = re.search(r"\[(\d+)-", rest)
-        return f"{file}[{number[1]}]" if number and file.endswith(SPREAD) else file
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> ByFile:
-    """Used with `-n`. (The groups of pytest-xdist 3.8 do nothing under pytest 9.2.)"""
-    return ByFile(config, log)
+def pytest_group_of(item: pytest.Item) -> str:
+    """Tests of a file share services and stay in one process, those of a group of `BROWSED` too. Some are spread."""
+    file, _, rest = item.nodeid.partition("::")
+    if browsed := re.fullmatch(r"tests/e2e/test_(\w+)\.py", file):
+        return f"tests/e2e: {BROWSED.get(browsed[1], 'others')}"
+    number = re.search(r"\[(\d+)-", rest)
+    return f"{file}[{number[1]}]" if number and file.endswith(SPREAD) else file
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

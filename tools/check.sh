@@ -77,7 +77,7 @@ frontend_types() {
 "$VENV/bin/ruff" format --check .
 begin mypy "$VENV/bin/mypy"
 begin tsc frontend_types
-begin pytest "$VENV/bin/pytest" -q -n 2 --dist loadfile tests/unit tests/contract "${SLOW[@]/#/--ignore=}" \
+begin pytest "$VENV/bin/pytest" -q --processes 2 tests/unit tests/contract "${SLOW[@]/#/--ignore=}" \
     "${STARTING[@]/#/--deselect=}" "$@"
 
 ended

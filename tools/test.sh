@@ -24,8 +24,8 @@ tools/frontend.sh # the types of the pages are checked before they are built
 begin "mypy, eslint and vitest" checks
 say "== pytest; mypy, eslint and vitest beside it"
 # A file's tests share services and browsers: tests/conftest.py keeps them together, and orders them.
-workers="$(($(nproc) + 2))" # a third of the time a test waits for other processes
+processes="$(($(nproc) + 2))" # a third of the time a test waits for other processes
 tested=0
-"$VENV/bin/pytest" -n "$((workers < 4 ? workers : 4))" --dist loadfile --no-loadscope-reorder "$@" || tested="$?"
+"$VENV/bin/pytest" --processes "$((processes < 4 ? processes : 4))" "$@" || tested="$?"
 ended
 exit "$tested"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs what tells within a minute or two whether an edit holds: ruff, types of both sides, and the unit and contract
+# Runs what tells within a minute or two whether an edit holds: rules and types of both sides, and the unit and contract
 # tests that neither compile for long nor run for long. tools/test.sh runs everything.
 
 source "$(dirname "$0")/common.sh"
@@ -73,10 +73,16 @@ frontend_types() {
     node_modules/.bin/tsc --noEmit --incremental --tsBuildInfoFile node_modules/.check.tsbuildinfo
 }
 
+frontend_rules() {
+    cd frontend
+    node_modules/.bin/oxlint
+}
+
 "$VENV/bin/ruff" check .
 "$VENV/bin/ruff" format --check .
 begin mypy "$VENV/bin/mypy"
 begin tsc frontend_types
+begin oxlint frontend_rules
 begin pytest "$VENV/bin/pytest" -q --processes 2 tests/unit tests/contract "${SLOW[@]/#/--ignore=}" \
     "${STARTING[@]/#/--deselect=}" "$@"
 

@@ -10,7 +10,7 @@ checks() {
     local failed=0
     nice -n 19 "$VENV/bin/mypy" || failed=1
     cd frontend
-    nice -n 19 node_modules/.bin/eslint . || failed=1
+    nice -n 19 node_modules/.bin/oxlint || failed=1
     nice -n 19 node_modules/.bin/vitest run || failed=1
     return "$failed"
 }
@@ -21,8 +21,8 @@ say "== ruff"
 # Some hundred processes load these modules, also where the environment forbids to write what was compiled.
 "$VENV/bin/python" -m compileall -q -j 0 backend campaigns clearance worker
 tools/frontend.sh # the types of the pages are checked before they are built
-begin "mypy, eslint and vitest" checks
-say "== pytest; mypy, eslint and vitest beside it"
+begin "mypy, oxlint and vitest" checks
+say "== pytest; mypy, oxlint and vitest beside it"
 # A file's tests share services and browsers: tests/conftest.py keeps them together, and orders them.
 processes="$(($(nproc) + 2))" # a third of the time a test waits for other processes
 tested=0

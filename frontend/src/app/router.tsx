@@ -19,7 +19,7 @@ const start = createRoute({
   getParentRoute: () => root,
   path: '/',
   beforeLoad: () => {
-    // eslint-disable-next-line @typescript-eslint/only-throw-error -- a redirect of the router
+    // oxlint-disable-next-line typescript/only-throw-error -- a redirect of the router
     throw redirect({ to: '/runs' })
   },
 })

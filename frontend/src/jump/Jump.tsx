@@ -48,7 +48,7 @@ function Search({ onDone }: { onDone: () => void }) {
   useEffect(() => {
     store.selectFirstOption()
     // Enter selects the first result, whatever was selected before.
-  }, [text, found.data]) // eslint-disable-line react-hooks/exhaustive-deps
+  }, [text, found.data]) // oxlint-disable-line react-hooks/exhaustive-deps
   const go = (to: string) => {
     onDone()
     void router.navigate({ href: to })

@@ -185,6 +185,8 @@ def _run_as_fork(session: pytest.Session, connection: Connection) -> None:
         session.config.pluginmanager.register(Child(session.config, connection))
         _run_tests(session, connection)
         code = 0
+    except (ConnectionError, KeyboardInterrupt):
+        pass  # the parent was interrupted, and says so
     except BaseException:
         traceback.print_exc()
     finally:

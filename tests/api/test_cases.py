@@ -178,6 +178,7 @@ def test_the_real_process_evaluates_the_operators_code(
     (tmp_path / "operated" / "drop.py").write_text(PROGRAM, encoding="utf-8")
     monkeypatch.setenv("CLEARANCE_SIMULATORS", str(tmp_path / "operated"))
     program = tmp_path / "operated" / "drop.py"
+    bare.app.state.cases._grace = 60.0  # whatever else this machine does meanwhile
     with bare.signed_in() as client:
         run = declared(bare, client)
         missing = program.rename(tmp_path / "drop.py")

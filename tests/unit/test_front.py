@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -28,6 +28,7 @@ from worker.stages.parts.store import Columns
 TABLES = arrays(np.float64, st.tuples(st.integers(0, 30), st.integers(1, 4)), elements=st.integers(0, 5).map(float))
 
 
+@settings(deadline=None)
 @given(TABLES)
 def test_it_agrees_with_the_definition(costs: Any) -> None:
     found = front.undominated(costs)

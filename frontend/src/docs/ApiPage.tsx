@@ -16,8 +16,8 @@ import styles from './docs.module.css'
 export function ApiPage() {
   useTitle('API')
   const query = useQuery({ queryKey: ['openapi'], queryFn: getOpenApi, staleTime: Number.POSITIVE_INFINITY })
-  if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the API" />
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what="the API" title="API" failed={query.failureReason} />
   return <Page document={query.data as OpenApi} />
 }
 

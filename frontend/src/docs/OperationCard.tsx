@@ -50,7 +50,7 @@ export function OperationCard({ operation, schemas }: OperationProps) {
                 <tr key={parameter.name}>
                   <td className="mono">
                     {parameter.name}
-                    {parameter.required && <span className="mut"> needed</span>}
+                    {parameter.required && <span className="mut"> required</span>}
                   </td>
                   <td className={clsx(layout.wrapAny, 'sec')}>{typeOf(parameter.schema)}</td>
                   <td className="sec">
@@ -77,7 +77,7 @@ export function OperationCard({ operation, schemas }: OperationProps) {
         ))}
         {answers.map(([status, answer]) =>
           Object.entries(answer.content ?? { '': {} }).map(([type, { schema }]) => (
-            <Shape key={status + type} title={`Answer ${status}${type ? `, ${type}` : ''}`} schema={schema} schemas={schemas} />
+            <Shape key={status + type} title={`Response ${status}${type ? `, ${type}` : ''}`} schema={schema} schemas={schemas} />
           )),
         )}
         <Snippet text={curlOf(operation, location.origin + ROOT, values)} />
@@ -88,7 +88,7 @@ export function OperationCard({ operation, schemas }: OperationProps) {
 }
 
 const defaultOf = (schema: Schema | undefined): string | null =>
-  schema?.default === undefined || schema.default === '' ? null : `otherwise ${JSON.stringify(schema.default)}`
+  schema?.default === undefined || schema.default === '' ? null : `default ${JSON.stringify(schema.default)}`
 
 const LONGEST = 20_000
 
@@ -131,7 +131,7 @@ function Trial({ operation, values }: { operation: Operation; values: Record<str
         {trial.isError && <span className={fields.ferr}>{trial.error.message}</span>}
       </div>
       {trial.data && (
-        <pre className={clsx('mono', styles.answer)} tabIndex={0} aria-label="Answer">
+        <pre className={clsx('mono', styles.answer)} tabIndex={0} aria-label="Response">
           {trial.data.text.slice(0, LONGEST)}
           {trial.data.text.length > LONGEST && '\n… truncated'}
         </pre>

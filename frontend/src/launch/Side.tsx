@@ -101,7 +101,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
           </Fragment>
         ))}
         <dt>Time</dt>
-        <dd>{(estimate && timeOf(estimate)) ?? 'not known'}</dd>
+        <dd>{estimate ? (timeOf(estimate) ?? 'not known') : NONE}</dd>
         {bound !== null && (
           <>
             <dt>Bound on P(violation)</dt>

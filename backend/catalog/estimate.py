@@ -13,7 +13,6 @@ from backend.db.tables import Run, Stage
 from campaigns import Campaign, Catalogue
 from campaigns.checked.expected import Total, boundary, expected, latest, total
 from campaigns.checked.expected import again as made_again
-from campaigns.claims.numbers import count
 from campaigns.runs import run_name
 from campaigns.stages.found import declared
 
@@ -60,7 +59,7 @@ def estimate(
         time = _scaled(seconds, evaluations)
     else:
         time = _simulated(reader, campaign, catalogue, evaluations)
-    said = USUAL.format(boundary=count(boundary(campaign)), latest=count(latest(campaign)))
+    said = USUAL.format(boundary=boundary(campaign), latest=f"{latest(campaign):,}")
     return _estimate(stages, evaluations, said, time, None)
 
 

@@ -91,6 +91,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
 }
 
 function Table({ sweep }: { sweep: SweepDetail }) {
+  const reasons = sweep.points.map(({ outcome }) => [outcome?.error, outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' '))
   return (
     <table className={clsx(tables.table, tables.stack)}>
       <thead>
@@ -103,11 +104,11 @@ function Table({ sweep }: { sweep: SweepDetail }) {
           <NumHead unit="of the sample">Violations</NumHead>
           <th>Code</th>
           <th>Finished</th>
-          <th>Reason</th>
+          {reasons.some(Boolean) && <th>Reason</th>}
         </tr>
       </thead>
       <tbody>
-        {sweep.points.map(({ value, run, outcome }) => (
+        {sweep.points.map(({ value, run, outcome }, i) => (
           <tr key={run}>
             <td className="num b" data-label={sweep.path}>
               {valueText(value)}
@@ -124,7 +125,7 @@ function Table({ sweep }: { sweep: SweepDetail }) {
             <td className="num sec" data-label="Violations">{sampleOf(outcome)}</td>
             <td data-label="Code">{outcome && <CodeCell code={outcome.code} />}</td>
             <td data-label="Finished">{outcome && <DateCell outcome={outcome} />}</td>
-            <td className="sec">{[outcome?.error, outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' ')}</td>
+            {reasons.some(Boolean) && <td className="sec">{reasons[i]}</td>}
           </tr>
         ))}
       </tbody>

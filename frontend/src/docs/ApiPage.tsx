@@ -96,7 +96,7 @@ const titled = (name: string): string => name.charAt(0).toUpperCase() + name.sli
 export function Snippet({ text }: { text: string }) {
   return (
     <div className={styles.snippet}>
-      <pre className="mono">{text}</pre>
+      <pre className="mono" tabIndex={0}>{text}</pre>
       <CopyButton text={() => text}>Copy</CopyButton>
     </div>
   )

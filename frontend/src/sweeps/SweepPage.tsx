@@ -112,7 +112,7 @@ function Table({ sweep }: { sweep: SweepDetail }) {
           <tr key={run}>
             <td className="num b" data-label={sweep.path}>
               {valueText(value)}
-              {value === sweep.nominal && <span className="mut small"> in the campaign</span>}
+              {value === sweep.nominal && <div className="mut small">in the campaign</div>}
             </td>
             <td data-label="Verdict">
               <OutcomeBadge outcome={outcome} />

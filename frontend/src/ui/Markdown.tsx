@@ -32,7 +32,8 @@ function block(token: Token): ReactNode {
       return <blockquote>{blocks(token.tokens ?? [])}</blockquote>
     case 'code':
       return (
-        <pre>
+        // It scrolls in a narrow window, so the keyboard must reach it.
+        <pre tabIndex={0}>
           <code>{(token as Tokens.Code).text}</code>
         </pre>
       )

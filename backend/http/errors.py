@@ -201,7 +201,9 @@ def _text(given: str) -> str:
 
 def broken(path: str) -> JSONResponse:
     """500 for an internal error: the details are in the log only."""
-    detail = "internal error, see the service's log; the request was rolled back; nothing was changed"
+    detail = (
+        "internal error: the request was rolled back; nothing was changed. Try again; the cause is in the service's log"
+    )
     return respond(RefusedError(500, "internal", detail), path)
 
 

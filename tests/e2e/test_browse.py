@@ -352,11 +352,11 @@ def test_the_api_page_describes_and_tries_the_api(signed_in: Visit) -> None:
     operation.get_by_label("run of get_run").fill(BOX)
     expect(operation).to_contain_text(f"/api/v1/runs/{BOX}")
     operation.get_by_role("button", name="Send").click()
-    expect(operation.get_by_label("Answer")).to_contain_text('"campaign_digest"')
-    operation.get_by_text(re.compile("^Answer 200")).click()
+    expect(operation.get_by_label("Response")).to_contain_text('"campaign_digest"')
+    operation.get_by_text(re.compile("^Response 200")).click()
     expect(operation).to_contain_text("campaign_digest")
     page.locator("#list_runs").get_by_role("button", name="Send").click()
-    expect(page.locator("#list_runs").get_by_label("Answer")).to_contain_text('"items"')
+    expect(page.locator("#list_runs").get_by_label("Response")).to_contain_text('"items"')
     looks(signed_in, "api")
 
 

@@ -203,6 +203,10 @@ def test_form_and_text_edit_the_same_campaign(signed_in: Visit) -> None:
     expect(editor(page)).to_contain_text("low: 4.2")
     expect(page.get_by_text("Valid", exact=True)).to_be_visible()
     good = written(page)
+    editor(page).focus()
+    page.keyboard.press("Control+End")
+    page.keyboard.type("# n, / and ? are text here")  # elsewhere they are keys of the page
+    expect(editor(page)).to_contain_text("# n, / and ? are text here")
     write_over(page, good.replace("4.2", "[4.2"))
     expect(page.locator("[data-problem]").first).to_contain_text("not readable as YAML")
     write_over(page, good.replace("4.2", "4.3"))

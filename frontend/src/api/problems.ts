@@ -6,13 +6,20 @@ export interface FieldProblem {
   message: string
 }
 
+/** A detail of the service as a sentence: with a full stop, and a capital letter unless it begins with a name such as `vehicle.m`. */
+export function statement(detail: string): string {
+  const text = /^[a-z]+[ ,:;]/.test(detail) ? detail.charAt(0).toUpperCase() + detail.slice(1) : detail
+  return /[.!?…]$/.test(text) ? text : `${text}.`
+}
+
+/** What the service or the page refuses; its message is a sentence that pages can show as it is. */
 export class Refusal extends Error {
   readonly status: number
   readonly title: string
   readonly errors: FieldProblem[]
 
   constructor(status: number, title: string, detail: string, errors: FieldProblem[] = []) {
-    super(detail || title)
+    super(statement(detail || title))
     this.name = 'Refusal'
     this.status = status
     this.title = title

@@ -1,6 +1,6 @@
 // Compares two to four runs: differences of their campaigns and results. The runs are in the address.
 import { clsx } from 'clsx'
-import { IconAlertTriangle, IconArrowsExchange } from '@tabler/icons-react'
+import { IconAlertTriangle, IconArrowsExchange, IconGitCompare } from '@tabler/icons-react'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { type ReactNode, useMemo } from 'react'
 import { Loading } from '../page/Trouble'
@@ -59,10 +59,19 @@ export function ComparePage() {
       {comparison.loading && <Loading what="the runs" />}
       <Failed comparison={comparison} />
       {!comparison.loading && comparison.missing.length === 0 && comparison.runs.length < 2 && (
-        <p className="sec">
-          Choose 2 to {MOST} runs here, or mark them in the <Link to="/runs">list of runs</Link> and press “Compare”. A is
-          drawn solid, the others dashed.
-        </p>
+        <div className={clsx(cards.card, layout.centre)}>
+          <IconGitCompare size={36} stroke={1.5} aria-hidden />
+          <h2>{ids.length === 0 ? 'No runs chosen yet' : 'One more run is needed'}</h2>
+          <p>
+            Choose 2 to {MOST} runs here, or mark them in the list of runs and press “Compare”. A is drawn solid, the others
+            dashed.
+          </p>
+          <div className={layout.acts}>
+            <Link to="/runs" className={buttons.btn}>
+              List of runs
+            </Link>
+          </div>
+        </div>
       )}
       {comparison.runs.length > 1 && (
         <Compared comparison={comparison} all={all} onAll={(everything) => go(ids, everything)} />

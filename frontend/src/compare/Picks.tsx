@@ -24,20 +24,27 @@ export function Picks({ comparison, ids, onChange }: PicksProps) {
   const without = (id: string) => onChange(ids.filter((other) => other !== id))
   return (
     <div className={styles.cmpPicks}>
-      {comparison.runs.map((compared) => (
-        <Pick key={compared.id} compared={compared} onRemove={() => without(compared.id)} />
-      ))}
-      {comparison.missing.map(({ id, error }) => (
-        <div key={id} className={clsx(cards.card, styles.cmpPick)} role="alert">
-          <span className={styles.letter}>?</span>
-          <div className={clsx(tables.rn, styles.who)}>
-            <b className="mono">{id}</b>
-            <small className="bad-t">{error.message}</small>
-          </div>
-          <Remove id={id} onRemove={() => without(id)} />
-        </div>
-      ))}
+      {ids.map((id) => {
+        const compared = comparison.runs.find((run) => run.id === id)
+        if (compared) return <Pick key={id} compared={compared} onRemove={() => without(id)} />
+        const missing = comparison.missing.find((run) => run.id === id)
+        return <Unread key={id} id={id} error={missing?.error} onRemove={() => without(id)} />
+      })}
       {ids.length < MOST && <Add ids={ids} onAdd={(id) => onChange(withRun(ids, id))} />}
+    </div>
+  )
+}
+
+/** A run that is still loaded, or that could not be: it has its place already, so that nothing moves when it comes. */
+function Unread({ id, error, onRemove }: { id: string; error: Error | undefined; onRemove: () => void }) {
+  return (
+    <div className={clsx(cards.card, styles.cmpPick)} role={error ? 'alert' : undefined}>
+      <span className={styles.letter}>{error ? '?' : '…'}</span>
+      <div className={clsx(tables.rn, styles.who)}>
+        <b className="mono">{id}</b>
+        <small className={error ? 'bad-t' : undefined}>{error ? error.message : 'Loading …'}</small>
+      </div>
+      <Remove id={id} onRemove={onRemove} />
     </div>
   )
 }
@@ -48,7 +55,7 @@ function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void
     <div className={clsx(cards.card, styles.cmpPick)} data-run={run.id}>
       <Letter of={letter} />
       <div className={clsx(tables.rn, styles.who)}>
-        <Link to="/runs/$id" params={{ id: run.id }} className="b">
+        <Link to="/runs/$id" params={{ id: run.id }} className="b" title={run.name}>
           {run.name}
         </Link>
         <small>

@@ -16,8 +16,8 @@ import styles from './docs.module.css'
 export function ApiPage() {
   useTitle('API')
   const query = useQuery({ queryKey: ['openapi'], queryFn: getOpenApi, staleTime: Number.POSITIVE_INFINITY })
-  if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the API" />
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what="the API" title="API" failed={query.failureReason} />
   return <Page document={query.data as OpenApi} />
 }
 
@@ -96,7 +96,7 @@ const titled = (name: string): string => name.charAt(0).toUpperCase() + name.sli
 export function Snippet({ text }: { text: string }) {
   return (
     <div className={styles.snippet}>
-      <pre className="mono">{text}</pre>
+      <pre className="mono" tabIndex={0}>{text}</pre>
       <CopyButton text={() => text}>Copy</CopyButton>
     </div>
   )

@@ -5,8 +5,9 @@ import { clsx } from 'clsx'
 import { useId, useState } from 'react'
 import { duration } from '../format/numbers'
 import { Snippet } from './ApiPage'
-import { addressOf, curlOf, limitsOf, type Operation, type Schema, typeOf } from './openapi'
+import { addressOf, curlOf, limitsOf, type Operation, type Parameter, type Schema, typeOf } from './openapi'
 import { Shape } from './Shape'
+import { Ticked } from '../ui/Ticked'
 import { ROOT } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
@@ -33,52 +34,60 @@ export function OperationCard({ operation, schemas }: OperationProps) {
           <span className={styles.verb} data-method={method}>{method}</span> {path}
         </h3>
       </div>
-      <div className={clsx(cards.bd, layout.stack)}>
-        <p>{description}</p>
+      <div className={clsx(cards.bd, layout.stack, styles.operation)}>
+        <p>
+          <Ticked text={description} />
+        </p>
         {parameters.length > 0 && (
-          <table className={clsx(tables.table, tables.tight)}>
-            <thead>
-              <tr>
-                <th>Parameter</th>
-                <th>Type</th>
-                <th>Meaning</th>
-                <th>Value</th>
-              </tr>
-            </thead>
-            <tbody>
-              {parameters.map((parameter) => (
-                <tr key={parameter.name}>
-                  <td className="mono">
-                    {parameter.name}
-                    {parameter.required && <span className="mut"> needed</span>}
-                  </td>
-                  <td className={clsx(layout.wrapAny, 'sec')}>{typeOf(parameter.schema)}</td>
-                  <td className="sec">
-                    {[parameter.description, limitsOf(parameter.schema), defaultOf(parameter.schema)]
-                      .filter(Boolean)
-                      .join(' · ')}
-                  </td>
-                  <td style={{ width: 170 }}>
-                    <input
-                      className={fields.cell}
-                      style={{ textAlign: 'left' }}
-                      aria-label={`${parameter.name} of ${operationId}`}
-                      value={values[parameter.name] ?? ''}
-                      onChange={(event) => setValues({ ...values, [parameter.name]: event.target.value })}
-                    />
-                  </td>
+          <div className={layout.scrollx}>
+            <table className={clsx(tables.table, tables.tight, styles.parameters)}>
+              <thead>
+                <tr>
+                  <th>Parameter</th>
+                  <th>Type</th>
+                  <th>Meaning</th>
+                  <th>Value</th>
                 </tr>
-              ))}
-            </tbody>
-          </table>
+              </thead>
+              <tbody>
+                {parameters.map((parameter) => (
+                  <tr key={parameter.name}>
+                    <td className="mono">
+                      {parameter.name}
+                      {parameter.required && <span className="mut"> required</span>}
+                    </td>
+                    <td className="sec">{typeOf(parameter.schema)}</td>
+                    <td className="sec">
+                      <Ticked text={meaningOf(parameter)} />
+                    </td>
+                    <td>
+                      <input
+                        className={fields.cell}
+                        style={{ textAlign: 'left' }}
+                        aria-label={`${parameter.name} of ${operationId}`}
+                        value={values[parameter.name] ?? ''}
+                        onChange={(event) => setValues({ ...values, [parameter.name]: event.target.value })}
+                      />
+                    </td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          </div>
         )}
         {bodies.map(([type, { schema }]) => (
           <Shape key={type} title={`Body, ${type}`} schema={schema} schemas={schemas} />
         ))}
         {answers.map(([status, answer]) =>
-          Object.entries(answer.content ?? { '': {} }).map(([type, { schema }]) => (
-            <Shape key={status + type} title={`Answer ${status}${type ? `, ${type}` : ''}`} schema={schema} schemas={schemas} />
-          )),
+          answer.content ? (
+            Object.entries(answer.content).map(([type, { schema }]) => (
+              <Shape key={status + type} title={`Response ${status}, ${type}`} schema={schema} schemas={schemas} />
+            ))
+          ) : (
+            <p key={status} className="small sec">
+              Response {status}, without a body
+            </p>
+          ),
         )}
         <Snippet text={curlOf(operation, location.origin + ROOT, values)} />
         {method === 'get' && !path.endsWith('/events') && <Trial operation={operation} values={values} />}
@@ -87,8 +96,14 @@ export function OperationCard({ operation, schemas }: OperationProps) {
   )
 }
 
+/** The session by its id · at most 64 characters */
+function meaningOf({ description, schema }: Parameter): string {
+  const more = [limitsOf(schema), defaultOf(schema)].filter(Boolean)
+  return [more.length > 0 ? description?.replace(/\.$/, '') : description, ...more].filter(Boolean).join(' · ')
+}
+
 const defaultOf = (schema: Schema | undefined): string | null =>
-  schema?.default === undefined || schema.default === '' ? null : `otherwise ${JSON.stringify(schema.default)}`
+  schema?.default === undefined || schema.default === '' ? null : `default ${JSON.stringify(schema.default)}`
 
 const LONGEST = 20_000
 
@@ -131,7 +146,7 @@ function Trial({ operation, values }: { operation: Operation; values: Record<str
         {trial.isError && <span className={fields.ferr}>{trial.error.message}</span>}
       </div>
       {trial.data && (
-        <pre className={clsx('mono', styles.answer)} tabIndex={0} aria-label="Answer">
+        <pre className={clsx('mono', styles.answer)} tabIndex={0} aria-label="Response">
           {trial.data.text.slice(0, LONGEST)}
           {trial.data.text.length > LONGEST && '\n… truncated'}
         </pre>

@@ -1,5 +1,6 @@
 // The fields of a body or a response; nested types expand where they are named.
 import { limitsOf, partsOf, type Schema, typeOf } from './openapi'
+import { Ticked } from '../ui/Ticked'
 import styles from './docs.module.css'
 
 interface ShapeProps {
@@ -46,7 +47,7 @@ function Fields({ name, schema, schemas, inside }: FieldsProps) {
     <div>
       {name && (
         <p className="small">
-          <span className="mono b">{name}</span> <span className="sec">{firstLine(schema.description)}</span>
+          <span className="mono b">{name}</span> <span className="sec"><Ticked text={firstLine(schema.description)} /></span>
         </p>
       )}
       <dl className={styles.fieldlist}>
@@ -61,7 +62,7 @@ function Fields({ name, schema, schemas, inside }: FieldsProps) {
                 ) : (
                   <span className="mono">{typeOf(of)}</span>
                 )}
-                <span className="sec"> {[limitsOf(of), of.description].filter(Boolean).join(' · ')}</span>
+                <span className="sec"> <Ticked text={[limitsOf(of), of.description].filter(Boolean).join(' · ')} /></span>
               </dd>
             </div>
           )

@@ -1,6 +1,10 @@
 // What numbers look like on the pages.
 import { describe, expect, it } from 'vitest'
-import { count, decimalsApart, decimalsFor, duration, field, fixed, parse, percent, plain, signed } from './numbers'
+import { count, decimalsApart, decimalsFor, duration, field, fixed, parse, percent, plain, signed, thinned } from './numbers'
+
+it('writes the numbers of a sentence as the pages do', () => {
+  expect(thinned('ends after 1,128,880 at the latest, in 2025, 60 min')).toBe('ends after 1\u202f128\u202f880 at the latest, in 2025, 60 min')
+})
 
 describe('fixed', () => {
   it('uses a true minus and narrow spaces', () => {

@@ -36,6 +36,9 @@ export function signed(value: Maybe, decimals = 2): string {
 /** A whole number. */
 export const count = (value: Maybe): string => fixed(value, 0)
 
+/** A sentence of the service, whose numbers have commas for terminals, with numbers as the pages write them. */
+export const thinned = (sentence: string): string => sentence.replace(/(?<=\d),(?=\d{3}(?!\d))/g, NARROW)
+
 /** Decimals that show the largest of the numbers with the given significant digits. */
 export function decimalsFor(values: readonly Maybe[], digits = 4): number {
   const largest = Math.max(0, ...values.filter(known).map(Math.abs))

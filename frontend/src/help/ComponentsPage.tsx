@@ -3,11 +3,10 @@ import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
 import { catalogueQuery } from '../api/queries'
 import { Skipped } from '../page/Skipped'
-import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import type { ComponentEntry, SimulatorEntry } from '../client'
 import { ComponentText } from './ComponentText'
-import { HelpFrame } from './HelpFrame'
+import { HelpFrame, Unread } from './HelpFrame'
 import { idOfComponent } from './links'
 import { SimulatorText } from './SimulatorText'
 import cards from '../ui/cards.module.css'
@@ -26,9 +25,7 @@ const ROLES: readonly [ComponentEntry['role'], string][] = [
 export function ComponentsPage() {
   useTitle('Components')
   const query = useQuery(catalogueQuery)
-  if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the components" failed={query.failureReason} />
-  const { components, simulators = [], unusable, version } = query.data
+  const { components = [], simulators = [], unusable, version } = query.data ?? {}
   const roles = ROLES.flatMap(([role, title]) => {
     const found = components.filter((component) => component.role === role)
     return found.length > 0 ? [{ role, title, found }] : []
@@ -36,7 +33,7 @@ export function ComponentsPage() {
   return (
     <HelpFrame
       title="Components"
-      lede={`The components of scenarios in this installation (Clearance ${version}). Each component is one file; the text here is its docstring.`}
+      lede={`The components of scenarios in this installation${version ? ` (Clearance ${version})` : ''}. Each component is one file; the text here is its docstring.`}
       contents={[
         ...roles.map(({ title, found }) => ({
           title,
@@ -50,6 +47,7 @@ export function ComponentsPage() {
           : []),
       ]}
     >
+      {!query.data && <Unread what="the components" query={query} />}
       <Skipped unusable={unusable} />
       {roles.map(({ role, title, found }) => (
         <section key={role} className={layout.stack}>

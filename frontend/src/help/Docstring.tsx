@@ -1,6 +1,7 @@
 // Renders the text of a component or method: equations on their own lines, sources labelled.
 import { clsx } from 'clsx'
 import { partsOf } from './docstring'
+import { Ticked } from '../ui/Ticked'
 import prose from '../ui/prose.module.css'
 import styles from './help.module.css'
 
@@ -13,7 +14,7 @@ export function Docstring({ text, titled = true }: { text: string; titled?: bool
         part.kind === 'text' ? (
           <p key={i} className={part.label ? 'sec' : undefined}>
             {part.label && <span className="b">{part.label}: </span>}
-            {part.text}
+            <Ticked text={part.text} />
           </p>
         ) : (
           <pre key={i} className={part.kind === 'equations' ? clsx('mono', styles.eq) : 'mono'} tabIndex={0}>

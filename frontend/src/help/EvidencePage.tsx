@@ -7,6 +7,7 @@ import { ATTACKS } from './attacks'
 import { HelpFrame } from './HelpFrame'
 import { missed, SAMPLES, SLITS } from './missed'
 import cards from '../ui/cards.module.css'
+import layout from '../ui/layout.module.css'
 import prose from '../ui/prose.module.css'
 import tables from '../ui/tables.module.css'
 import styles from './help.module.css'
@@ -80,7 +81,7 @@ function Intended() {
           The author states it in the campaign as <code>encounter.intended</code>, with the reason. The check then holds,
           and the verdict repeats the reason.
         </p>
-        <pre>{EXAMPLE}</pre>
+        <pre tabIndex={0}>{EXAMPLE}</pre>
         <dl className={styles.terms}>
           {INTENDED.map(([name, text]) => (
             <div key={name}>
@@ -121,30 +122,32 @@ function Limits() {
           <b>A narrow slit.</b> Violations in a set of probability p are missed by all of n independent samples with
           probability (1 − p)<sup>n</sup>. A search can miss such a set, too: nothing around it points to it.
         </p>
-        <table className={clsx(tables.table, tables.tight)} aria-label="Probability that a sample misses a set of violations">
-          <thead>
-            <tr>
-              <th>Probability p of the set</th>
-              {SAMPLES.map((n) => (
-                <th key={n} className="num">
-                  n = {count(n)}
-                </th>
-              ))}
-            </tr>
-          </thead>
-          <tbody>
-            {SLITS.map((p) => (
-              <tr key={p}>
-                <td className="tn">{plain(p)}</td>
+        <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Table of probabilities">
+          <table className={clsx(tables.table, tables.tight)} aria-label="Probability that a sample misses a set of violations">
+            <thead>
+              <tr>
+                <th>Probability p of the set</th>
                 {SAMPLES.map((n) => (
-                  <td key={n} className="num">
-                    {percent(missed(p, n))}
-                  </td>
+                  <th key={n} className="num">
+                    n = {count(n)}
+                  </th>
                 ))}
               </tr>
-            ))}
-          </tbody>
-        </table>
+            </thead>
+            <tbody>
+              {SLITS.map((p) => (
+                <tr key={p}>
+                  <td className="tn">{plain(p)}</td>
+                  {SAMPLES.map((n) => (
+                    <td key={n} className="num">
+                      {percent(missed(p, n))}
+                    </td>
+                  ))}
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
         <p>
           <b>The model.</b> Every statement is about the model: its components, its bounds, its distributions, its
           horizon. It does not compare the model with the vehicle.

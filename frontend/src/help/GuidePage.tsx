@@ -1,9 +1,9 @@
 // A guide from the folder `docs`, bundled at build time.
 import { getRouteApi, Link } from '@tanstack/react-router'
-import { lazy, Suspense } from 'react'
+import { lazy, Suspense, useEffect } from 'react'
 import { NotFound } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
-import { GUIDES, parts, shown } from './guides'
+import { fragmentOf, GUIDES, parts, sectionsOf, shown } from './guides'
 import { HelpFrame } from './HelpFrame'
 import cards from '../ui/cards.module.css'
 
@@ -21,6 +21,14 @@ const ALL = (
 
 const route = getRouteApi('/help/guides/$name')
 
+/** The section that the address names is there as soon as the text is. */
+function Landing() {
+  useEffect(() => {
+    if (location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView()
+  }, [])
+  return null
+}
+
 export function GuidePage() {
   const { name } = route.useParams()
   const guide = GUIDES.find((one) => one.name === name)
@@ -31,18 +39,19 @@ export function GuidePage() {
     <HelpFrame
       title={guide.title}
       lede={guide.name === 'index' ? 'How to use, extend and operate Clearance.' : ALL}
-      contents={[]}
+      contents={sectionsOf(text)}
     >
       <section className={cards.card}>
         <div className={cards.bd}>
           <Suspense>
             {parts(shown(text)).map((part, i) =>
               typeof part === 'string' ? (
-                <Markdown key={i} text={part} />
+                <Markdown key={i} text={part} idOf={fragmentOf} />
               ) : (
                 <img key={i} src={PICTURES[`../../../docs/images/${part.file}`]} alt={part.alt} style={{ maxWidth: '100%' }} />
               ),
             )}
+            <Landing key={guide.name} />
           </Suspense>
         </div>
       </section>

@@ -1,7 +1,9 @@
 // The layout of the help pages: table of contents and content.
 import { Link } from '@tanstack/react-router'
 import { type ReactNode, useEffect } from 'react'
+import { Failed, Loading } from '../page/Trouble'
 import { GUIDES } from './guides'
+import cards from '../ui/cards.module.css'
 import guide from '../ui/guide.module.css'
 import styles from './help.module.css'
 
@@ -84,5 +86,22 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
         {children}
       </div>
     </div>
+  )
+}
+
+interface UnreadProps {
+  what: string
+  query: { error: Error | null; failureReason: Error | null; refetch: () => unknown }
+}
+
+/** In place of what has not arrived: the rest of the help stays readable. */
+export function Unread({ what, query: { error, failureReason, refetch } }: UnreadProps) {
+  if (!error) return <Loading what={what} failed={failureReason} />
+  return (
+    <section className={cards.card}>
+      <div className={cards.bd}>
+        <Failed error={error} retry={() => void refetch()} />
+      </div>
+    </section>
   )
 }

@@ -3,11 +3,10 @@ import { clsx } from 'clsx'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { catalogueQuery } from '../api/queries'
-import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import type { MethodEntry } from '../client'
 import { MethodName } from '../ui/MethodMark'
-import { HelpFrame } from './HelpFrame'
+import { HelpFrame, Unread } from './HelpFrame'
 import { MethodText } from './MethodText'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
@@ -26,10 +25,8 @@ const ORDER: readonly MethodEntry['kind'][] = ['global', 'local', 'random', 'mul
 export function MethodsPage() {
   useTitle('Search methods')
   const query = useQuery(catalogueQuery)
-  if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what="the methods" failed={query.failureReason} />
   const kinds = ORDER.flatMap((kind) => {
-    const methods = query.data.methods.filter((method) => method.kind === kind)
+    const methods = (query.data?.methods ?? []).filter((method) => method.kind === kind)
     return methods.length > 0 ? [{ kind, methods }] : []
   })
   return (
@@ -46,6 +43,7 @@ export function MethodsPage() {
         entries: methods.map(({ name, title }) => ({ id: name, name: <MethodName method={name} title={title} /> })),
       }))}
     >
+      {!query.data && <Unread what="the methods" query={query} />}
       {kinds.map(({ kind, methods }) => (
         <section key={kind} className={layout.stack}>
           <h2 className={layout.sect}>

@@ -30,3 +30,16 @@ export function parts(text: string): (string | { alt: string; file: string })[] 
     return picture ? { alt: picture[1] ?? '', file: picture[2] ?? '' } : part
   })
 }
+
+/** The fragment of a heading, as in the links between the guides: "What a search does" is `what-a-search-does`. */
+export const fragmentOf = (heading: string): string =>
+  heading.toLowerCase().replace(/[^\p{L}\p{N} _-]/gu, '').trim().replaceAll(' ', '-')
+
+/** The sections of a guide, for the list of contents; one of fewer than three needs none. */
+export function sectionsOf(text: string): { title: string; entries: { id: string; name: string }[] }[] {
+  const found = [...text.replace(/^```[\s\S]*?^```/gm, '').matchAll(/^## (.+)$/gm)].map(([, heading = '']) => ({
+    id: fragmentOf(heading),
+    name: heading.replaceAll('`', ''),
+  }))
+  return found.length < 3 ? [] : [{ title: 'In this guide', entries: found }]
+}

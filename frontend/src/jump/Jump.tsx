@@ -78,10 +78,11 @@ function Search({ onDone }: { onDone: () => void }) {
             {offered.filter((place) => place.group === group).map((place) => placeOption(place))}
           </Group>
         ))}
-        {runs.length + offered.length === 0 && !found.isFetching && (
-          <Combobox.Empty>
-            {found.isError ? 'The service does not respond; pages can still be found.' : 'No results'}
-          </Combobox.Empty>
+        {(found.isError || (runs.length + offered.length === 0 && !found.isFetching)) && (
+          // An option, because a list box without any is invalid.
+          <Combobox.Option value="" disabled className={styles.none}>
+            {found.isError ? `Runs could not be searched. ${found.error.message}` : 'No results'}
+          </Combobox.Option>
         )}
       </Combobox.Options>
     </Combobox>

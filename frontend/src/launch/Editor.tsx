@@ -205,6 +205,7 @@ export function Editor(props: EditorProps) {
             <Summary
               problems={problems}
               trouble={draft.trouble ?? (refused?.errors.length ? null : launch.error)}
+              recheck={draft.recheck}
               tab={tab}
               onForm={toForm}
               onText={toText}
@@ -247,8 +248,9 @@ export function Editor(props: EditorProps) {
         </div>
       </div>
       <StartBar
-        checked={draft.readable ? draft.checked : undefined}
+        checked={draft.checked}
         checking={draft.checking}
+        failed={draft.trouble !== null}
         disabled={blocked}
         busy={launch.isPending}
         why={why}

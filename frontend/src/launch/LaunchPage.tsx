@@ -1,6 +1,6 @@
 // Launching a run: choose a campaign, an earlier run or a draft, edit it as a form or as text, start it or save it as a draft.
 import { clsx } from 'clsx'
-import { IconLoader } from '@tabler/icons-react'
+import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo, useState } from 'react'
@@ -26,8 +26,7 @@ interface Own {
 }
 
 /** Without a worker there is no catalogue; the page polls until there is one. */
-function Waiting({ error }: { error: Error }) {
-  if (!(error instanceof Refusal) || error.status !== 503) return <Trouble error={error} />
+function Waiting() {
   return (
     <div className={clsx(cards.card, layout.centre)} role="alert">
       <IconLoader size={36} stroke={1.5} className={icons.spin} aria-hidden />
@@ -39,6 +38,22 @@ function Waiting({ error }: { error: Error }) {
       <div className={layout.acts}>
         <Link to="/runs" className={buttons.btn}>
           All runs
+        </Link>
+      </div>
+    </div>
+  )
+}
+
+/** The address names a campaign that the library does not have. */
+function Absent({ id }: { id: string }) {
+  return (
+    <div className={clsx(cards.card, layout.centre)} role="alert">
+      <IconAlertTriangle size={36} stroke={1.5} aria-hidden />
+      <h1>Campaign not found</h1>
+      <p className={layout.wrapAny}>The library of this installation has no campaign “{id}”.</p>
+      <div className={layout.acts}>
+        <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
+          Choose from the library
         </Link>
       </div>
     </div>
@@ -81,10 +96,13 @@ export function LaunchPage() {
     return item && fromLibrary(item)
   }, [kept, asked, opened.data, search.from, again.data, library.data, chosen])
 
-  const failed = [library, catalogue, earlier, draft, opened, again].find((query) => query.isError)
+  // What was read once stays when it cannot be read again: an editor must not vanish with what was typed.
+  const asks = [library, catalogue, earlier, draft, opened, again]
+  const failed = asks.find((query) => query.isError && !query.data)
   if (failed) return <Trouble error={failed.error} retry={() => void failed.refetch()} />
-  if (catalogue.failureReason && !catalogue.data) return <Waiting error={catalogue.failureReason} />
-  if (!library.data || !catalogue.data || !start) return <Loading what="campaigns" />
+  if (!catalogue.data && catalogue.failureReason instanceof Refusal && catalogue.failureReason.status === 503) return <Waiting />
+  if (chosen && !kept && library.data && !start) return <Absent id={chosen} />
+  if (!library.data || !catalogue.data || !start) return <Loading what="campaigns" title="New run" failed={asks.find((query) => query.failureReason)?.failureReason} />
   const version = start.draft && `${start.draft.id}@${start.draft.version}`
   const key = kept?.key ?? version ?? (search.from && [search.from, search.remedy].join()) ?? chosen ?? ''
   return (

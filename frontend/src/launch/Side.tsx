@@ -3,7 +3,7 @@ import { TagsInput } from '@mantine/core'
 import { Fragment } from 'react'
 import type { Campaign, Raw } from '../api/campaign'
 import type { Checked, ComponentEntry, ResultEntry } from '../client'
-import { count, NONE, percent } from '../format/numbers'
+import { count, thinned, NONE, percent } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
@@ -101,7 +101,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
           </Fragment>
         ))}
         <dt>Time</dt>
-        <dd>{(estimate && timeOf(estimate)) ?? 'not known'}</dd>
+        <dd>{estimate ? (timeOf(estimate) ?? 'not known') : NONE}</dd>
         {bound !== null && (
           <>
             <dt>Bound on P(violation)</dt>
@@ -116,7 +116,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         )}
       </dl>
       <p className="small mut" style={{ marginTop: 8 }}>
-        {estimate && `${estimate.said} ${estimate.time_said} `}
+        {estimate && thinned(`${estimate.said} ${estimate.time_said} `)}
         {bound !== null &&
           `The bound holds with ${percent(confidence)} confidence if none of the ${count(samples)} random samples violates.`}
         {bound !== null && unbounded && ' The probability beyond the bounds of normal distributions is added to it.'}

@@ -7,10 +7,12 @@ import buttons from '../ui/buttons.module.css'
 import styles from './launch.module.css'
 
 interface StartBarProps {
-  /** Undefined while there is no campaign to estimate. */
+  /** Undefined until the first answer. */
   checked: Checked | undefined
   /** Whether the estimate belongs to an earlier state of the campaign. */
   checking: boolean
+  /** Whether the check failed. */
+  failed: boolean
   disabled: boolean
   busy: boolean
   /** Why it cannot be started; empty otherwise. */
@@ -18,12 +20,12 @@ interface StartBarProps {
   onStart: () => void
 }
 
-export function StartBar({ checked, checking, disabled, busy, why, onStart }: StartBarProps) {
+export function StartBar({ checked, checking, failed, disabled, busy, why, onStart }: StartBarProps) {
   return (
     <div className={styles.bar} role="region" aria-label="Start">
       <div className={styles.effort}>
         <p aria-busy={checking} data-testid="effort">
-          {effortOf(checked)}
+          {effortOf(checked, failed)}
         </p>
         <p className="small mut" aria-live="polite">
           {why}
@@ -39,9 +41,10 @@ export function StartBar({ checked, checking, disabled, busy, why, onStart }: St
 }
 
 /** About 12 600 to 22 300 evaluations, 6.1 s to 11 s. */
-export function effortOf(checked: Checked | undefined): string {
+export function effortOf(checked: Checked | undefined, failed: boolean): string {
   const { estimate } = checked ?? {}
-  if (!estimate) return checked && !checked.ok ? 'No estimate while there are problems' : 'No estimate yet'
+  if (!estimate && failed) return 'No estimate: the campaign could not be checked'
+  if (!estimate) return checked && !checked.ok ? 'No estimate while there are problems' : 'Estimating …'
   const time = timeOf(estimate)
   return `About ${amountOf(estimate)} evaluations, ${time ?? 'time not known'}`
 }

@@ -9,12 +9,14 @@ import styles from './launch.module.css'
 interface SummaryProps {
   problems: readonly FieldProblem[]
   trouble: Error | null
+  /** Where the trouble is a check that failed. */
+  recheck: (() => void) | null
   tab: 'form' | 'yaml'
   onForm: (field: string) => void
   onText: (field: string) => void
 }
 
-export function Summary({ problems, trouble, tab, onForm, onText }: SummaryProps) {
+export function Summary({ problems, trouble, recheck, tab, onForm, onText }: SummaryProps) {
   if (problems.length === 0 && !trouble) return null
   const [here, there] = tab === 'form' ? [onForm, onText] : [onText, onForm]
   return (
@@ -23,11 +25,18 @@ export function Summary({ problems, trouble, tab, onForm, onText }: SummaryProps
       <div>
         <span className="b">
           {trouble
-            ? trouble.message
+            ? `${recheck ? 'The campaign could not be checked. ' : ''}${trouble.message}`
             : problems.length === 1
               ? 'One problem prevents this run from starting'
               : `${problems.length} problems prevent this run from starting`}
         </span>
+        {recheck && (
+          <div className={styles.recheck}>
+            <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={recheck}>
+              Try again
+            </button>
+          </div>
+        )}
         <ul>
           {problems.slice(0, 12).map((problem) => (
             <li key={problem.field + problem.message}>

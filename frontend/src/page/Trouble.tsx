@@ -2,7 +2,7 @@
 import { clsx } from 'clsx'
 import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
-import { Refusal } from '../api/problems'
+import { Refusal, statement } from '../api/problems'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import icons from '../ui/icons.module.css'
@@ -32,7 +32,7 @@ export function Loading({ what, title, failed }: LoadingProps) {
           <span className={layout.row}>
             <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> Loading {what}
           </span>
-          {failed && <p className={layout.wrapAny}>{failed.message} Trying again.</p>}
+          {failed && <p className={layout.wrapAny}>{statement(failed.message)} Trying again.</p>}
         </div>
       </div>
     </>
@@ -48,15 +48,15 @@ interface TroubleProps {
 
 export function Trouble({ error, retry, onward = true }: TroubleProps) {
   const refused = error instanceof Refusal ? error : null
-  const title = refused ? sentence(refused.title) : 'This page could not be shown'
+  const title = refused ? headingOf(refused.title) : 'This page could not be shown'
   // What does not exist, was purged, or is not permitted is the same the next time.
   const again = refused && [403, 404, 410].includes(refused.status) ? undefined : retry
-  const detail = error instanceof Error ? error.message : String(error)
+  const detail = statement(error instanceof Error ? error.message : String(error))
   return (
     <div className={clsx(cards.card, layout.centre)} role="alert">
       <IconAlertTriangle size={36} stroke={1.5} aria-hidden />
       <h1>{title}</h1>
-      <p className={layout.wrapAny}>{detail.charAt(0).toUpperCase() + detail.slice(1)}</p>
+      <p className={layout.wrapAny}>{detail}</p>
       <div className={layout.acts}>
         {again && (
           <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={again}>
@@ -77,7 +77,7 @@ export function Trouble({ error, retry, onward = true }: TroubleProps) {
 export function Failed({ error, retry }: { error: Error; retry: () => void }) {
   return (
     <p className={layout.row} role="alert">
-      <span className={clsx('bad-t', layout.wrapAny)}>{error.message.charAt(0).toUpperCase() + error.message.slice(1)}</span>
+      <span className={clsx('bad-t', layout.wrapAny)}>{statement(error.message)}</span>
       <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={retry}>
         Try again
       </button>
@@ -85,8 +85,16 @@ export function Failed({ error, retry }: { error: Error; retry: () => void }) {
   )
 }
 
-/** "Not Found" of the protocol as a heading of ours. */
-const sentence = (title: string): string => title.charAt(0).toUpperCase() + title.slice(1).toLowerCase()
+const HEADINGS: Record<string, string> = {
+  Forbidden: 'Not permitted',
+  'Internal Server Error': 'The service failed on this request',
+  'Service Unavailable': 'Not available at the moment',
+  'Unprocessable Entity': 'This request was refused',
+  'Unprocessable Content': 'This request was refused',
+}
+
+/** The words of the protocol as a heading of ours; "Not Found" becomes "Not found". */
+const headingOf = (title: string): string => HEADINGS[title] ?? title.charAt(0).toUpperCase() + title.slice(1).toLowerCase()
 
 export function NotFound() {
   return <Trouble error={new Refusal(404, 'Page not found', 'The address may be mistyped.')} />

@@ -46,12 +46,14 @@ export function ReportsPage() {
           <h1>Reports</h1>
         </div>
       </div>
-      <div className={layout.filters}>
-        <SearchBox label="Search reports" value={q} onChange={search} />
-        <span className="small mut" aria-live="polite">
-          {count(total)} {total === 1 ? 'report' : 'reports'}
-        </span>
-      </div>
+      {(total > 0 || q) && (
+        <div className={layout.filters}>
+          <SearchBox label="Search reports" value={q} onChange={search} />
+          <span className="small mut" aria-live="polite">
+            {count(total)} {total === 1 ? 'report' : 'reports'}
+          </span>
+        </div>
+      )}
       <Card
         title="Safety-case reports"
         note="One for every run that has ended, made from its stored results when it is opened"
@@ -67,7 +69,12 @@ export function ReportsPage() {
         {items.length === 0 && (
           <p className="sec">
             {q ? (
-              'No report matches.'
+              <>
+                No report matches.{' '}
+                <button type="button" className={buttons.linkbtn} onClick={() => search('')}>
+                  Clear the search
+                </button>
+              </>
             ) : (
               <>
                 No run has ended yet. See the <Link to="/runs">list of runs</Link>, or <Link to="/launch">launch one</Link>.
@@ -88,7 +95,7 @@ function Table({ items }: { items: readonly Report[] }) {
         <tr>
           <th>Verdict</th>
           <th>Run</th>
-          <th className={layout.hideS}>Report</th>
+          <th className={layout.hideN}>Report</th>
           <th>Sign-off</th>
           <th>Finished</th>
           <th className={layout.hideS}>Results, sha256</th>
@@ -112,7 +119,7 @@ function Table({ items }: { items: readonly Report[] }) {
                 </small>
               </span>
             </td>
-            <td className={clsx('sec nw', layout.hideS)} data-label="Report">{report.id}</td>
+            <td className={clsx('sec nw', layout.hideN)} data-label="Report">{report.id}</td>
             <td data-label="Sign-off">
               <Signed report={report} />
             </td>

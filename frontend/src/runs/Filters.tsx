@@ -82,8 +82,8 @@ function Outcomes({ search, counts, onChange }: FiltersProps) {
   const shown = SHOWS.filter((show) => numberOf(show) > 0 || search.show === show)
   return (
     <div className={layout.filters}>
-      <button type="button" className={buttons.chip} aria-pressed={!search.show} onClick={() => onChange({ show: undefined })}>
-        All <span className={buttons.n}>{count(counts.total)}</span>
+      <button type="button" className={buttons.chip} aria-pressed={!search.show && !search.removed} onClick={() => onChange({ show: undefined, removed: undefined })}>
+        All {!search.removed && <span className={buttons.n}>{count(counts.total)}</span>}
       </button>
       {shown.map((show) => (
         <button

@@ -70,23 +70,29 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
 function Standing({ run, now, span }: { run: RunSummary; now: number; span: number }) {
   if (run.state === 'queued')
     return (
-      <td colSpan={span} className={clsx(layout.cut, 'sec')} title={run.waits ?? undefined}>
-        {run.waits ?? 'Waiting for a worker'}
-      </td>
+      <Reason text={run.waits ?? 'Waiting for a worker'} span={span} />
     )
   if (run.state === 'failed' || run.state === 'cancelled' || run.state === 'done') {
     const cancelled = run.state === 'cancelled' ? cancelledAfter(run) : ''
     const said = run.error ?? run.reason ?? cancelled
     const why = said.charAt(0).toUpperCase() + said.slice(1)
     return (
-      <td colSpan={span} className={clsx(layout.cut, 'sec')} title={why}>
-        {why}
-      </td>
+      <Reason text={why} span={span} />
     )
   }
   return (
     <td colSpan={span}>
       <Working run={run} now={now} />
+    </td>
+  )
+}
+
+/** On two lines where one is too short; the rest is on the page of the run, and where the pointer rests. */
+function Reason({ text, span }: { text: string; span: number }) {
+  const said = text.replaceAll('`', '') // commands are marked in text that other pages show as code
+  return (
+    <td colSpan={span} className="sec" title={said}>
+      <span className={styles.reason}>{said}</span>
     </td>
   )
 }

@@ -20,8 +20,6 @@ const ROW = 46
 const [MARK, NAME] = [42, 190]
 /** Where the list scrolls, so that the longest verdict next to the name is whole in a window of 390 px. */
 const SHORT = 172
-/** [px] Between this width and the next, some default columns are omitted. */
-const NARROW = 1300
 
 interface RunTableProps {
   runs: RunSummary[]
@@ -160,7 +158,7 @@ function useKeys(
 
 function columnsOf(cols: ColumnKey[] | undefined, width: number, removed: boolean): readonly Column[] {
   if (removed) return [...listed(cols ?? USUAL_REMOVED), REMOVAL]
-  return listed(cols ?? USUAL.filter((key) => width >= NARROW || !WIDE_ONLY.includes(key)))
+  return listed(cols ?? USUAL.filter((key) => width >= (WIDE_ONLY[key] ?? 0)))
 }
 
 const listed = (keys: readonly string[]): Column[] => COLUMNS.filter((column) => keys.includes(column.key))

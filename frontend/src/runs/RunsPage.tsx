@@ -35,7 +35,7 @@ export function RunsPage() {
       return after
     })
 
-  if (query.isPending) return <Loading what="runs" />
+  if (query.isPending) return <Loading what="runs" title="Runs" failed={query.failureReason} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} onward={false} />
   const counts = query.data.pages[0]?.counts ?? {}
   const none = runs.length === 0 && !isNarrowed(search) && !counts.removed
@@ -97,7 +97,7 @@ function NothingFound({ narrowed, onChange }: { narrowed: boolean; onChange: (ch
   return (
     <div className={clsx(cards.card, layout.centre)}>
       <h2>No run matches</h2>
-      <p>No run matches this search and these filters.</p>
+      <p>Take a word out of the search, or a filter off.</p>
       <button type="button" className={buttons.btn} onClick={() => onChange(CLEARED)}>
         Clear search and filters
       </button>

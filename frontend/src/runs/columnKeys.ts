@@ -39,5 +39,5 @@ export const USUAL: readonly ColumnKey[] = [
 /** Columns of removed runs, where the reason needs room. */
 export const USUAL_REMOVED: readonly ColumnKey[] = ['verdict', 'worst', 'margin', 'tags', 'submitted']
 
-/** Omitted from the default columns in narrow windows. */
-export const WIDE_ONLY: readonly ColumnKey[] = ['duration', 'owner']
+/** Default columns that are omitted where the list is narrower than this, so that the others are whole [px]. */
+export const WIDE_ONLY: Partial<Record<ColumnKey, number>> = { duration: 1300, owner: 1300, tags: 1226, method: 1226 }

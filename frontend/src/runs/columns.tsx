@@ -246,7 +246,7 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     key: 'owner',
     name: 'User',
     head: named('User'),
-    width: 66,
+    width: 80,
     sort: 'owner',
     cell: (run) => (
       <span className={clsx(layout.cut, 'sec')} title={run.owner}>

@@ -33,7 +33,7 @@ export function SweepPage() {
   useTitle(query.data ? `${id} ${query.data.name}` : id)
   usePolling(() => void query.refetch(), 2000, query.data !== undefined && activeOf(query.data.states) > 0)
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what={id} />
+  if (!query.data) return <Loading what={id} failed={query.failureReason} />
   return <Shown sweep={query.data} />
 }
 
@@ -91,6 +91,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
 }
 
 function Table({ sweep }: { sweep: SweepDetail }) {
+  const reasons = sweep.points.map(({ outcome }) => [outcome?.error, outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' '))
   return (
     <table className={clsx(tables.table, tables.stack)}>
       <thead>
@@ -103,15 +104,15 @@ function Table({ sweep }: { sweep: SweepDetail }) {
           <NumHead unit="of the sample">Violations</NumHead>
           <th>Code</th>
           <th>Finished</th>
-          <th>Reason</th>
+          {reasons.some(Boolean) && <th>Reason</th>}
         </tr>
       </thead>
       <tbody>
-        {sweep.points.map(({ value, run, outcome }) => (
+        {sweep.points.map(({ value, run, outcome }, i) => (
           <tr key={run}>
             <td className="num b" data-label={sweep.path}>
               {valueText(value)}
-              {value === sweep.nominal && <span className="mut small"> in the campaign</span>}
+              {value === sweep.nominal && <div className="mut small">in the campaign</div>}
             </td>
             <td data-label="Verdict">
               <OutcomeBadge outcome={outcome} />
@@ -124,7 +125,7 @@ function Table({ sweep }: { sweep: SweepDetail }) {
             <td className="num sec" data-label="Violations">{sampleOf(outcome)}</td>
             <td data-label="Code">{outcome && <CodeCell code={outcome.code} />}</td>
             <td data-label="Finished">{outcome && <DateCell outcome={outcome} />}</td>
-            <td className="sec">{[outcome?.error, outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' ')}</td>
+            {reasons.some(Boolean) && <td className="sec">{reasons[i]}</td>}
           </tr>
         ))}
       </tbody>

@@ -34,10 +34,10 @@ export function SweepsPage() {
           </Link>
         </div>
       </div>
-      <Card title="Sweeps" note="One campaign with several values of a fixed parameter" flush={data.length > 0}>
+      <Card title="All sweeps" note="One campaign with several values of a fixed parameter" flush={data.length > 0}>
         {data.length === 0 && (
           <p className="sec">
-            There are no sweeps yet. Launch one below the start button of a new run, or with <code>clearance submit FILE --sweep</code>.
+            There are no sweeps yet. Start one from the card “Sweep” of a <Link to="/launch">new run</Link>, or with <code>clearance submit FILE --sweep</code>.
           </p>
         )}
         {data.length > 0 && (

@@ -53,7 +53,7 @@ function Campaigns() {
           <h1>Trends</h1>
         </div>
       </div>
-      <Card title="Campaigns" note="By name, those with the most runs first" flush={data.campaigns.length > 0}>
+      <Card title="Campaigns" note={data.campaigns.length > 0 && "By name, those with the most runs first"} flush={data.campaigns.length > 0}>
         {data.campaigns.length === 0 && (
           <p className="sec">
             There are no runs yet. <Link to="/launch">Launch one</Link>.

@@ -10,7 +10,7 @@ it.each([
   ['- a\n- b `c`', '<ul><li>a</li><li>b <code>c</code></li></ul>'],
   ['3. c\n4. d', '<ol start="3"><li>c</li><li>d</li></ol>'],
   ['> said\n\n---', '<blockquote><p>said</p></blockquote><hr/>'],
-  ['```\na < b\n```', '<pre><code>a &lt; b</code></pre>'],
+  ['```\na < b\n```', '<pre tabindex="0"><code>a &lt; b</code></pre>'],
   ['see [R-1](/runs/R-0001)', '<p>see <a href="/runs/R-0001" rel="noreferrer">R-1</a></p>'],
   ['~~old~~ a\\*b &amp; c', '<p><del>old</del> a*b &amp; c</p>'],
 ])('shows %j', (text, html) => {

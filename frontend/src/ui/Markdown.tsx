@@ -10,19 +10,27 @@ import prose from './prose.module.css'
 import tables from './tables.module.css'
 import styles from './ui.module.css'
 
-export function Markdown({ text }: { text: string }) {
-  const tokens = useMemo(() => marked.lexer(text, { gfm: true, breaks: false }), [text])
-  return <div className={prose.md}>{blocks(tokens)}</div>
+interface MarkdownProps {
+  text: string
+  /** Of a text that is the page itself, whose own heading is h1: the fragment of a heading. */
+  idOf?: (heading: string) => string
 }
 
-const blocks = (tokens: readonly Token[]): ReactNode => tokens.map((token, i) => <Fragment key={i}>{block(token)}</Fragment>)
+export function Markdown({ text, idOf }: MarkdownProps) {
+  const tokens = useMemo(() => marked.lexer(text, { gfm: true, breaks: false }), [text])
+  return <div className={clsx(prose.md, idOf && prose.page)}>{blocks(tokens, idOf)}</div>
+}
 
-function block(token: Token): ReactNode {
+const blocks = (tokens: readonly Token[], idOf?: MarkdownProps['idOf']): ReactNode =>
+  tokens.map((token, i) => <Fragment key={i}>{block(token, idOf)}</Fragment>)
+
+function block(token: Token, idOf?: MarkdownProps['idOf']): ReactNode {
   switch (token.type) {
     case 'heading': {
-      // The page's own headings are h1 and h2.
-      const Heading = (['h3', 'h4', 'h5', 'h6'] as const)[Math.min(3, (token as Tokens.Heading).depth - 1)] ?? 'h6'
-      return <Heading>{inlines(token)}</Heading>
+      const { depth, text } = token as Tokens.Heading
+      // Of a text within a page, whose own headings are h1 and h2, the first one is h3.
+      const Heading = (['h1', 'h2', 'h3', 'h4', 'h5', 'h6'] as const)[Math.min(5, depth - 1 + (idOf ? 0 : 2))] ?? 'h6'
+      return <Heading id={idOf?.(text)}>{inlines(token)}</Heading>
     }
     case 'paragraph':
       return <p>{inlines(token)}</p>
@@ -32,7 +40,8 @@ function block(token: Token): ReactNode {
       return <blockquote>{blocks(token.tokens ?? [])}</blockquote>
     case 'code':
       return (
-        <pre>
+        // It scrolls in a narrow window, so the keyboard must reach it.
+        <pre tabIndex={0}>
           <code>{(token as Tokens.Code).text}</code>
         </pre>
       )

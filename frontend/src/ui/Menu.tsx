@@ -25,7 +25,7 @@ export function Menu({ name, said, on, icon, above, children }: MenuProps) {
           {icon}
           <span className={clsx(layout.cut, buttons.cuts)}>
             {name}
-            {said !== null && <>: {said}</>}
+            {said !== null && <span className={on ? undefined : buttons.unset}>: {said}</span>}
           </span>
           <IconChevronDown className="i mut" aria-hidden />
         </button>

@@ -1,11 +1,14 @@
 // Single keys of a page. They never fire while something is being typed or a dialog is open.
 import { useEffect, useRef } from 'react'
 
-const typing = (target: EventTarget | null): boolean =>
+const typed = (target: EventTarget): boolean =>
   target instanceof HTMLElement &&
   (target.isContentEditable ||
     (/^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) && !/^(checkbox|radio)$/.test((target as HTMLInputElement).type)) ||
-    target.closest('[role=dialog]') !== null)
+    target.getAttribute('role') === 'dialog')
+
+/** Also in a shadow tree, such as that of the campaign's text: outside of it, its host is the target. */
+const typing = (event: KeyboardEvent): boolean => event.composedPath().some(typed)
 
 /** `keys` maps a key, or Ctrl+key, to what it does; Ctrl combinations also fire while typing. */
 export function useHotkeys(keys: Record<string, () => void>): void {
@@ -17,7 +20,7 @@ export function useHotkeys(keys: Record<string, () => void>): void {
     const pressed = (event: KeyboardEvent) => {
       if (event.altKey || event.defaultPrevented) return
       const control = event.ctrlKey || event.metaKey
-      if (!control && typing(event.target)) return
+      if (!control && typing(event)) return
       const act = latest.current[control ? `Ctrl+${event.key}` : event.key]
       if (act) {
         event.preventDefault()

@@ -58,7 +58,7 @@ export function Drafts() {
           {shown.map((draft) => (
             <tr key={draft.id}>
               <td>
-                <Link to="/launch" search={{ draft: draft.id }} className="mono">
+                <Link to="/launch" search={{ draft: draft.id }} className="mono nw">
                   {draft.id}
                 </Link>
               </td>

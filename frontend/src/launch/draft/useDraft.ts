@@ -22,6 +22,8 @@ export interface Draft {
   problems: readonly FieldProblem[]
   /** The reason why the check or the change of the text failed. */
   trouble: Error | null
+  /** Checks again after a check that failed. */
+  recheck: (() => void) | null
   /** Number of edits. */
   edits: number
   set: (at: readonly (string | number)[], value: unknown) => void
@@ -143,6 +145,7 @@ export function useDraft(first: Beginning): Draft {
     checking: !fresh || check.isFetching,
     problems: checked?.problems ?? [],
     trouble: failed ?? check.error,
+    recheck: check.isError && !check.isFetching ? () => void check.refetch() : null,
     edits: state.edits,
     set: (at, value) =>
       setState((before) => edited(before, followed(before, write(before.campaign, at, value)), at.join('.'))),

@@ -76,7 +76,7 @@ export function UncertainRow({ path, name, parameter, uncertain, held, onToggle,
         <td>
           <Sign text={parameter?.entry.symbol || (path.split('.').at(-1) ?? path)} />
         </td>
-        <td title={path}>
+        <td title={path} className={styles.meant}>
           {parameter?.entry.text ?? path}
           {parameter && parameter.group !== 'Vehicle' && !path.startsWith('simulator.') && (
             <span className="mut"> · {parameter.group.toLowerCase()}</span>

@@ -119,7 +119,7 @@ function Flight({ ok, live, criterion }: FlightProps) {
           <p className={clsx(layout.row, 'bad-t')}>
             <IconAlertTriangle className="i s" aria-hidden />
             <span>
-              {trouble.message.charAt(0).toUpperCase() + trouble.message.slice(1)}.{' '}
+              {trouble.message}{' '}
               <button type="button" className={buttons.linkbtn} onClick={live.again}>
                 Try again
               </button>

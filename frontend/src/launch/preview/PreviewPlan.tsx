@@ -34,6 +34,8 @@ export function PreviewPlan({ plan, ranges, reach, flown, stale, width, label }:
   const names: [string, string] = plan.axes.ned ? ['East y, m', 'North x, m'] : ['x, m', 'y, m']
   const shared = { pixels, scale: view.scale }
   const times = timesOf(plan.horizon)
+  // The axes have numbers, too: an obstacle at the place of the bar is worth more than the bar.
+  const covered = plan.bodies.some(({ at: p }) => pixels.x(p) > area.left + area.width - 100 && pixels.y(p) > area.top + area.height - 44)
   return (
     <svg className={styles.scene} width={width} height={area.top + area.height + 30} role="img" aria-label={label}>
       <Axes2 area={area} across={across} up={up} names={names} />
@@ -52,7 +54,7 @@ export function PreviewPlan({ plan, ranges, reach, flown, stale, width, label }:
         <Start plan={plan} pixels={pixels} />
         {plan.goal && <Goal x={pixels.x(plan.goal)} y={pixels.y(plan.goal)} />}
       </g>
-      <ScaleBar area={area} scale={view.scale} />
+      {!covered && <ScaleBar area={area} scale={view.scale} />}
       <North x={area.left + area.width - 14} y={area.top + 6} />
     </svg>
   )

@@ -2,6 +2,7 @@
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { proposeSearches } from '../../api/calls'
+import { thinned } from '../../format/numbers'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { Card } from '../../ui/Card'
@@ -34,7 +35,7 @@ export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
   const use = () => set(['stages', 'search'], searches)
   return (
     <Card title="Proposal" note="Methods and budgets for the time that you allow the searches." id="section-proposal">
-      <p className={styles.known}>{known(asked !== null, data?.known, error)}</p>
+      <p className={styles.known}>{thinned(known(asked !== null, data?.known, error))}</p>
       {data?.measured && (
         <>
           <div className={styles.time}>
@@ -56,7 +57,7 @@ export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
               Use the proposal
             </button>
           </div>
-          <p aria-live="polite">{said(minutes, data.sentence, same)}</p>
+          <p aria-live="polite">{thinned(said(minutes, data.sentence, same))}</p>
           <p className="small mut">The other stages take evaluations in addition, mostly Validate: see Evaluations at most.</p>
         </>
       )}

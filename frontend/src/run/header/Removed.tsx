@@ -56,7 +56,7 @@ export function Purged({ id, said }: { id: string; said: string }) {
       <div className={clsx(cards.card, layout.centre)} role="alert" style={{ marginBottom: 'var(--gap)' }}>
         <IconTrash size={36} stroke={1.5} aria-hidden />
         <h1>{id} was purged</h1>
-        <p className={layout.wrapAny}>{said}.</p>
+        <p className={layout.wrapAny}>{said}</p>
         <Link to="/runs" className={buttons.btn}>
           All runs
         </Link>

@@ -37,7 +37,7 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
   return (
     <ChartCard
       title="Tornado"
-      note={`From nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}
+      note={run.nominal_cost === null ? undefined : `From nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}
       className={className}
       run={run.id}
       data={table}

@@ -43,7 +43,7 @@ export function UsersPage() {
         <Loading what="users" failed={failureReason} />
       ) : (
         <>
-          <Card title="Users" note="Names stay in the records: a user is disabled, never deleted" flush>
+          <Card title="Accounts" note="Names stay in the records: a user is disabled, never deleted" flush>
             <Table users={data} onChange={setChanging} />
           </Card>
           <SignOffs />

@@ -17,6 +17,7 @@ import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
+import styles from './reports.module.css'
 
 const reportsQuery = (q: string) =>
   infiniteQueryOptions({
@@ -147,7 +148,7 @@ function Table({ items }: { items: readonly Report[] }) {
 function Signed({ report }: { report: Report }) {
   const { signed, outdated, signed_by: names } = report
   return (
-    <span className={tables.rn}>
+    <span className={clsx(tables.rn, styles.signed)}>
       {signed > 0 && (
         <span className="ok-t nw">
           <IconSignature className="i s" aria-hidden /> {names.join(', ')}

@@ -97,7 +97,7 @@ export function RequirementsPage() {
       </div>
       <Card
         title="Matrix"
-        note="A requirement stands as its worst evidence does"
+        note="The worst evidence for a requirement decides its status"
         flush={shown.length > 0}
         footer={
           query.hasNextPage && (

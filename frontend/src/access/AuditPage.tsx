@@ -44,7 +44,7 @@ export function AuditPage() {
       }
     >
       {query.isError && !query.data ? (
-        <Trouble error={query.error} retry={() => void query.refetch()} />
+        <Trouble error={query.error} retry={() => void query.refetch()} below />
       ) : !first ? (
         <Loading what="audit trail" failed={query.failureReason} />
       ) : (

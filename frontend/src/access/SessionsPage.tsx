@@ -36,7 +36,7 @@ export function SessionsPage() {
       }
     >
       {isError && !data ? (
-        <Trouble error={error} retry={() => void refetch()} />
+        <Trouble error={error} retry={() => void refetch()} below />
       ) : !data ? (
         <Loading what="sessions" failed={failureReason} />
       ) : (

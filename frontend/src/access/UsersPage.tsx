@@ -38,7 +38,7 @@ export function UsersPage() {
       }
     >
       {isError && !data ? (
-        <Trouble error={error} retry={() => void refetch()} />
+        <Trouble error={error} retry={() => void refetch()} below />
       ) : !data ? (
         <Loading what="users" failed={failureReason} />
       ) : (

@@ -36,7 +36,17 @@ export function ReportsPage() {
   const navigate = useNavigate({ from: '/reports' })
   const search = useCallback((text: string) => void navigate({ search: { q: text || undefined }, replace: true }), [navigate])
   const query = useInfiniteQuery(reportsQuery(q))
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (query.isError && !query.data)
+    return (
+      <>
+        <div className={layout.ph}>
+          <div className={layout.t}>
+            <h1>Reports</h1>
+          </div>
+        </div>
+        <Trouble error={query.error} retry={() => void query.refetch()} below />
+      </>
+    )
   if (!query.data) return <Loading what="reports" title="Reports" failed={query.failureReason} />
   const items = query.data.pages.flatMap((page) => page.items)
   const total = query.data.pages[0]?.total ?? items.length

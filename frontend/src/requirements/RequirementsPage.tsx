@@ -50,7 +50,7 @@ export function RequirementsPage() {
             <h1>Requirements</h1>
           </div>
         </div>
-        {query.isError ? <Trouble error={query.error} retry={() => void query.refetch()} /> : <Loading what="requirements" failed={query.failureReason} />}
+        {query.isError ? <Trouble error={query.error} retry={() => void query.refetch()} below /> : <Loading what="requirements" failed={query.failureReason} />}
       </>
     )
   const total = query.data.pages[0]?.total ?? items.length

@@ -23,7 +23,7 @@ export function RunPage() {
   const query = useRun(id)
   if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what={id} />
+  if (!query.data) return <Loading what="run" title={id} />
   return <Page run={query.data} stale={query.isError} />
 }
 

@@ -50,13 +50,26 @@ export function Removed({ run }: { run: RunDetail }) {
   )
 }
 
+/** Digests as everywhere: their beginning, and all of it under the pointer. */
+function Digests({ text }: { text: string }) {
+  return text.split(/\b([0-9a-f]{64})\b/).map((part, i) =>
+    i % 2 === 0 ? (
+      part
+    ) : (
+      <span key={part} className="mono" title={part}>
+        {part.slice(0, 16)}
+      </span>
+    ),
+  )
+}
+
 export function Purged({ id, said }: { id: string; said: string }) {
   return (
     <>
       <div className={clsx(cards.card, layout.centre)} role="alert" style={{ marginBottom: 'var(--gap)' }}>
         <IconTrash size={36} stroke={1.5} aria-hidden />
         <h1>{id} was purged</h1>
-        <p className={layout.wrapAny}>{said}.</p>
+        <p className={layout.wrapAny}><Digests text={`${said}.`} /></p>
         <Link to="/runs" className={buttons.btn}>
           All runs
         </Link>

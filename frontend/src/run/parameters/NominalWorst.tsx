@@ -150,7 +150,7 @@ function Told({ name, sign, unit, both, note, values }: ToldProps) {
     <tr>
       <td className="sec">
         {sign ? (
-          <span className={tables.rn}>
+          <span className={clsx(tables.rn, styles.named)}>
             <span className="m">
               <Sign text={sign} /> <span className="mut small">{unitText(unit)}</span>
             </span>

@@ -59,7 +59,10 @@ export function Trouble({ error, retry, onward = true, below = false }: TroubleP
     <div className={clsx(cards.card, layout.centre)} role="alert">
       <IconAlertTriangle size={36} stroke={1.5} aria-hidden />
       <Heading>{title}</Heading>
-      <p className={layout.wrapAny}>{detail.charAt(0).toUpperCase() + detail.slice(1)}</p>
+      <p className={layout.wrapAny}>
+        {detail.charAt(0).toUpperCase() + detail.slice(1)}
+        {!/[.!?…]$/.test(detail) && '.'}
+      </p>
       <div className={layout.acts}>
         {again && (
           <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={again}>

@@ -6,6 +6,7 @@ import { useState } from 'react'
 import { useBarred } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { moment } from '../../format/time'
+import { Digests } from '../../ui/Digests'
 import { RemoveDialog, useRestore } from './Removal'
 import { History } from './History'
 import buttons from '../../ui/buttons.module.css'
@@ -47,19 +48,6 @@ export function Removed({ run }: { run: RunDetail }) {
         <IconArrowBackUp className="i s" aria-hidden /> Restore
       </button>
     </div>
-  )
-}
-
-/** Digests as everywhere: their beginning, and all of it under the pointer. */
-function Digests({ text }: { text: string }) {
-  return text.split(/\b([0-9a-f]{64})\b/).map((part, i) =>
-    i % 2 === 0 ? (
-      part
-    ) : (
-      <span key={part} className="mono" title={part}>
-        {part.slice(0, 16)}
-      </span>
-    ),
   )
 }
 

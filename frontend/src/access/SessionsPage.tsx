@@ -149,7 +149,7 @@ function PasswordForm({ has, user, onDone }: { has: boolean; user: string; onDon
           Not now
         </button>
         <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={change.isPending || !next || again !== next}>
-          Change
+          {has ? 'Change' : 'Set'}
         </button>
       </div>
     </form>

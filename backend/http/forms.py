@@ -21,6 +21,7 @@ LARGEST_FORM = 10_000
 """Maximum size of a submitted form [bytes]."""
 
 _NOWHERE = ("/login", "/invite", "/api/")
+_OR = '<p class="or">or with a name and a password</p>'
 _AUTO = 'autocapitalize="none" spellcheck="false"'
 
 
@@ -77,7 +78,8 @@ def sign_in(
     back: where signing in leads. wrong: why the last attempt failed. name: what was typed. provider: empty without one.
     """
     form = _form(back, wrong, name) if passwords else ""
-    return plain(why, f"{_through(provider, back) if provider else ''}{form}{_links(passwords)}", status)
+    between = _OR if provider and passwords else ""
+    return plain(why, f"{_through(provider, back) if provider else ''}{between}{form}{_links(passwords)}", status)
 
 
 def _through(provider: str, back: str) -> str:

@@ -81,7 +81,7 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = ()) -> Standing:
     worst = min((one.status for one in found), key=ORDER.index)
     sentences = [one.sentence for one in found if one.status == worst]
     better = len(found) - len(sentences)
-    rest = f" In {better} other campaign{'s' if better > 1 else ''} it stands no worse."
+    rest = f" The evidence of {better} other campaign{'s' if better > 1 else ''} is no worse."
     return Standing(
         worst,
         " ".join(sentences) + (rest if better else ""),

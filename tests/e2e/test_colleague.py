@@ -139,7 +139,7 @@ def signs_off(reviewer: Visit) -> None:
     dialog.get_by_role("textbox", name="Comment").fill("The bounds agree with the hazard log.")
     dialog.get_by_role("button", name="Sign off").click()
     row = card.get_by_role("row", name=re.compile("Rae Reviewer"))
-    expect(row).to_contain_text("Good")
+    expect(row).to_contain_text("Valid")
     expect(row).to_contain_text("The bounds agree with the hazard log.")
     expect(row).not_to_contain_text("who also launched the run")
 

@@ -451,7 +451,7 @@ def test_signing_out_ends_the_session(signed_in: Visit) -> None:
     page = signed_in.page
     page.get_by_role("button", name=re.compile("^Session of")).click()
     page.get_by_role("menuitem", name="Sign out").click()
-    expect(page.get_by_role("heading", name="Sign in with the login link")).to_be_visible()
+    expect(page.get_by_role("heading", name="You are signed out")).to_be_visible()
     cookies = {c["name"]: c["value"] for c in page.context.cookies()}
     answer = httpx.get(f"{signed_in.address}/api/v1/runs", cookies=cookies, trust_env=False)
     assert answer.status_code == 401

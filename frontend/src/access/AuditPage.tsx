@@ -9,6 +9,7 @@ import { count } from '../format/numbers'
 import { moment } from '../format/time'
 import { Loading, Trouble } from '../page/Trouble'
 import { Card } from '../ui/Card'
+import { Digests } from '../ui/Digests'
 import { CopyButton } from '../ui/files'
 import { AccessFrame } from './AccessFrame'
 import { at } from '../format/root'
@@ -44,7 +45,7 @@ export function AuditPage() {
       }
     >
       {query.isError && !query.data ? (
-        <Trouble error={query.error} retry={() => void query.refetch()} />
+        <Trouble error={query.error} retry={() => void query.refetch()} below />
       ) : !first ? (
         <Loading what="audit trail" failed={query.failureReason} />
       ) : (
@@ -145,7 +146,7 @@ function Table({ entries, onAll }: { entries: readonly AuditEntry[]; onAll: () =
             <td className="nw" data-label="Action">{entry.action}</td>
             <td className={styles.who} data-label="Subject">{entry.subject}</td>
             <td className={`small sec ${styles.detail ?? ''}`} data-label={Object.keys(entry.detail).length > 0 ? 'Detail' : undefined}>
-              {told(entry.detail)}
+              <Digests text={told(entry.detail)} />
             </td>
             <td data-label="Hash">
               <span className="mono" title={entry.hash}>

@@ -36,7 +36,7 @@ export function SessionsPage() {
       }
     >
       {isError && !data ? (
-        <Trouble error={error} retry={() => void refetch()} />
+        <Trouble error={error} retry={() => void refetch()} below />
       ) : !data ? (
         <Loading what="sessions" failed={failureReason} />
       ) : (
@@ -149,7 +149,7 @@ function PasswordForm({ has, user, onDone }: { has: boolean; user: string; onDon
           Not now
         </button>
         <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={change.isPending || !next || again !== next}>
-          Change
+          {has ? 'Change' : 'Set'}
         </button>
       </div>
     </form>

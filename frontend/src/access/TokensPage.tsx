@@ -48,7 +48,7 @@ export function TokensPage() {
       }
     >
       {isError && !data ? (
-        <Trouble error={error} retry={() => void refetch()} />
+        <Trouble error={error} retry={() => void refetch()} below />
       ) : !data ? (
         <Loading what="tokens" failed={failureReason} />
       ) : (

@@ -38,12 +38,12 @@ export function UsersPage() {
       }
     >
       {isError && !data ? (
-        <Trouble error={error} retry={() => void refetch()} />
+        <Trouble error={error} retry={() => void refetch()} below />
       ) : !data ? (
         <Loading what="users" failed={failureReason} />
       ) : (
         <>
-          <Card title="Users" note="Names stay in the records: a user is disabled, never deleted" flush>
+          <Card title="Accounts" note="Names stay in the records: a user is disabled, never deleted" flush>
             <Table users={data} onChange={setChanging} />
           </Card>
           <SignOffs />

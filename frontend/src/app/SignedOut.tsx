@@ -3,6 +3,7 @@ import { clsx } from 'clsx'
 import { useEffect } from 'react'
 import { BrandMark } from './Brand'
 import { at } from '../format/root'
+import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import styles from './app.module.css'
 
@@ -15,20 +16,23 @@ export function SignedOut() {
   return (
     <main className={clsx(styles.main, styles.signin)}>
       <div className={cards.card}>
-        <BrandMark />
-        <h1>Sign in with the login link</h1>
-        <p>
-          Clearance prints a login link when it starts. Open that link in this browser within 15 minutes; it is single-use
-          and keeps you signed in.
-        </p>
-        <p>
-          For a new link, run this on the machine where Clearance runs; earlier unused links become invalid:
+        <span className={styles.brand}>
+          <BrandMark />
+          <span>Clearance</span>
+        </span>
+        <h1>You are signed out</h1>
+        <p className="sec">Your session has ended. After signing in you return to this page.</p>
+        <a className={clsx(buttons.btn, buttons.p)} href={back}>
+          Sign in
+        </a>
+        <p className="small sec">
+          Without a password: open the login link that Clearance prints when it starts, in this browser and within 15 minutes; it is
+          single-use. For a new link, run this on the machine where Clearance runs; earlier unused links become invalid:
         </p>
         <pre className="mono">clearance login-link</pre>
-        <p>
-          With a name and a password, or through your provider: <a href={back}>sign in</a>.
+        <p className="small mut">
+          Programs use an API token instead, created with <code>clearance token create NAME</code>.
         </p>
-        <p className="small mut">Programs use an API token instead, created with clearance token create NAME.</p>
       </div>
     </main>
   )

@@ -44,9 +44,12 @@ interface TroubleProps {
   retry?: () => void
   /** Whether to show a link to the runs; not on their own page. */
   onward?: boolean
+  /** Below the heading of its page. */
+  below?: boolean
 }
 
-export function Trouble({ error, retry, onward = true }: TroubleProps) {
+export function Trouble({ error, retry, onward = true, below = false }: TroubleProps) {
+  const Heading = below ? 'h2' : 'h1'
   const refused = error instanceof Refusal ? error : null
   const title = refused ? headingOf(refused.title) : 'This page could not be shown'
   // What does not exist, was purged, or is not permitted is the same the next time.
@@ -55,7 +58,7 @@ export function Trouble({ error, retry, onward = true }: TroubleProps) {
   return (
     <div className={clsx(cards.card, layout.centre)} role="alert">
       <IconAlertTriangle size={36} stroke={1.5} aria-hidden />
-      <h1>{title}</h1>
+      <Heading>{title}</Heading>
       <p className={layout.wrapAny}>{detail}</p>
       <div className={layout.acts}>
         {again && (

@@ -17,6 +17,7 @@ import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
+import styles from './reports.module.css'
 
 const reportsQuery = (q: string) =>
   infiniteQueryOptions({
@@ -35,7 +36,17 @@ export function ReportsPage() {
   const navigate = useNavigate({ from: '/reports' })
   const search = useCallback((text: string) => void navigate({ search: { q: text || undefined }, replace: true }), [navigate])
   const query = useInfiniteQuery(reportsQuery(q))
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (query.isError && !query.data)
+    return (
+      <>
+        <div className={layout.ph}>
+          <div className={layout.t}>
+            <h1>Reports</h1>
+          </div>
+        </div>
+        <Trouble error={query.error} retry={() => void query.refetch()} below />
+      </>
+    )
   if (!query.data) return <Loading what="reports" title="Reports" failed={query.failureReason} />
   const items = query.data.pages.flatMap((page) => page.items)
   const total = query.data.pages[0]?.total ?? items.length
@@ -154,7 +165,7 @@ function Table({ items }: { items: readonly Report[] }) {
 function Signed({ report }: { report: Report }) {
   const { signed, outdated, signed_by: names } = report
   return (
-    <span className={tables.rn}>
+    <span className={clsx(tables.rn, styles.signed)}>
       {signed > 0 && (
         <span className="ok-t nw">
           <IconSignature className="i s" aria-hidden /> {names.join(', ')}

@@ -36,7 +36,7 @@ export function Files({ mayChange }: { mayChange: boolean }) {
   if (!data?.length) return null
   return (
     <div style={{ marginTop: 'var(--gap)' }}>
-      <Card title="Imported files" note="Written back byte by byte as they were" flush>
+      <Card title="Imported files" note="Downloaded byte for byte as they were imported" flush>
         <table className={clsx(tables.table, tables.stack)}>
           <thead>
             <tr>
@@ -63,7 +63,7 @@ export function Files({ mayChange }: { mayChange: boolean }) {
                   </span>
                 </td>
                 <td className="num">
-                  <span className={clsx(layout.row, 'nw')} style={{ gap: 6, justifyContent: 'flex-end' }}>
+                  <span className={clsx(styles.fileActs, 'nw')}>
                     <a className={clsx(buttons.btn, buttons.s)} href={contentOf(file)} download aria-label={`Download ${file.name}`}>
                       <IconDownload className="i s" aria-hidden />
                     </a>

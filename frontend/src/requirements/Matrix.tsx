@@ -56,7 +56,7 @@ export function Matrix({ rows, onChange }: MatrixProps) {
             </td>
             {row.runs.length === 0 ? (
               <td colSpan={6} className="mut">
-                {leftOut(row) || 'No run'}
+                {leftOut(row) || NONE}
               </td>
             ) : (
               <Cells run={row.runs[0] as RequirementRun} />

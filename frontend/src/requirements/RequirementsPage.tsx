@@ -50,7 +50,7 @@ export function RequirementsPage() {
             <h1>Requirements</h1>
           </div>
         </div>
-        {query.isError ? <Trouble error={query.error} retry={() => void query.refetch()} /> : <Loading what="requirements" failed={query.failureReason} />}
+        {query.isError ? <Trouble error={query.error} retry={() => void query.refetch()} below /> : <Loading what="requirements" failed={query.failureReason} />}
       </>
     )
   const total = query.data.pages[0]?.total ?? items.length
@@ -97,7 +97,7 @@ export function RequirementsPage() {
       </div>
       <Card
         title="Matrix"
-        note="A requirement stands as its worst evidence does"
+        note="The worst evidence for a requirement decides its status"
         flush={shown.length > 0}
         footer={
           query.hasNextPage && (

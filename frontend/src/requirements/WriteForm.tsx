@@ -22,6 +22,7 @@ export function WriteForm({ row, onDone }: WriteFormProps) {
   const onSuccess = () => cache.invalidateQueries({ queryKey: ['requirements'] }).then(onDone)
   const write = useMutation({ mutationFn: () => writeRequirement(id.trim(), text.trim()), onSuccess })
   const remove = useMutation({ mutationFn: () => deleteRequirement(id), onSuccess })
+  const [leaving, setLeaving] = useState(false)
   const error = write.error ?? remove.error
   return (
     <form
@@ -40,15 +41,23 @@ export function WriteForm({ row, onDone }: WriteFormProps) {
         <textarea className={clsx(fields.inp, styles.area)} value={text} maxLength={20_000} required rows={6} onChange={({ target }) => setText(target.value)} />
         {row?.registered && <span className="small mut">Another text makes evidence for the earlier one suspect.</span>}
       </label>
+      {leaving && (
+        <p className="small" role="status">
+          {id} and its text are deleted. Where a run states it, it stays in the matrix, as stated by campaigns only.
+        </p>
+      )}
       {error && (
         <p className={fields.ferr} role="alert">
           {error.message}
         </p>
       )}
       <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className={buttons.btn} onClick={onDone}>
+          Not now
+        </button>
         {row?.registered && (
-          <button type="button" className={clsx(buttons.btn, buttons.danger)} disabled={remove.isPending} onClick={() => remove.mutate()}>
-            Delete
+          <button type="button" className={clsx(buttons.btn, buttons.danger)} disabled={remove.isPending} onClick={() => (leaving ? remove.mutate() : setLeaving(true))}>
+            {leaving ? 'Delete the requirement' : 'Delete …'}
           </button>
         )}
         <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={write.isPending || !id.trim() || !text.trim()}>

@@ -98,7 +98,7 @@ export function Finished({ data }: { data: RunData }) {
     ...(sensitivity ? [{ id: 'sensitivity', name: 'Sensitivity', count: sensitivity.curves.length }] : []),
     ...(searched ? [{ id: 'methods', name: 'Methods', count: methods }] : []),
     ...(space ? [{ id: 'space', name: 'Parameter space' }] : []),
-    ...(front ? [{ id: 'front', name: 'Front' }] : []),
+    ...(front ? [{ id: 'front', name: 'Pareto front' }] : []),
     ...(sample ? [{ id: 'sample', name: 'Sample', count: sample.samples }] : []),
     ...(validation ? [{ id: 'validation', name: 'Validation' }] : []),
     ...(encounter ? [{ id: 'encounter', name: encounter.unseen ? 'Encounter' : 'Effect' }] : []),

@@ -17,6 +17,7 @@ import { Declare } from './flight/Untraced'
 import { useWhatIf } from './flight/useWhatIf'
 import { View } from './flight/view'
 import { WhatIfCard } from './flight/WhatIfCard'
+import { Missing } from './header/Missing'
 import { Purged } from './header/Removed'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
@@ -29,7 +30,7 @@ export function FlightPage() {
   const query = useRun(id)
   if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what={id} />
+  if (!query.data) return <Loading what="run" title={id} />
   return <Page key={id} run={query.data} />
 }
 
@@ -68,7 +69,8 @@ function Page({ run }: { run: RunDetail }) {
     if (live && !matchMedia('(max-width: 760px)').matches) view.steer({ panel: true })
   }, [view, live])
   if (!ready) return <Loading what={caseWord(data.campaign)} />
-  if (!flies && !hasView(data)) return <NoTrace run={run} />
+  const absent = data.missing.length > 0
+  if (!flies && !hasView(data)) return absent ? <Missing parts={data.missing} /> : <NoTrace run={run} />
   return (
     <div className={styles.own}>
       <div className={layout.ph}>
@@ -86,7 +88,8 @@ function Page({ run }: { run: RunDetail }) {
           </div>
         </div>
       </div>
-      {!live && data.traces.length === 0 && (
+      <Missing parts={data.missing} />
+      {!live && !absent && data.traces.length === 0 && (
         <p className={cards.note} style={{ marginBottom: 'var(--gap)' }} role="status">
           No {caseWord(data.campaign)} of this run is stored: it ended before its nominal case was stored. The view shows the
           scenario; “What-if” simulates a case of it.

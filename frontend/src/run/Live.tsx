@@ -1,7 +1,7 @@
 // An active run: figures, stages, convergence, best so far, methods, improvements.
 import { IconLoader } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import type { RunDetail } from '../client'
+import type { RunDetail, StageProgress } from '../client'
 import { unknownOf, withoutValue } from '../format/counts'
 import { count, decimalsApart, decimalsFor, duration, fixed, NONE, plain, signed } from '../format/numbers'
 import { Card, Stat } from '../ui/Card'
@@ -11,6 +11,7 @@ import { Sign } from '../ui/Sign'
 import { useNow } from '../ui/useNow'
 import { Convergence } from './search/Convergence'
 import { bestOf, leaderOf, type RunData, searchesOf } from './data/data'
+import { insteadOf } from './data/missing'
 import { Failures } from './search/Failures'
 import { MethodsTable } from './search/MethodsTable'
 import { Notes } from './header/Notes'
@@ -120,7 +121,7 @@ function Figures({ data }: { data: RunData }) {
         <Stat
           name="Evaluations"
           value={count(run.evaluations)}
-          note={`budgets of all stages ${count(run.planned)}, ${withoutValue(run)}`}
+          note={`of at most ${count(run.planned)}, ${withoutValue(run)}`}
         />
         <Stat
           name="Evaluations per second"
@@ -142,45 +143,64 @@ const elapsed = (run: RunDetail, now: number): number | null =>
 
 /** The last improvements of each method, newest first. */
 function Improvements({ data, className }: { data: RunData; className: string | undefined }) {
-  const rows = searchesOf(data)
+  const rows = newestOf(data)
+  return (
+    <Card title="Improvements" note="Newest first" className={className} flush={rows.length > 0}>
+      {rows.length > 0 ? (
+        <Newest data={data} rows={rows} />
+      ) : (
+        <p className="sec">{data.evaluations ? 'No search has found a value yet.' : insteadOf(data.missing, 'evaluations')}</p>
+      )}
+    </Card>
+  )
+}
+
+interface Improvement {
+  stage: StageProgress
+  at: number
+  cost: number
+}
+
+const newestOf = (data: RunData): Improvement[] =>
+  searchesOf(data)
     .flatMap(({ stage, series }) => {
-      const { index = [], seconds = [], cost = [] } = series?.improvements ?? {}
+      const { index = [], cost = [] } = series?.improvements ?? {}
       return index
-        .map((at, i) => ({ stage, at, time: seconds[i] ?? 0, cost: cost[i] ?? Number.NaN, before: cost[i - 1] }))
+        .map((at, i) => ({ stage, at, cost: cost[i] ?? Number.NaN, before: cost[i - 1] }))
         .filter((row) => row.before === undefined || row.cost < row.before)
         .slice(-7)
     })
     .reverse()
     .slice(0, 9)
+
+function Newest({ data, rows }: { data: RunData; rows: readonly Improvement[] }) {
   const decimals = decimalsApart(
     rows.map((row) => row.cost),
     5,
     8,
   )
   return (
-    <Card title="Improvements" note="Newest first" className={className} flush>
-      <table className={clsx(tables.table, tables.tight)}>
-        <thead>
-          <tr>
-            <th>Method</th>
-            <th className="num">Evaluation</th>
-            <th className="num">
-              <Sign text={data.run.quantity || 'value'} />, {data.run.unit}
-            </th>
+    <table className={clsx(tables.table, tables.tight)}>
+      <thead>
+        <tr>
+          <th>Method</th>
+          <th className="num">Evaluation</th>
+          <th className="num">
+            <Sign text={data.run.quantity || 'value'} />, {data.run.unit}
+          </th>
+        </tr>
+      </thead>
+      <tbody>
+        {rows.map((row) => (
+          <tr key={`${row.stage.position}-${row.at}`}>
+            <td>
+              <MethodName method={row.stage.method} short />
+            </td>
+            <td className="num sec">{count(row.at + 1)}</td>
+            <td className="num m">{fixed(row.cost, decimals)}</td>
           </tr>
-        </thead>
-        <tbody>
-          {rows.map((row) => (
-            <tr key={`${row.stage.position}-${row.at}`}>
-              <td>
-                <MethodName method={row.stage.method} short />
-              </td>
-              <td className="num sec">{count(row.at + 1)}</td>
-              <td className="num m">{fixed(row.cost, decimals)}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </Card>
+        ))}
+      </tbody>
+    </table>
   )
 }

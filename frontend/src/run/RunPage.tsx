@@ -12,6 +12,7 @@ import { Finished } from './Finished'
 import { Head } from './header/Head'
 import { History } from './header/History'
 import { Live } from './Live'
+import { Missing } from './header/Missing'
 import { Purged, Removed } from './header/Removed'
 import { RelatedCard } from '../trends/RelatedCard'
 import layout from '../ui/layout.module.css'
@@ -22,7 +23,7 @@ export function RunPage() {
   const query = useRun(id)
   if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  if (!query.data) return <Loading what={id} />
+  if (!query.data) return <Loading what="run" title={id} />
   return <Page run={query.data} stale={query.isError} />
 }
 
@@ -36,6 +37,7 @@ function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
     <>
       <Head run={run} stale={stale} />
       {run.removed !== null && <Removed run={run} />}
+      <Missing parts={data.missing} />
       {isLive(run) ? <Live data={data} /> : drawn === run.id ? <Finished data={data} /> : <Loading what="results" />}
       <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
         <RelatedCard run={run} />

@@ -9,17 +9,19 @@ import { useBarredFromOwn } from '../api/may'
 import { sessionQuery } from '../api/queries'
 import type { RunDetail, Signoff, Signoffs } from '../client'
 import { moment } from '../format/time'
+import { Failed } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
+import styles from './signoffs.module.css'
 
 const signoffsQuery = (run: string) =>
   queryOptions({ queryKey: ['signoffs', run], queryFn: () => getSignoffs(run), staleTime: 5_000 })
 
 export function SignoffsCard({ run, className }: { run: RunDetail; className: string | undefined }) {
-  const { data, error } = useQuery(signoffsQuery(run.id))
+  const { data, error, refetch } = useQuery(signoffsQuery(run.id))
   const barred = data?.barred ? `${data.barred.charAt(0).toUpperCase()}${data.barred.slice(1)}.` : undefined
   const [signing, setSigning] = useState(false)
   const [leaving, setLeaving] = useState<Signoff | null>(null)
@@ -48,7 +50,8 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
         )
       }
     >
-      {error && <p className={fields.ferr}>{error.message}</p>}
+      {!data && !error && <p className="mut">Loading the sign-offs …</p>}
+      {!data && error && <Failed error={error} retry={() => void refetch()} />}
       {data && data.items.length === 0 && (
         <p className="sec">
           {data.can_sign
@@ -71,15 +74,16 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
 
 function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (signoff: Signoff) => void }) {
   return (
-    <table className={tables.table}>
+    <table className={clsx(tables.table, tables.stack, styles.rows)}>
       <thead>
         <tr>
-          <th>Standing</th>
-          <th>Name</th>
-          <th>Role</th>
+          <th>Status</th>
+          <th>Name, role</th>
           <th>When, signed in as</th>
           <th>Comment</th>
-          <th />
+          <th>
+            <span className="sr">Withdraw</span>
+          </th>
         </tr>
       </thead>
       <tbody>
@@ -88,17 +92,20 @@ function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (s
             <td>
               <Standing item={item} />
             </td>
-            <td className="m">{item.name}</td>
-            <td>{item.role}</td>
-            <td className="sec nw">
-              {moment(item.created)}, {item.user}
-              {item.own && (
-                <span className="unk-t" style={{ display: 'block' }}>
-                  who also launched the run
-                </span>
-              )}
+            <td data-label="Name, role">
+              <span className={tables.rn}>
+                <span className={clsx('m', layout.wrapAny)}>{item.name}</span>
+                <small>{item.role}</small>
+              </span>
             </td>
-            <td className="sec" style={{ whiteSpace: 'pre-line' }}>
+            <td data-label="When">
+              <span className={tables.rn}>
+                <span className="sec">{moment(item.created)}</span>
+                <small className={layout.wrapAny}>{item.user}</small>
+                {item.own && <small className="unk-t">who also launched the run</small>}
+              </span>
+            </td>
+            <td className="sec" style={{ whiteSpace: 'pre-line' }} data-label={item.comment || item.withdrawn !== null ? 'Comment' : undefined}>
               {item.comment}
               {item.withdrawn !== null && (
                 <span className="bad-t" style={{ display: 'block' }}>
@@ -128,7 +135,7 @@ function Withdraw({ item, onAsk }: { item: Signoff; onAsk: () => void }) {
 function Standing({ item }: { item: Signoff }) {
   const good = item.current && item.withdrawn === null
   const Icon = good ? IconCircleCheck : IconCircleX
-  const words = item.withdrawn !== null ? 'Withdrawn' : item.current ? 'Good' : 'Results have changed since'
+  const words = item.withdrawn !== null ? 'Withdrawn' : item.current ? 'Valid' : 'Results have changed'
   return (
     <span className={good ? 'ok-t nw' : 'bad-t'} title={`Signed results: sha256 ${item.digest}`}>
       <Icon className="i s" aria-hidden /> {words}

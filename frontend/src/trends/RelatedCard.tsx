@@ -6,11 +6,11 @@ import { Link } from '@tanstack/react-router'
 import { getRelated } from '../api/calls'
 import type { RelatedRun, RunDetail } from '../client'
 import { count } from '../format/numbers'
+import { Failed } from '../page/Trouble'
 import { Card } from '../ui/Card'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from './cells'
 import { differenceOf } from './difference'
 import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 
@@ -18,7 +18,7 @@ const relatedQuery = (run: string, state: string) =>
   queryOptions({ queryKey: ['related', run, state], queryFn: () => getRelated(run) })
 
 export function RelatedCard({ run }: { run: RunDetail }) {
-  const { data, error } = useQuery(relatedQuery(run.id, run.state))
+  const { data, error, refetch } = useQuery(relatedQuery(run.id, run.state))
   const rows = data?.runs ?? []
   return (
     <Card
@@ -34,7 +34,8 @@ export function RelatedCard({ run }: { run: RunDetail }) {
       }
       footer={data && data.total > rows.length && `The newest ${rows.length} of ${count(data.total)} runs.`}
     >
-      {error && <p className={fields.ferr}>{error.message}</p>}
+      {!data && !error && <p className="mut">Loading other runs …</p>}
+      {!data && error && <Failed error={error} retry={() => void refetch()} />}
       {data && rows.length === 0 && <p className="sec">No other run has this campaign, with this seed or another.</p>}
       {rows.length > 0 && <Table own={run.id} rows={rows} />}
     </Card>

@@ -27,8 +27,10 @@ import type {
 } from '../../client'
 import { namesOf } from '../../format/names'
 import { boundsOf, numberOf, parametersOf } from '../../launch/campaign/parameters'
+import { methodLook } from '../../ui/methods'
 import { usePolling } from '../../ui/usePolling'
 import { chosenOf, NOMINAL } from './chosen'
+import { type MissingPart, missingOf } from './missing'
 
 export interface UncertainParameter {
   path: string
@@ -59,6 +61,8 @@ export interface RunData {
   findingTrace: TraceData | undefined
   /** Whether all data that determine the layout are loaded. */
   complete: boolean
+  /** What could not be loaded. */
+  missing: MissingPart[]
 }
 
 /** Requests a run's data in parallel with the run itself. */
@@ -73,7 +77,8 @@ export function useAsked(id: string): void {
 export function useRunData(run: RunDetail, asked?: string): RunData {
   const over = !isLive(run)
   useFreshAtEnd(run.id, over)
-  const catalogue = useQuery(componentsQuery(run.id)).data?.catalogue
+  const components = useQuery(componentsQuery(run.id))
+  const catalogue = components.data?.catalogue
   const stages = useQuery(stagesQuery(run.id))
   const evaluations = useQuery(evaluationsQuery(run.id))
   useMissed(run, evaluations.refetch)
@@ -103,6 +108,7 @@ export function useRunData(run: RunDetail, asked?: string): RunData {
     finding: findings.data?.find((finding) => finding.label === chosen) ?? null,
     findingTrace: chosen === NOMINAL ? undefined : findingTrace.data,
     complete: [stages, findings, traces, nominalTrace, findingTrace].every((query) => !query.isLoading),
+    missing: missingOf({ components, stages, findings, evaluations, traces, 'the nominal trace': nominalTrace, [`the trace of ${chosen}`]: findingTrace }),
   }
 }
 
@@ -181,7 +187,7 @@ export function searchesOf({
         stage,
         result,
         series: evaluations?.stages.find((s) => s.position === stage.position),
-        title: result?.title ?? catalogue?.methods.find((m) => m.name === stage.method)?.title ?? stage.method ?? '',
+        title: result?.title ?? catalogue?.methods.find((m) => m.name === stage.method)?.title ?? (stage.method ? methodLook(stage.method).title : ''),
       }
     })
 }

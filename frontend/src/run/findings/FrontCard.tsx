@@ -66,9 +66,9 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
       data={table}
       footer={
         <>
-          {criteria.map((c) => `${c.title}: ${c.worse === 'high' ? 'more' : 'less'} is worse`).join('; ')}. The front is
-          the worst that was found; it does not affect the verdict, which rests on {criteria[0]?.title.toLowerCase()} alone.
-          {thinned && ` Of the largest of these fronts, ${count(Math.max(...sizes))} evaluations, some are omitted.`}
+          {criteria.map((c) => `${c.title}: ${c.worse === 'high' ? 'more' : 'less'} is worse`).join('; ')}. A search can
+          miss points of the Pareto front, and it does not affect the verdict, which rests on {criteria[0]?.title.toLowerCase()} alone.
+          {thinned && ` Of the largest of these Pareto fronts, ${count(Math.max(...sizes))} evaluations, some are omitted.`}
         </>
       }
     >
@@ -145,7 +145,7 @@ function Points({ data, criteria, points }: PointsProps) {
   const digits = new Map(criteria.map((c) => [c.name, decimalsFor(points.map((p) => p.values[c.name] ?? null), 5)]))
   return (
     <>
-      <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Points of the front">
+      <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Points of the Pareto front">
         <table className={clsx(tables.table, tables.tight)}>
           <thead>
             <tr>

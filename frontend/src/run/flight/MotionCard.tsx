@@ -37,6 +37,8 @@ import styles from './flight.module.css'
 
 /** Minimum width of a chart [px]. */
 const LEAST = 200
+/** Between charts: the values of one must not run into the name of the next [px]. */
+const GAP = 24
 
 interface MotionProps {
   data: RunData
@@ -72,7 +74,7 @@ export function MotionCard({ data, className, onCross, standing, whatIf = null }
     [flights, run.threshold, shown, flies],
   )
   if (all.length === 0) return null
-  const across = acrossOf(columns.length, Math.max(1, Math.floor((width + 16) / (LEAST + 16))))
+  const across = acrossOf(columns.length, Math.max(1, Math.floor((width + GAP) / (LEAST + GAP))))
   return (
     <ChartCard
       title={flies ? 'Speeds and commands' : 'Trace over time'}

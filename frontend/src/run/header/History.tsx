@@ -4,10 +4,10 @@ import { queryOptions, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getHistory } from '../../api/calls'
 import { moment } from '../../format/time'
+import { Failed } from '../../page/Trouble'
 import { Card } from '../../ui/Card'
 import { saidOf } from './said'
 import buttons from '../../ui/buttons.module.css'
-import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import tables from '../../ui/tables.module.css'
 
@@ -16,7 +16,7 @@ const historyQuery = (run: string) =>
 
 export function History({ run }: { run: string }) {
   const [open, setOpen] = useState(false)
-  const { data, error } = useQuery({ ...historyQuery(run), enabled: open })
+  const { data, error, refetch } = useQuery({ ...historyQuery(run), enabled: open })
   return (
     <Card
       title="History"
@@ -30,7 +30,8 @@ export function History({ run }: { run: string }) {
         </button>
       }
     >
-      {open && error && <p className={fields.ferr}>{error.message}</p>}
+      {open && !data && !error && <p className="mut">Loading the history …</p>}
+      {open && !data && error && <Failed error={error} retry={() => void refetch()} />}
       {open && data && (
         <table className={tables.table}>
           <thead>

@@ -6,6 +6,7 @@ import { useState } from 'react'
 import { useBarred } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { moment } from '../../format/time'
+import { Digests } from '../../ui/Digests'
 import { RemoveDialog, useRestore } from './Removal'
 import { History } from './History'
 import buttons from '../../ui/buttons.module.css'
@@ -56,7 +57,7 @@ export function Purged({ id, said }: { id: string; said: string }) {
       <div className={clsx(cards.card, layout.centre)} role="alert" style={{ marginBottom: 'var(--gap)' }}>
         <IconTrash size={36} stroke={1.5} aria-hidden />
         <h1>{id} was purged</h1>
-        <p className={layout.wrapAny}>{said}</p>
+        <p className={layout.wrapAny}><Digests text={said} /></p>
         <Link to="/runs" className={buttons.btn}>
           All runs
         </Link>

@@ -8,6 +8,7 @@ import { CopyButton } from '../../ui/files'
 import { MethodName } from '../../ui/MethodMark'
 import { Sign } from '../../ui/Sign'
 import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
+import { insteadOf } from '../data/missing'
 import { noiseOf } from '../flight/flown'
 import layout from '../../ui/layout.module.css'
 import tables from '../../ui/tables.module.css'
@@ -68,6 +69,7 @@ export function NominalWorst({ data, className, title, note, column, worst, id }
           {parameters.map((parameter) => (
             <Row key={parameter.path} parameter={parameter} worst={worst} alone={column === null} />
           ))}
+          <Lacking data={data} />
           <Told name="Speed at closest approach" unit="m/s" both={both} values={near.map((at) => at?.speed ?? null)} />
           <Told name="Time of closest approach" unit="s" both={both} values={near.map((at) => at?.time ?? null)} />
           <Noise both={both} noises={[noiseOf(nominalTrace), noiseOf(both ? findingTrace : undefined)]} />
@@ -99,6 +101,19 @@ export function NominalWorst({ data, className, title, note, column, worst, id }
         </tbody>
       </table>
     </Card>
+  )
+}
+
+/** A parameter whose bounds are relative to its nominal value is listed once its component is known. */
+function Lacking({ data }: { data: RunData }) {
+  const lacking = Object.keys(data.campaign.uncertain).length - data.parameters.length
+  if (lacking <= 0) return null
+  return (
+    <tr>
+      <td colSpan={4} className="sec">
+        {data.catalogue ? `${plain(lacking)} more, not described in this installation` : insteadOf(data.missing, 'components')}
+      </td>
+    </tr>
   )
 }
 
@@ -135,7 +150,7 @@ function Told({ name, sign, unit, both, note, values }: ToldProps) {
     <tr>
       <td className="sec">
         {sign ? (
-          <span className={tables.rn}>
+          <span className={clsx(tables.rn, styles.named)}>
             <span className="m">
               <Sign text={sign} /> <span className="mut small">{unitText(unit)}</span>
             </span>
@@ -162,7 +177,7 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
   return (
     <tr>
       <td style={{ paddingRight: 4 }}>
-        <span className={tables.rn} title={path}>
+        <span className={clsx(tables.rn, styles.named)} title={path}>
           <span className="m">
             <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
           </span>
@@ -175,15 +190,15 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
       <td className="num sec">{fixed(nominal, span)}</td>
       {!alone && (
         <td className="num b">
-          <span className={tables.rn}>
+          <span className={clsx(tables.rn, styles.narrow)}>
             {value === null ? NONE : fixed(value, span)}
             {at && <span className={styles.atbound}>at {at} bound</span>}
           </span>
         </td>
       )}
-      <td style={{ width: 118 }}>
-        <span className={tables.rn}>
-          <WithinBounds low={low} high={high} nominal={nominal} value={value} />
+      <td style={{ width: 104 }}>
+        <span className={clsx(tables.rn, styles.narrow)}>
+          <WithinBounds low={low} high={high} nominal={nominal} value={value} width={88} />
           <span className={styles.bounds}>
             <span>{plain(low)}</span>
             <span>{plain(high)}</span>

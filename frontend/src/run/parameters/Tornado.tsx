@@ -37,7 +37,7 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
   return (
     <ChartCard
       title="Tornado"
-      note={`From nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}
+      note={run.nominal_cost === null ? undefined : `From nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}
       className={className}
       run={run.id}
       data={table}
@@ -45,8 +45,7 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
         most && (
           <>
             {bars.length < result.curves.length && 'Parameters without a value at one of their bounds are omitted. '}
-            <Sign text={most.symbol} path={most.path} /> moves it most:{' '}
-            {signed(Math.min(most.low, most.high), decimalsFor([most.low, most.high], 2))} {run.unit} on its worse side.
+            <Sign text={most.symbol} path={most.path} /> {movedBy(most, run.unit)}
           </>
         )
       }
@@ -58,6 +57,13 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
       )}
     </ChartCard>
   )
+}
+
+/** How far a parameter moves the value; without a worse side if both of its bounds are better than nominal. */
+export function movedBy({ low, high }: Pick<Bar, 'low' | 'high'>, unit: string): string {
+  const [least, most] = [Math.min(low, high), Math.max(low, high)]
+  const by = (change: number) => `${signed(change, decimalsFor([low, high], 2))} ${unit}`
+  return least < 0 ? `moves it most: ${by(least)} on its worse side.` : `moves it most, by up to ${by(most)}; neither of its bounds is worse than nominal.`
 }
 
 function barsOf({ run, parameters }: RunData, result: SensitivityResult): Bar[] {

@@ -11,6 +11,7 @@ import { Seg } from '../../ui/Card'
 import { useMethodLook } from '../../ui/methods'
 import { Sign, symbolText } from '../../ui/Sign'
 import { convergenceOf, type RunData, searchesOf } from '../data/data'
+import { insteadOf } from '../data/missing'
 import runStyles from '../run.module.css'
 
 interface ConvergenceProps {
@@ -133,7 +134,7 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       </div>
       {curves.length === 0 ? (
         <p className="sec" style={{ minHeight: height }}>
-          {data.evaluations ? 'No search has completed an evaluation yet.' : 'Loading the evaluations …'}
+          {data.evaluations ? 'No search has completed an evaluation yet.' : insteadOf(data.missing, 'evaluations')}
         </p>
       ) : (
         <>

@@ -83,10 +83,10 @@ function Row({ data, failure }: { data: RunData; failure: EvaluationFailure }) {
   const title = catalogue?.methods.find((method) => method.name === stage?.method)?.title ?? stage?.method
   return (
     <tr>
-      <td className="nw">{title ?? stage?.kind}</td>
+      <td className="nw">{title ?? run.plan.find(({ kind }) => kind === stage?.kind)?.title ?? stage?.kind}</td>
       <td className="num sec">{count(failure.index + 1)}</td>
       <td className="nw">{MEANING[failure.status].word}</td>
-      <td className="sec">{failure.reason}</td>
+      <td className={clsx('sec', styles.reason)}>{failure.reason}</td>
       {parameters.map((p) => (
         <td key={p.path} className="num">
           {fixed(failure.parameters[p.path], decimalsFor([p.low, p.high], 5))}

@@ -13,6 +13,7 @@ import { Sign } from '../../ui/Sign'
 import { rateOf, type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
 import layout from '../../ui/layout.module.css'
 import tables from '../../ui/tables.module.css'
+import styles from './search.module.css'
 
 export function MethodsTable({ data, className, id }: { data: RunData; className: string | undefined; id?: string }) {
   const methodLook = useMethodLook()
@@ -38,7 +39,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
       right={<HelpLink to="/help/methods">What each method does</HelpLink>}
       footer={over ? <Ends searches={searches} /> : undefined}
     >
-      <table className={clsx(tables.table, tables.tight)}>
+      <table className={clsx(tables.table, tables.tight, styles.dense)}>
         <thead>
           <tr>
             <th>Method</th>

@@ -7,14 +7,21 @@ import styles from './verdict.module.css'
 
 export function WhatToDo({ run, className }: { run: RunDetail; className: string | undefined }) {
   const stage = run.stages.find(({ state }) => state === 'running')
+  const begun = run.stages.some(({ state }) => state !== 'waiting')
   return (
     <Card title="What to do" className={className}>
       <ol className={styles.todoList}>
-        <li>
+        {!begun && (
+          <li>
+            <b>Change what the message names,</b> in the campaign on the <Link to="/launch" search={{ from: run.id }}>launch page</Link>{' '}
+            or in the installation of the worker: the run failed before its first stage, so as it is it will fail again.
+          </li>
+        )}
+        {begun && <li>
           <b>Run it again</b> with the button above, as it is or changed. If it fails for the same reason
           {stage && ` in ${stage.method ? methodLook(stage.method).title : stage.kind}`}, take a smaller budget or step
           {stage && ', or omit that stage'}, on the <Link to="/launch" search={{ from: run.id }}>launch page</Link>.
-        </li>
+        </li>}
         <li>
           <b>Read the log</b> of the worker{run.worker ? ` (${run.worker})` : ''}, in the folder <code>logs</code> of the
           service’s data: it contains the output of the simulation before it ended.

@@ -1,0 +1,34 @@
+// Which parts of a run could not be loaded. A part that is missing must not look like one that is empty.
+
+export interface MissingPart {
+  /** In the words of the page: `findings`. */
+  name: string
+  error: Error
+  retry: () => void
+}
+
+interface Asked {
+  isError: boolean
+  data: unknown
+  error: Error | null
+  refetch: () => unknown
+}
+
+/** The parts whose request has failed for good and that were never loaded before. */
+export function missingOf(asked: Readonly<Record<string, Asked>>): MissingPart[] {
+  return Object.entries(asked).flatMap(([name, { isError, data, error, refetch }]) =>
+    isError && data === undefined && error !== null ? [{ name, error, retry: () => void refetch() }] : [],
+  )
+}
+
+/** `stages, findings and evaluations`. */
+export function listed(parts: readonly Pick<MissingPart, 'name'>[]): string {
+  const names = parts.map(({ name }) => name)
+  const last = names.pop() ?? ''
+  return names.length > 0 ? `${names.join(', ')} and ${last}` : last
+}
+
+/** In place of a part that is not there: it is still being loaded, or could not be. */
+export function insteadOf(missing: readonly Pick<MissingPart, 'name'>[], name: string): string {
+  return missing.some((part) => part.name === name) ? `The ${name} could not be loaded.` : `Loading the ${name} …`
+}

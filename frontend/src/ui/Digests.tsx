@@ -1,0 +1,17 @@
+// Text with digests as everywhere on the pages: their beginning, and all of it under the pointer.
+const DIGEST = /\b([0-9a-f]{64})\b/
+
+/** How many digits of a digest tell it from the others. */
+const FIRST = 16
+
+export function Digests({ text }: { text: string }) {
+  return text.split(DIGEST).map((part, i) =>
+    i % 2 === 0 ? (
+      part
+    ) : (
+      <span key={i} className="mono" title={part}>
+        {part.slice(0, FIRST)}
+      </span>
+    ),
+  )
+}

@@ -48,7 +48,11 @@ def fly(live: Live, does: float = 0, **more: float) -> dict[str, Any]:
 def test_one_process_answers_many(live: Live) -> None:
     assert fly(live)["pid"] == fly(live)["pid"]
     answers: dict[int, float] = {}
-    threads = [threading.Thread(target=lambda i=i: answers.update({i: fly(live, x=i)["x"]})) for i in range(20)]  # type: ignore[misc]
+
+    def ask(x: int) -> None:
+        answers[x] = fly(live, x=x)["x"]
+
+    threads = [threading.Thread(target=ask, args=(i,), daemon=True) for i in range(20)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -92,7 +96,7 @@ def test_a_failure_is_reported_to_all_waiting_clients(live: Live) -> None:
         except LiveError as error:
             said.append(str(error))
 
-    threads = [threading.Thread(target=ask, args=(does,)) for does in (3, 0, 0)]
+    threads = [threading.Thread(target=ask, args=(does,), daemon=True) for does in (3, 0, 0)]
     threads[0].start()
     until(lambda: live._child is not None and live._child._asked)
     for thread in threads[1:]:

@@ -106,7 +106,7 @@ async def import_requirements(
     found, skipped = await bodies.apart(request, lambda: service.read(kind, body, id_attribute, text_attribute))
 
     def work(writer: sa.Connection) -> Imported:
-        return service.import_file(writer, name, kind, body, found, skipped, visitor)
+        return service.import_file(writer, service.Upload(name, kind, body, found, skipped), visitor)
 
     return await run_in_threadpool(once.do, Imported, work, lambda _: f"the import of {name!r}")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import sqlalchemy as sa
@@ -65,34 +66,30 @@ def _check(found: Sequence[Read]) -> None:
                 raise CannotRead(f"the {what} of {one.id[:80]!r} is not acceptable: {said}") from None
 
 
-def import_file(
-    writer: sa.Connection,
-    name: str,
-    kind: FileKind,
-    content: bytes,
-    found: Sequence[Read],
-    skipped: int,
-    visitor: Visitor,
-) -> Imported:
+@dataclass(frozen=True)
+class Upload:
+    """A file that was read: its name, kind and bytes, its requirements, and how many objects were skipped."""
+
+    name: str
+    kind: FileKind
+    content: bytes
+    found: Sequence[Read]
+    skipped: int
+
+
+def import_file(writer: sa.Connection, upload: Upload, visitor: Visitor) -> Imported:
     """Store a file with its requirements, in place of an earlier one of that name; one transaction.
 
     409 for ids of another file: two modules that both number from 1 must not become one requirement.
     """
     try:
-        return _imported(writer, name, kind, content, found, skipped, visitor)
+        return _imported(writer, upload, visitor)
     except sa.exc.IntegrityError:  # another import, at the same time
         raise _conflict("requirements were imported at the same time: try again") from None
 
 
-def _imported(
-    writer: sa.Connection,
-    name: str,
-    kind: FileKind,
-    content: bytes,
-    found: Sequence[Read],
-    skipped: int,
-    visitor: Visitor,
-) -> Imported:
+def _imported(writer: sa.Connection, upload: Upload, visitor: Visitor) -> Imported:
+    name, kind, content, found = upload.name, upload.kind, upload.content, upload.found
     at, digest = now(writer), hashlib.sha256(content).hexdigest()
     stored = {"kind": kind, "digest": digest, "content": content, "imported": at, "imported_by": visitor.user}
     file_id = _stored(writer, name, stored)
@@ -121,7 +118,7 @@ def _imported(
     audit.note(writer, visitor, "requirements.imported", name[:80], told)
     (file,) = [one for one in files(writer) if one.id == file_id]
     same = len(found) - len(new) - len(changed)
-    return Imported(file=file, added=new, changed=changed, unchanged=same, gone=gone, skipped=skipped)
+    return Imported(file=file, added=new, changed=changed, unchanged=same, gone=gone, skipped=upload.skipped)
 
 
 def _refuse_foreign(reader: sa.Connection, file_id: int, there: Sequence[Any]) -> None:

@@ -11,7 +11,6 @@ import random
 import zipfile
 from collections.abc import Callable
 from importlib.util import find_spec
-from io import BytesIO
 from pathlib import Path
 
 import pytest
@@ -22,10 +21,10 @@ from campaigns.capsules.packing import CapsuleError, unpacked
 from tests.adversary.mutations import GROWING, mutated
 from tests.fmu import made
 from tests.logs import written
-from tests.unit.records import ran
+from tests.unit import capsules
+from tests.unit.capsules import few_checks, files_of, zipped
 from worker.catalogue import fmu_model
 from worker.cli import WrongInputError
-from worker.cli._capsule import write_capsules
 from worker.cli._trail import _of_file
 from worker.systems.simulators.logs.approach import Sphere, Unreadable
 from worker.systems.simulators.logs.rosbag import separation_of_mcap
@@ -87,11 +86,10 @@ def flipped(content: bytes, seed: int) -> bytes:
 
 
 @pytest.mark.parametrize("count", COUNTS)
-def test_a_forged_capsule_is_read_or_refused(tmp_path: Path, count: int) -> None:
+def test_a_forged_capsule_is_read_or_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, count: int) -> None:
     """Its document is any other one, with the digest that fits it."""
-    write_capsules(tmp_path, *ran("violated"), None)
-    with zipfile.ZipFile(tmp_path / "capsule-F1.zip") as archive:
-        files = {name: archive.read(name) for name in archive.namelist()}
+    few_checks(monkeypatch)
+    files = files_of(capsules.written(tmp_path))
     text, forged = files["capsule.json"].decode(), 0
     for seed in range(count):
         content = mutated(text, seed)
@@ -100,11 +98,7 @@ def test_a_forged_capsule_is_read_or_refused(tmp_path: Path, count: int) -> None
             if isinstance(document, dict):
                 document["digest"] = digest_of(document)
                 content, forged = json.dumps(document).encode(), forged + 1
-        buffer = BytesIO()
-        with zipfile.ZipFile(buffer, "w") as archive:
-            for name, data in {**files, "capsule.json": content}.items():
-                archive.writestr(name, data)
-        (tmp_path / "forged.zip").write_bytes(buffer.getvalue())
+        (tmp_path / "forged.zip").write_bytes(zipped(files | {"capsule.json": content}))
         tried(capsule, tmp_path / "forged.zip", seed)
     assert forged > 0.1 * count, "documents that cannot be read reach no check"
 

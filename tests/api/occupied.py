@@ -29,7 +29,7 @@ def occupied(fresh: Fresh, folder: Path, **settings: Any) -> Iterator[Service]:
         patch.setattr(recording, "RATE", 0.2)
         service.publish()
         live = Live((sys.executable, "-c", STAND_IN), limit=10, first_limit=10)
-        service.app.state.previews = Previews(live)
+        service.app.state.previews, service.app.state.live = Previews(live), live
         with service.signed_in() as client:
             submit(client)
             finish(service)

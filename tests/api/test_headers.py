@@ -37,6 +37,7 @@ HOST = "clearance.example"
 @pytest.fixture(scope="module")
 def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     with occupied(fresh_sqlite, tmp_path_factory.mktemp("headers"), public_url=f"https://{HOST}") as service:
+        (service.settings.pages / "index.html").touch()
         yield service
 
 

@@ -1,6 +1,7 @@
 """How much a run stores: counted in the transaction that writes it, so that a quota reads one column.
 
-Evaluations with their reasons, traces, original text. Results of stages and findings are small and not counted.
+Its campaign (stored once for all runs of it, and counted for each), evaluations with their reasons, traces, original
+text. Results of stages and findings are small and not counted.
 """
 
 from __future__ import annotations
@@ -14,9 +15,14 @@ import sqlalchemy as sa
 from backend.db.tables import Run, Trace
 
 
+def of_document(document: Any) -> int:
+    """JSON as it is stored [bytes]."""
+    return len(json.dumps(document))
+
+
 def of_chunk(chunk: Mapping[str, Any]) -> int:
     """A row of the chunk table: its columns and the text of its reasons [bytes]."""
-    return sum(len(value) for value in chunk.values() if isinstance(value, bytes)) + len(json.dumps(chunk["reasons"]))
+    return sum(len(value) for value in chunk.values() if isinstance(value, bytes)) + of_document(chunk["reasons"])
 
 
 def grow(writer: sa.Connection, run_id: int, more: int) -> None:

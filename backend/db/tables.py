@@ -112,7 +112,8 @@ class Run(Base):
     planned: orm.Mapped[int] = orm.mapped_column(default=0)
     failed_evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
     size: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, default=0, server_default="0")
-    """Of its evaluations with their reasons, its traces and its original text [bytes]; see `backend.db.sizes`."""
+    """Of its campaign, its evaluations with their reasons, its traces and its original text [bytes]; see
+    `backend.db.sizes`."""
     upper_bound: orm.Mapped[float | None]
     """Of P(violation), from the independent sample."""
     best_so_far: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")

@@ -41,7 +41,7 @@ def refuse_beyond(reader: sa.Connection, quota: Quota, visitor: Visitor, more: i
     stored, size = (int(value or 0) for value in reader.execute(sums).one())
     for what, used, most, setting in (
         ("stored evaluations", stored, quota.evaluations, "CLEARANCE_MAX_EVALUATIONS_EACH"),
-        ("bytes of evaluations, trajectories and text", size, quota.size, "CLEARANCE_MAX_BYTES_EACH"),
+        ("bytes of campaigns, evaluations and trajectories", size, quota.size, "CLEARANCE_MAX_BYTES_EACH"),
     ):
         if used >= most:
             raise RefusedError(

@@ -216,5 +216,5 @@ def test_what_the_runs_of_a_user_store(service: Service, client: httpx.Client, m
     counted = sum(sizes.values())
     monkeypatch.setitem(service.app.state._state, "quota", Quota(100, 10**9, counted))
     refused = problem(client.post("/api/v1/runs", json={"campaign": campaign(seed=5)}), 409)
-    assert f"{counted:,} bytes of evaluations, trajectories and text, and the limit" in str(refused["detail"])
+    assert f"{counted:,} bytes of campaigns, evaluations and trajectories, and the limit" in str(refused["detail"])
     assert "CLEARANCE_MAX_BYTES_EACH" in str(refused["detail"])

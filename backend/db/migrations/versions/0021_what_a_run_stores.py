@@ -1,6 +1,6 @@
 """what a run stores, for the quota of a user
 
-Counted of the runs that are there: evaluations with their reasons, traces, original text.
+Counted of the runs that are there: campaign, evaluations with their reasons, traces, original text. Purged runs have 0.
 
 Revision ID: 0021
 Revises: 0020
@@ -17,7 +17,7 @@ branch_labels = None
 depends_on = None
 
 _BLOBS = ("points", "costs", "status", "seconds")
-_RUNS = sa.table("runs", sa.column("id"), sa.column("size"))
+_RUNS = sa.table("runs", *(sa.column(name) for name in ("id", "size", "campaign_digest", "purged")))
 
 
 def upgrade() -> None:
@@ -34,6 +34,10 @@ def upgrade() -> None:
         (traces, length(traces.c.data)),
         (texts, written),
     ]
+    campaigns = sa.table("campaigns", sa.column("digest"), sa.column("document"))
+    asked = sa.select(length(sa.cast(campaigns.c.document, sa.Text)))
+    asked = asked.where(campaigns.c.digest == _RUNS.c.campaign_digest)
+    op.execute(sa.update(_RUNS).where(_RUNS.c.purged.is_(None)).values(size=asked.scalar_subquery()))
     for table, size in stored:
         of = sa.select(sa.func.coalesce(sa.func.sum(size), 0)).where(table.c.run_id == _RUNS.c.id).scalar_subquery()
         op.execute(sa.update(_RUNS).values(size=_RUNS.c.size + of))

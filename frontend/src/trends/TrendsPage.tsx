@@ -28,6 +28,9 @@ const trendQuery = ({ campaign, name, label }: TrendSearch) =>
   queryOptions({
     queryKey: ['trend', campaign, name, label],
     queryFn: () => getTrend({ campaign, name, label }),
+    // While other labels are chosen the page stays, and with it the menu.
+    placeholderData: (before: Trend | undefined, query) =>
+      query?.queryKey[1] === campaign && query?.queryKey[2] === name ? before : undefined,
     enabled: Boolean(campaign ?? name),
   })
 

@@ -14,6 +14,7 @@ from backend.runs.facets import labels_of
 from backend.runs.outcomes import Outcome, outcomes
 from backend.trends.schemas import Trend, TrendRun
 from campaigns import Problem
+from campaigns.documents import JsonObject
 from campaigns.runs import run_name, run_number
 
 
@@ -61,7 +62,7 @@ def _stated(reader: sa.Connection, found: list[Outcome]) -> dict[str, list[str]]
 
 def _labelled(reader: sa.Connection, found: list[Outcome]) -> dict[str, dict[str, str]]:
     """The labels of these runs, by the names of the runs."""
-    held = labels.of_runs(reader, [run_number(outcome.id) for outcome in found])
+    held = labels.of_runs(reader, [number for one in found if (number := run_number(one.id)) is not None])
     return {run_name(run_id): given for run_id, given in held.items()}
 
 
@@ -71,7 +72,7 @@ def _marked(found: list[Outcome], stated: dict[str, list[str]], labelled: dict[s
     for outcome in found:
         changed = None not in (code, outcome.code) and code != outcome.code
         other = campaign is not None and campaign != outcome.campaign_digest
-        known = {"requirements": stated.get(outcome.id, []), "labels": labelled.get(outcome.id, {})}
+        known: JsonObject = {"requirements": stated.get(outcome.id, []), "labels": labelled.get(outcome.id, {})}
         runs.append(TrendRun(**dict(outcome), code_changed=changed, campaign_changed=other, **known))
         code, campaign = outcome.code or code, outcome.campaign_digest
     return runs

@@ -12,10 +12,10 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from functools import cache
+from typing import Any
 
 import sqlalchemy as sa
 import typer
-from typer import Context
 from typer.core import TyperGroup
 
 from backend.db.access import AccessError
@@ -43,7 +43,7 @@ class _Interrupted(Exception):
 class _Commands(TyperGroup):
     """The command line library ends at Ctrl-C without a word: it is raised past it as another exception."""
 
-    def invoke(self, ctx: Context) -> object:
+    def invoke(self, ctx: Any) -> object:
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as error:

@@ -80,7 +80,7 @@ def _track(log: Any, topic: str) -> Track:
     if not found:
         raise Unreadable(f"the log has no topic {topic}")
     data = found[0].data
-    missing = [field for field in "xyz" if field not in data]
+    missing = [field for field in ("timestamp", *"xyz") if field not in data]
     if missing:
         raise Unreadable(f"the topic {topic} has no {', '.join(missing)}")
     times = data["timestamp"].astype(np.float64) * 1e-6

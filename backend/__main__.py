@@ -25,6 +25,7 @@ from backend.db.access import create_login_code
 from backend.db.engine import migrate
 from backend.db.private import keep_private, write_private
 from backend.db.registered import registered
+from backend.http.pages import unbuilt
 from backend.middleware.connections import bounded, bounded_socket
 from backend.middleware.frame import headers
 from backend.scenes.control.allowed import LARGEST
@@ -63,7 +64,7 @@ def main() -> int:
         logging.getLogger(chatty).setLevel(logging.WARNING)
     try:
         settings = Settings.load()
-        for sentence in Settings.unknown(os.environ):
+        for sentence in filter(None, [*Settings.unknown(os.environ), unbuilt(settings.pages)]):
             logging.getLogger("clearance").warning(sentence)
         keep_private(settings.data, settings.database_url)
         migrate(settings.database_url)

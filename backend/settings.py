@@ -79,6 +79,8 @@ class Settings(BaseModel):
     """Maximum number of queued and running runs of one user, tokens included."""
     max_evaluations_each: Annotated[int, Field(ge=1)] = 500_000_000
     """Maximum number of stored evaluations of all runs of one user, tokens included."""
+    max_bytes_each: Annotated[int, Field(ge=1)] = 100_000_000_000
+    """Maximum size of what all runs of one user store, tokens included [bytes]."""
     max_connections: Annotated[int, Field(ge=1, le=100_000)] = 300
     """Maximum number of open connections; further ones are refused."""
     request_patience: Annotated[float, Field(gt=0, le=3600)] = 20.0

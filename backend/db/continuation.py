@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db import labels
+from backend.db import labels, sizes
 from backend.db.engine import now
 from backend.db.queue import Claim, submit
 from backend.db.records import Columns, StagePlan, StageRecord, Trace, join
@@ -110,8 +110,10 @@ def begin(
         row = {"run_id": run_id, "position": position, **vars(stage)}
         connection.execute(sa.insert(Stage).values(**row, **({} if columns is None else _counts(columns))))
         if columns is not None:
+            written = blobs(columns)
             chunk = {"run_id": run_id, "position": position, "first": 0, "count": len(columns.status)}
-            connection.execute(sa.insert(EvaluationChunk).values(**chunk, **blobs(columns)))
+            connection.execute(sa.insert(EvaluationChunk).values(**chunk, **written))
+            sizes.grow(connection, run_id, sizes.of_chunk(written))
     at = now(connection)
     held = {"state": "running", "worker": worker, "fence": 1, "attempts": 1, "started": at, "lease_until": at + lease}
     carried_over = {

@@ -34,7 +34,7 @@ from campaigns.runs import run_name
 
 _EMPTY: JsonObject = {
     "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
-    "snapshot": None,
+    "snapshot": None, "size": 0,
 }  # fmt: skip
 
 

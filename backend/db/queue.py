@@ -14,7 +14,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db import labels, requirements, snapshots
+from backend.db import labels, requirements, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
@@ -74,7 +74,8 @@ def submit(
     Stores the catalogue entries of the campaign's components with it; given: its labels.
     """
     created = now(connection)
-    row = {"digest": campaign.digest, "name": campaign.name, "document": campaign.document(), "created": created}
+    document = campaign.document()
+    row = {"digest": campaign.digest, "name": campaign.name, "document": document, "created": created}
     row |= {"seedless": campaign.seedless}
     connection.execute(insert(connection, CampaignRow).values(**row).on_conflict_do_nothing())
     values = {
@@ -88,6 +89,7 @@ def submit(
         "threshold": campaign.criterion.threshold,
         "snapshot": None if catalogue is None else snapshots.store(connection, campaign, catalogue),
         "needs": _needed(campaign, catalogue),
+        "size": sizes.of_document(document),
     }
     run_id = int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
     labels.store(connection, run_id, given or {})

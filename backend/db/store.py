@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db import codes, evaluations_ahead, snapshots, sources
+from backend.db import codes, evaluations_ahead, sizes, snapshots, sources
 from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
@@ -126,7 +126,10 @@ class RunStore:
             ended = {"state": "done", "finished": now(connection), "seconds": seconds, "result": plain(result)}
             connection.execute(self._stage(position).values(**ended))
             self._replace(connection, FindingRow, FindingRow.label, [finding_row(f) for f in findings])
-            self._replace(connection, TraceRow, TraceRow.name, [trace_row(t) for t in traces])
+            flights = [trace_row(t) for t in traces]
+            if flights:
+                sizes.replace_traces(connection, self._run, [f["name"] for f in flights], [f["data"] for f in flights])
+            self._replace(connection, TraceRow, TraceRow.name, flights)
 
         self._write(work)
 
@@ -196,7 +199,9 @@ class RunStore:
     ) -> None:
         count = len(columns.status)
         failed = int(np.isin(columns.status, (FAILED, TIMEOUT)).sum())
+        written = blobs(columns)
         totals = {"evaluations": Run.evaluations + count, "failed_evaluations": Run.failed_evaluations + failed}
+        totals["size"] = Run.size + (sizes.of_chunk(written) if count else 0)
         fenced(connection, self.claim, **totals)
         of = (Stage.run_id == self._run, Stage.position == position)
         stage = connection.execute(sa.select(Stage.evaluations, Stage.best, Stage.kind, Stage.method).where(*of)).one()
@@ -208,7 +213,7 @@ class RunStore:
             evaluations_ahead.store(connection, self._run, position, first + count, ahead)
         if not count:
             return
-        chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **blobs(columns)}
+        chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **written}
         connection.execute(sa.insert(EvaluationChunk).values(**chunk))
         values: JsonObject = {
             "evaluations": first + count,

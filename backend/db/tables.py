@@ -111,6 +111,9 @@ class Run(Base):
     evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
     planned: orm.Mapped[int] = orm.mapped_column(default=0)
     failed_evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
+    size: orm.Mapped[int] = orm.mapped_column(sa.BigInteger, default=0, server_default="0")
+    """Of its campaign, its evaluations with their reasons, its traces and its original text [bytes]; see
+    `backend.db.sizes`."""
     upper_bound: orm.Mapped[float | None]
     """Of P(violation), from the independent sample."""
     best_so_far: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")

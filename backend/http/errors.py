@@ -82,7 +82,9 @@ KINDS = {
     ),
     "already-signed": Kind(409, "The same person has already signed off these results in this role."),
     "flight-overtaken": Kind(409, "A newer request of the same client superseded this one."),
-    "quota-reached": Kind(409, "The user has as many active runs, or stored evaluations, as one user may have."),
+    "quota-reached": Kind(
+        409, "The user has as many active runs, stored evaluations or stored bytes as one user may have."
+    ),
     "draft-changed": Kind(409, "Another user has saved the draft since it was opened."),
     "no-webhook": Kind(409, "The settings name no webhook."),
     "no-verdict": Kind(409, "The run has no verdict to sign off."),

@@ -18,6 +18,7 @@ from starlette.exceptions import HTTPException
 
 from backend.http.root import at
 
+INDEX = "index.html"
 ASSET = {"Cache-Control": "public, max-age=31536000, immutable"}
 FRESH = {"Cache-Control": "no-cache"}
 FONTS = {
@@ -65,7 +66,7 @@ def serve(app: FastAPI, folder: Path) -> None:
 
     @app.get("/", include_in_schema=False)
     def start() -> Response:
-        return RedirectResponse(at("/runs"), 307)
+        return _not_built(folder) if unbuilt(folder) else RedirectResponse(at("/runs"), 307)
 
     @app.api_route("/{path:path}", methods=["GET", "HEAD"], include_in_schema=False)
     def page(path: str, request: Request) -> Response:
@@ -79,12 +80,24 @@ def serve(app: FastAPI, folder: Path) -> None:
             return _asset(file, request.headers) if path.startswith("assets/") else FileResponse(file, headers=FRESH)
         if path.startswith("assets/") or not wants_page(request.headers):
             raise HTTPException(404)
-        index = folder / "index.html"
-        if not index.is_file():
-            return plain(
-                "The pages are not built", "<p>Run <code>make install</code>, then start the service again.</p>", 503
-            )
-        return _index(index, at(""))
+        return _not_built(folder) if unbuilt(folder) else _index(folder / INDEX, at(""))
+
+
+def unbuilt(folder: Path) -> str:
+    """Why there are no pages, and what to do, as one sentence; empty if there are."""
+    if (folder / INDEX).is_file():
+        return ""
+    return (
+        f"there are no built pages in {folder}, only the API: run `make install` in a clone of Clearance, set "
+        "CLEARANCE_PAGES to its folder frontend/dist, and start the service again"
+    )
+
+
+def _not_built(folder: Path) -> HTMLResponse:
+    """That sentence as a page."""
+    said = html.escape(unbuilt(folder))
+    said = re.sub("`(.+?)`|(CLEARANCE_PAGES|frontend/dist)", r"<code>\1\2</code>", said)
+    return plain("The pages are not built", f"<p>{said[:1].upper()}{said[1:]}.</p>", 503)
 
 
 def _index(index: Path, root: str) -> Response:
@@ -115,7 +128,7 @@ def _inside(folder: Path, path: str) -> Path | None:
     root = folder.resolve()
     try:
         file = (root / path).resolve()
-        return file if file.is_relative_to(root) and file.is_file() and file.name != "index.html" else None
+        return file if file.is_relative_to(root) and file.is_file() and file.name != INDEX else None
     except OSError:  # an invalid file name, such as one of more than 255 bytes
         return None
 

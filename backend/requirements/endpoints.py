@@ -17,6 +17,7 @@ from backend.db.tables import Run
 from backend.http import bodies
 from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import problems
+from backend.http.matches import TAGGED, IfMatch
 from backend.requirements import gsn, matrix, reqif, service, sheet
 from backend.requirements.present import CHUNK
 from backend.requirements.schemas import (
@@ -62,22 +63,29 @@ def list_requirements(
     return matrix.page(reader, q, cursor, limit, runs)
 
 
-@router.put("/requirements", responses=problems("requirement-conflict"))
-def write_requirement(given: RequirementGiven, engine: Engine, visitor: CurrentVisitor) -> RequirementRow:
+@router.put("/requirements", responses=TAGGED | problems("requirement-conflict", "changed"))
+def write_requirement(
+    given: RequirementGiven, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
+) -> RequirementRow:
     """Add a requirement, or change the text of one; 409 for one of a ReqIF file."""
-    return service.write(engine, given, visitor)
+    row = service.write(engine, given, visitor, match)
+    response.headers["ETag"] = row.etag
+    return row
 
 
 @router.delete(
-    "/requirements", status_code=status.HTTP_204_NO_CONTENT, responses=problems("not-found", "requirement-conflict")
+    "/requirements",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=problems("not-found", "requirement-conflict", "changed"),
 )
 def delete_requirement(
     engine: Engine,
     visitor: CurrentVisitor,
     requirement: Annotated[str, Query(max_length=120, description="Its id.")],
+    match: IfMatch = None,
 ) -> None:
     """Delete a requirement; if a run states it, it stays a row of the matrix. 409 for one of a ReqIF file."""
-    service.delete(engine, requirement, visitor)
+    service.delete(engine, requirement, visitor, match)
 
 
 @router.get("/requirements/files")
@@ -106,7 +114,7 @@ async def import_requirements(
     found, skipped = await bodies.apart(request, lambda: service.read(kind, body, id_attribute, text_attribute))
 
     def work(writer: sa.Connection) -> Imported:
-        return service.import_file(writer, name, kind, body, found, skipped, visitor)
+        return service.import_file(writer, service.Upload(name, kind, body, found, skipped), visitor)
 
     return await run_in_threadpool(once.do, Imported, work, lambda _: f"the import of {name!r}")
 

@@ -18,6 +18,7 @@ from backend.db.digest import results_digest
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement, Signoff
 from backend.http.errors import RefusedError
+from backend.http.matches import tag
 from backend.requirements import against, present
 from backend.requirements.present import CHUNK
 from backend.requirements.schemas import EdgeSignoff, RequirementPage, RequirementRow, RequirementRun
@@ -240,6 +241,7 @@ def _row(
         attributes={} if row is None else row.attributes,
         changed=None if row is None else row.changed,
         changed_by=None if row is None else row.changed_by,
+        etag=tag(key, None if row is None else row.text),
         runs=[_run(by[run_id], known[run_id], now) for run_id in shown.get(key, ()) if run_id in known],
         total=len(edges),
         removed=ignored[key].removed,

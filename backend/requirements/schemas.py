@@ -66,6 +66,8 @@ class RequirementRow(Schema):
     """The other attributes of its file."""
     changed: float | None
     changed_by: str | None
+    etag: str
+    """The entity tag of its registered text, for `If-Match` of an edit; that of no text if it is not registered."""
     runs: list[RequirementRun]
     """Those that count, then the newest others."""
     total: int

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import sqlalchemy as sa
@@ -15,6 +16,7 @@ from backend.db.access import Visitor
 from backend.db.engine import now
 from backend.db.tables import Requirement, RequirementFile
 from backend.http.errors import RefusedError, not_found
+from backend.http.matches import require_match, tag
 from backend.requirements import matrix, reqif, sheet
 from backend.requirements.present import CHUNK
 from backend.requirements.reqif import CannotRead, Read
@@ -65,34 +67,30 @@ def _check(found: Sequence[Read]) -> None:
                 raise CannotRead(f"the {what} of {one.id[:80]!r} is not acceptable: {said}") from None
 
 
-def import_file(
-    writer: sa.Connection,
-    name: str,
-    kind: FileKind,
-    content: bytes,
-    found: Sequence[Read],
-    skipped: int,
-    visitor: Visitor,
-) -> Imported:
+@dataclass(frozen=True)
+class Upload:
+    """A file that was read: its name, kind and bytes, its requirements, and how many objects were skipped."""
+
+    name: str
+    kind: FileKind
+    content: bytes
+    found: Sequence[Read]
+    skipped: int
+
+
+def import_file(writer: sa.Connection, upload: Upload, visitor: Visitor) -> Imported:
     """Store a file with its requirements, in place of an earlier one of that name; one transaction.
 
     409 for ids of another file: two modules that both number from 1 must not become one requirement.
     """
     try:
-        return _imported(writer, name, kind, content, found, skipped, visitor)
+        return _imported(writer, upload, visitor)
     except sa.exc.IntegrityError:  # another import, at the same time
         raise _conflict("requirements were imported at the same time: try again") from None
 
 
-def _imported(
-    writer: sa.Connection,
-    name: str,
-    kind: FileKind,
-    content: bytes,
-    found: Sequence[Read],
-    skipped: int,
-    visitor: Visitor,
-) -> Imported:
+def _imported(writer: sa.Connection, upload: Upload, visitor: Visitor) -> Imported:
+    name, kind, content, found = upload.name, upload.kind, upload.content, upload.found
     at, digest = now(writer), hashlib.sha256(content).hexdigest()
     stored = {"kind": kind, "digest": digest, "content": content, "imported": at, "imported_by": visitor.user}
     file_id = _stored(writer, name, stored)
@@ -121,7 +119,7 @@ def _imported(
     audit.note(writer, visitor, "requirements.imported", name[:80], told)
     (file,) = [one for one in files(writer) if one.id == file_id]
     same = len(found) - len(new) - len(changed)
-    return Imported(file=file, added=new, changed=changed, unchanged=same, gone=gone, skipped=skipped)
+    return Imported(file=file, added=new, changed=changed, unchanged=same, gone=gone, skipped=upload.skipped)
 
 
 def _refuse_foreign(reader: sa.Connection, file_id: int, there: Sequence[Any]) -> None:
@@ -175,13 +173,15 @@ def delete_file(engine: sa.Engine, file_id: int, visitor: Visitor) -> None:
         audit.note(writer, visitor, "requirements.deleted", name[:80], told)
 
 
-def write(engine: sa.Engine, given: RequirementGiven, visitor: Visitor) -> RequirementRow:
+def write(engine: sa.Engine, given: RequirementGiven, visitor: Visitor, match: str | None = None) -> RequirementRow:
     """Add a requirement, or change the text of one that was written here or imported as CSV.
 
-    409 for one of a ReqIF file: it is changed where it was written, and imported again.
+    409 for one of a ReqIF file: it is changed where it was written, and imported again. 412 unless it is the one that
+    `match` names.
     """
     with engine.begin() as writer:
-        at, old = now(writer), _one(writer, given.id)
+        at, old = now(writer), _one(writer, given.id, hold=True)
+        require_match(match, tag(given.id, None if old is None else old.text), given.id)
         if old is None:
             if (writer.scalar(sa.select(sa.func.count()).select_from(Requirement)) or 0) >= MOST:
                 raise _conflict(f"there are already {MOST:,} requirements, which is the limit: delete some first")
@@ -199,12 +199,13 @@ def write(engine: sa.Engine, given: RequirementGiven, visitor: Visitor) -> Requi
         return matrix.rows(writer, [given.id], 5)[0]
 
 
-def delete(engine: sa.Engine, key: str, visitor: Visitor) -> None:
-    """Delete a requirement that was written here or imported as CSV; one that runs state stays a row. 404, 409."""
+def delete(engine: sa.Engine, key: str, visitor: Visitor, match: str | None = None) -> None:
+    """Delete a requirement that was written here or imported as CSV; one that runs state stays a row. 404, 409, 412."""
     with engine.begin() as writer:
-        old = _one(writer, key)
+        old = _one(writer, key, hold=True)
         if old is None:
             raise not_found("registered requirement", key)
+        require_match(match, tag(key, old.text), key)
         if old.kind == "reqif":
             raise _conflict(f"{key} is from {old.file}: delete it there and import the file again, or delete the file")
         _forget(writer, [key])
@@ -216,7 +217,10 @@ def whole(reader: sa.Connection, runs: int = 0) -> Iterator[RequirementRow]:
     return matrix.every(reader, runs)
 
 
-def _one(reader: sa.Connection, key: str) -> Any:
+def _one(reader: sa.Connection, key: str, hold: bool = False) -> Any:
+    """A registered requirement; None if there is none. hold: other writers wait until this transaction ends."""
+    if hold:
+        reader.execute(sa.select(Requirement.id).where(Requirement.id == key).with_for_update())
     of = sa.select(Requirement.text, RequirementFile.kind, RequirementFile.name.label("file"))
     of = of.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id)
     return reader.execute(of.where(Requirement.id == key)).one_or_none()

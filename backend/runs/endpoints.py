@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated
 
 import sqlalchemy as sa
@@ -14,7 +13,7 @@ from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.http import bodies
 from backend.http.deps import Engine, Reader
-from backend.http.errors import RefusedError, problems
+from backend.http.errors import problems
 from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
@@ -24,7 +23,7 @@ from backend.runs.asked import Asked, AskedFor
 from backend.runs.code import changes
 from backend.runs.components import components
 from backend.runs.facets import facets
-from backend.runs.filters import Filters
+from backend.runs.filters import Filters, labelled
 from backend.runs.history import history
 from backend.runs.order import Sort
 from backend.runs.requests import Reason, RunEdit, RunsNamed, RunsRemoved, RunSubmit
@@ -39,9 +38,8 @@ from backend.runs.schemas import (
     RunSummary,
     StageDetail,
 )
-from campaigns import CampaignError, Problem
+from campaigns import CampaignError
 from campaigns.documents import JsonObject
-from campaigns.labels import pair
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
@@ -144,17 +142,9 @@ def list_runs(
         until,
         pinned,
         removed,
-        _labels(label or ()),
+        labelled(label or ()),
     )
     return listing.page(reader, filters, sort, cursor, limit)
-
-
-def _labels(given: Sequence[str]) -> list[tuple[str, str]]:
-    """Keys and values; 422 with a sentence for anything else."""
-    try:
-        return [pair(text) for text in given]
-    except ValueError as error:
-        raise RefusedError(422, "invalid-request", f"{error}", [Problem("label", "", f"{error}")]) from None
 
 
 @router.get("/runs/facets")

@@ -32,7 +32,7 @@ def facets(reader: sa.Connection) -> RunFacets:
         tags=_listed(tags),
         owners=_listed(_counted(reader, Run.owner)),
         methods=_listed(_counted(reader, Run.worst_method)),
-        labels=_listed(_labels(reader)),
+        labels=labels_of(reader),
     )
 
 
@@ -41,10 +41,11 @@ def _counted(reader: sa.Connection, column: Any) -> Counter[str]:
     return Counter({value: number for value, number in rows if value})
 
 
-def _labels(reader: sa.Connection) -> Counter[str]:
+def labels_of(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Facet]:
+    """The labels of the runs that fulfil the conditions and are not removed."""
     of = sa.select(RunLabel.key, RunLabel.value, sa.func.count()).join(Run, Run.id == RunLabel.run_id)
-    rows = reader.execute(of.where(Run.removed.is_(None), labels.GIVEN).group_by(RunLabel.key, RunLabel.value))
-    return Counter({f"{key}={value}": number for key, value, number in rows})
+    of = of.where(Run.removed.is_(None), labels.GIVEN, *conditions).group_by(RunLabel.key, RunLabel.value)
+    return _listed(Counter({f"{key}={value}": number for key, value, number in reader.execute(of)}))
 
 
 def _listed(found: Counter[str]) -> list[Facet]:

@@ -11,6 +11,9 @@ import sqlalchemy as sa
 from backend.db import labels
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
+from backend.http.errors import RefusedError
+from campaigns import Problem
+from campaigns.labels import pair
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState
 
@@ -79,6 +82,14 @@ class Filters:
         if self.removed:
             return [Run.removed.is_not(None), Run.purged.is_(None)]
         return [Run.removed.is_(None)]
+
+
+def labelled(given: Sequence[str]) -> list[tuple[str, str]]:
+    """Keys and values of labels; 422 with a sentence for anything else."""
+    try:
+        return [pair(text) for text in given]
+    except ValueError as error:
+        raise RefusedError(422, "invalid-request", f"{error}", [Problem("label", "", f"{error}")]) from None
 
 
 def _contains(word: str) -> sa.ColumnElement[bool]:

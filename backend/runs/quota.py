@@ -1,4 +1,4 @@
-"""What the runs of one user may occupy: the queue, and stored evaluations. Start reading at `refuse_beyond`."""
+"""What the runs of one user may occupy: the queue, stored evaluations, space. Start reading at `refuse_beyond`."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ class Quota:
     """Runs that have not ended."""
     evaluations: int
     """Stored evaluations of all runs but purged ones."""
+    size: int
+    """What all runs but purged ones store [bytes]."""
 
 
 def refuse_beyond(reader: sa.Connection, quota: Quota, visitor: Visitor, more: int = 1) -> None:
@@ -35,12 +37,16 @@ def refuse_beyond(reader: sa.Connection, quota: Quota, visitor: Visitor, more: i
             f"{visitor.account} has {active:,} runs that have not ended, and {more:,} more would exceed the limit of "
             f"{quota.active:,} for one user: wait for some to end, or cancel some",
         )
-    stored = reader.scalar(sa.select(sa.func.sum(Run.evaluations)).where(mine, Run.purged.is_(None))) or 0
-    if stored >= quota.evaluations:
-        raise RefusedError(
-            409,
-            "quota-reached",
-            f"the runs of {visitor.account} have {stored:,} stored evaluations, and the limit for one user is "
-            f"{quota.evaluations:,}: have an administrator remove and purge some (`clearance purge`), or raise "
-            "CLEARANCE_MAX_EVALUATIONS_EACH",
-        )
+    sums = sa.select(sa.func.sum(Run.evaluations), sa.func.sum(Run.size)).where(mine, Run.purged.is_(None))
+    stored, size = (int(value or 0) for value in reader.execute(sums).one())
+    for what, used, most, setting in (
+        ("stored evaluations", stored, quota.evaluations, "CLEARANCE_MAX_EVALUATIONS_EACH"),
+        ("bytes of campaigns, evaluations and trajectories", size, quota.size, "CLEARANCE_MAX_BYTES_EACH"),
+    ):
+        if used >= most:
+            raise RefusedError(
+                409,
+                "quota-reached",
+                f"the runs of {visitor.account} have {used:,} {what}, and the limit for one user is {most:,}: have an "
+                f"administrator remove and purge some (`clearance purge`), or raise {setting}",
+            )

@@ -9,7 +9,7 @@ import sqlalchemy as sa
 
 from backend.access.own import owns
 from backend.catalog.service import required
-from backend.db import audit, baselines, groups, queue
+from backend.db import audit, baselines, groups, queue, sizes
 from backend.db.access import Visitor
 from backend.db.baselines import Resolved
 from backend.db.engine import now, read
@@ -137,6 +137,7 @@ def _queue(
     )
     if submission.text is not None:
         writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
+        sizes.grow(writer, run_id, len(submission.text.encode("utf-8", "surrogatepass")))
     if submission.baseline is not None:
         baselines.store(writer, run_id, submission.baseline, asked.run_id)
     if submission.group is not None:

@@ -6,6 +6,7 @@ from typing import Literal
 
 from backend.http.schema import Schema
 from backend.runs.outcomes import Outcome
+from backend.runs.schemas import Facet
 
 Difference = Literal["seed", "code"]
 
@@ -37,6 +38,8 @@ class TrendRun(Outcome):
     """Whether its campaign differs from that of the run before it."""
     requirements: list[str]
     """The ids of the requirements that its campaign states."""
+    labels: dict[str, str]
+    """Such as branch: main; given at launch."""
 
 
 class Trend(Schema):
@@ -48,6 +51,8 @@ class Trend(Schema):
     """The campaign's digest; null for all campaigns of that name."""
     campaigns: int
     """How many different campaigns are among the runs."""
+    labels: list[Facet]
+    """The labels of all runs, also of those without the labels that were asked for: by which they can be narrowed."""
     runs: list[TrendRun]
     """The newest of them, oldest first."""
     total: int

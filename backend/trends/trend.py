@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import sqlalchemy as sa
 
+from backend.db import labels
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement
 from backend.http.errors import RefusedError, not_found
+from backend.runs.facets import labels_of
 from backend.runs.outcomes import Outcome, outcomes
 from backend.trends.schemas import Trend, TrendRun
 from campaigns import Problem
+from campaigns.documents import JsonObject
 from campaigns.runs import run_name, run_number
 
 
-def of_campaign(reader: sa.Connection, digest: str | None, name: str | None, limit: int) -> Trend:
+def of_campaign(
+    reader: sa.Connection, digest: str | None, name: str | None, limit: int, label: Sequence[tuple[str, str]] = ()
+) -> Trend:
     """The trend of one campaign, by its digest or by its name; 422 unless exactly one is given, 404 if unknown.
 
-    Removed runs are omitted.
+    Removed runs are omitted. label: only runs with these labels, of which those of one key are alternatives.
     """
     if (digest is None) == (name is None):
         message = "give either `campaign`, a digest, or `name`, the name of campaigns"
@@ -28,7 +35,8 @@ def of_campaign(reader: sa.Connection, digest: str | None, name: str | None, lim
         wanted = Run.campaign_digest == digest
     else:
         wanted = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == name))
-    conditions = (wanted, Run.removed.is_(None), Run.purged.is_(None))
+    there = (wanted, Run.removed.is_(None), Run.purged.is_(None))
+    conditions = (*there, *labels.conditions(label))
     numbers = sa.select(sa.func.count(), sa.func.count(sa.distinct(Run.campaign_digest))).where(*conditions)
     total, campaigns = reader.execute(numbers).one()
     found = outcomes(reader, conditions, limit)
@@ -36,7 +44,8 @@ def of_campaign(reader: sa.Connection, digest: str | None, name: str | None, lim
         name=name or "",
         digest=digest,
         campaigns=campaigns,
-        runs=_marked(found[::-1], _stated(reader, found)),
+        labels=labels_of(reader, *there),
+        runs=_marked(found[::-1], _stated(reader, found), _labelled(reader, found)),
         total=total,
     )
 
@@ -51,13 +60,19 @@ def _stated(reader: sa.Connection, found: list[Outcome]) -> dict[str, list[str]]
     return stated
 
 
-def _marked(found: list[Outcome], stated: dict[str, list[str]]) -> list[TrendRun]:
+def _labelled(reader: sa.Connection, found: list[Outcome]) -> dict[str, dict[str, str]]:
+    """The labels of these runs, by the names of the runs."""
+    held = labels.of_runs(reader, [number for one in found if (number := run_number(one.id)) is not None])
+    return {run_name(run_id): given for run_id, given in held.items()}
+
+
+def _marked(found: list[Outcome], stated: dict[str, list[str]], labelled: dict[str, dict[str, str]]) -> list[TrendRun]:
     runs: list[TrendRun] = []
     code = campaign = None
     for outcome in found:
         changed = None not in (code, outcome.code) and code != outcome.code
         other = campaign is not None and campaign != outcome.campaign_digest
-        requirements = stated.get(outcome.id, [])
-        runs.append(TrendRun(**dict(outcome), code_changed=changed, campaign_changed=other, requirements=requirements))
+        known: JsonObject = {"requirements": stated.get(outcome.id, []), "labels": labelled.get(outcome.id, {})}
+        runs.append(TrendRun(**dict(outcome), code_changed=changed, campaign_changed=other, **known))
         code, campaign = outcome.code or code, outcome.campaign_digest
     return runs

@@ -38,7 +38,7 @@ HANG = 10.0
 """Processor time after which a document is interrupted [s]."""
 
 LARGEST_ANSWER = 100_000
-QUOTA = Quota(10**9, 10**9)
+QUOTA = Quota(10**9, 10**9, 10**15)
 VISITOR = Visitor("local", "link", account=LOCAL, role="admin")
 
 

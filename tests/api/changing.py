@@ -16,8 +16,10 @@ def changed(engine: sa.Engine, change: sa.Update) -> Iterator[None]:
     with engine.begin() as connection:
         before = connection.execute(table.select()).mappings().all()
         assert connection.execute(change).rowcount > 0
-    yield
-    with engine.begin() as connection:
-        for row in before:
-            same = sa.and_(*(column == row[column] for column in table.primary_key))
-            connection.execute(table.update().where(same).values(dict(row)))
+    try:
+        yield
+    finally:
+        with engine.begin() as connection:
+            for row in before:
+                same = sa.and_(*(column == row[column] for column in table.primary_key))
+                connection.execute(table.update().where(same).values(dict(row)))

@@ -62,8 +62,10 @@ def running(fresh: Fresh, folder: Path, **settings: Any) -> Iterator[Service]:
     data = folder / "data"
     service = Service(Settings(data=data, database=fresh(data), pages=folder / "dist", **settings))
     service.start()
-    yield service
-    service.stop()
+    try:
+        yield service
+    finally:
+        service.stop()
 
 
 @pytest.fixture

@@ -48,5 +48,7 @@ def on_postgresql() -> Iterator[Fresh]:
             data.mkdir()
             return create(f"service_{next(numbers)}", " template migrated")
 
-        yield made
-        engine.dispose()
+        try:
+            yield made
+        finally:
+            engine.dispose()

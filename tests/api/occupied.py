@@ -16,7 +16,7 @@ from backend.scenes.recordings import recording
 from tests.api.conftest import Fresh, running
 from tests.api.finished import finish
 from tests.api.server import Service
-from tests.api.stand_in import STAND_IN
+from tests.api.stand_in import FLYING, STAND_IN
 from tests.api.submitting import submit
 
 
@@ -30,6 +30,7 @@ def occupied(fresh: Fresh, folder: Path, **settings: Any) -> Iterator[Service]:
         service.publish()
         live = Live((sys.executable, "-c", STAND_IN), limit=10, first_limit=10)
         service.app.state.previews = Previews(live)
+        service.app.state.live = Live((sys.executable, "-c", FLYING), limit=10, first_limit=10)
         with service.signed_in() as client:
             submit(client)
             finish(service)

@@ -164,7 +164,7 @@ def local_provider() -> Iterator[Local]:
     handler = type("Handler", (_Handler,), {"local": local})
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         local.issuer = f"http://127.0.0.1:{server.server_port}"
-        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True)
         thread.start()
         try:
             yield local

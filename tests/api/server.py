@@ -78,7 +78,8 @@ class Service:
         self.port = self._socket.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}"
         self.server = Server(server_config(self.app))
-        self._thread = threading.Thread(target=lambda: asyncio.run(self.server.serve([self._socket])))
+        serving = lambda: asyncio.run(self.server.serve([self._socket]))  # noqa: E731
+        self._thread = threading.Thread(target=serving, daemon=True)
 
     @property
     def engine(self) -> sa.Engine:

@@ -158,8 +158,10 @@ def writing(engine: sa.Engine) -> Iterator[None]:
     """While a write transaction is open, as a worker's may be."""
     with engine.connect() as connection:
         connection.execute(sa.update(Token).values(created=0.0))
-        yield
-        connection.rollback()
+        try:
+            yield
+        finally:
+            connection.rollback()
 
 
 @BOTH

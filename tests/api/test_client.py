@@ -36,7 +36,7 @@ def worked(service: Service, verdict: str) -> threading.Thread:
         until(lambda: service.rows()["runs"])
         finish_fully(service, verdict)
 
-    thread = threading.Thread(target=work)
+    thread = threading.Thread(target=work, daemon=True)
     thread.start()
     return thread
 
@@ -142,7 +142,7 @@ def test_a_run_without_a_verdict_is_an_error_of_a_search(service: Service, clien
         with Client(service.url, service.token("second")) as other:
             other.cancel("R-0001")
 
-    thread = threading.Thread(target=cancelled)
+    thread = threading.Thread(target=cancelled, daemon=True)
     thread.start()
     with pytest.raises(RunFailedError, match="R-0001 cancelled without a verdict"):
         client.search(campaign())

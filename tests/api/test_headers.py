@@ -14,8 +14,11 @@ from typing import Any
 
 import httpx
 import pytest
+import sqlalchemy as sa
+import yaml
 
 from backend.access.rules import RULES
+from backend.db.tables import Run
 from backend.middleware.frame import CSP, HEADERS, LARGEST_BODY
 from backend.runs.quota import Quota
 from backend.scenes.base.sandbox import OPENED_ALONE, SANDBOX
@@ -26,6 +29,7 @@ from tests.api.conftest import Fresh, running
 from tests.api.document import filled
 from tests.api.occupied import occupied
 from tests.api.server import Service
+from tests.api.sized import stored_size
 
 HOST = "clearance.example"
 
@@ -33,6 +37,7 @@ HOST = "clearance.example"
 @pytest.fixture(scope="module")
 def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     with occupied(fresh_sqlite, tmp_path_factory.mktemp("headers"), public_url=f"https://{HOST}") as service:
+        (service.settings.pages / "index.html").touch()
         yield service
 
 
@@ -193,8 +198,23 @@ def test_quotas_of_a_user(fresh_sqlite: Fresh, tmp_path: Path) -> None:
 def test_the_number_of_stored_evaluations_of_a_user(
     service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(service.app.state, "quota", Quota(100, 3))
+    monkeypatch.setitem(service.app.state._state, "quota", Quota(100, 3, 10**12))
     found = client.get("/api/v1/runs/R-0001").json()["evaluations"]
     assert found >= 3
     refused = problem(client.post("/api/v1/runs", json={"campaign": campaign(seed=5)}), 409)
     assert f"{found:,} stored evaluations" in str(refused["detail"])
+
+
+def test_what_the_runs_of_a_user_store(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is the size of what is there, and counts against the quota."""
+    typed = yaml.safe_dump(campaign(name="Größe"), allow_unicode=True).encode()
+    assert client.post("/api/v1/runs", content=typed, headers={"content-type": "application/yaml"}).status_code == 201
+    with service.engine.connect() as reader:
+        sizes = dict(reader.execute(sa.select(Run.id, Run.size)).all())
+        assert sizes == {run: stored_size(reader, run) for run in sizes}
+    assert min(sizes[1], sizes[max(sizes)]) > 0, "evaluations, and a text"
+    counted = sum(sizes.values())
+    monkeypatch.setitem(service.app.state._state, "quota", Quota(100, 10**9, counted))
+    refused = problem(client.post("/api/v1/runs", json={"campaign": campaign(seed=5)}), 409)
+    assert f"{counted:,} bytes of campaigns, evaluations and trajectories, and the limit" in str(refused["detail"])
+    assert "CLEARANCE_MAX_BYTES_EACH" in str(refused["detail"])

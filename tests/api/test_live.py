@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import threading
 from collections.abc import Iterator
@@ -48,7 +49,11 @@ def fly(live: Live, does: float = 0, **more: float) -> dict[str, Any]:
 def test_one_process_answers_many(live: Live) -> None:
     assert fly(live)["pid"] == fly(live)["pid"]
     answers: dict[int, float] = {}
-    threads = [threading.Thread(target=lambda i=i: answers.update({i: fly(live, x=i)["x"]})) for i in range(20)]  # type: ignore[misc]
+
+    def ask(x: int) -> None:
+        answers[x] = fly(live, x=x)["x"]
+
+    threads = [threading.Thread(target=ask, args=(i,), daemon=True) for i in range(20)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -92,7 +97,7 @@ def test_a_failure_is_reported_to_all_waiting_clients(live: Live) -> None:
         except LiveError as error:
             said.append(str(error))
 
-    threads = [threading.Thread(target=ask, args=(does,)) for does in (3, 0, 0)]
+    threads = [threading.Thread(target=ask, args=(does,), daemon=True) for does in (3, 0, 0)]
     threads[0].start()
     until(lambda: live._child is not None and live._child._asked)
     for thread in threads[1:]:
@@ -101,6 +106,26 @@ def test_a_failure_is_reported_to_all_waiting_clients(live: Live) -> None:
         thread.join(10)
     assert len(said) == 3
     assert fly(live)["status"] == "ok"
+
+
+def test_a_process_that_starts_slowly_is_waited_for_by_later_requests(tmp_path: Path) -> None:
+    """It was ended with the first request that it kept waiting, so that on a busy machine it never started."""
+    gate = tmp_path / "gate"
+    os.mkfifo(gate)
+    live = Live((sys.executable, "-c", f"open({str(gate)!r}).close()\n{STAND_IN}"), limit=30.0, first_limit=0.1)
+    try:
+        for x in range(2):
+            with pytest.raises(LiveError, match="still starting: ask again"):
+                fly(live, x=x)
+        child = live._child
+        assert child is not None
+        assert not child.over
+        live._first_limit = 30.0
+        gate.open("w").close()
+        assert fly(live, x=2)["x"] == 2, "and not the answer to an earlier one"
+        assert live._child is child
+    finally:
+        live.close()
 
 
 def test_a_process_that_cannot_be_started_is_reported() -> None:

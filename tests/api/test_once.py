@@ -174,9 +174,11 @@ def test_a_request_is_not_done_again_after_a_restart(fresh: Fresh, tmp_path: Pat
         settings = Settings(data=tmp_path / "data", database=fresh(tmp_path / "data") if not number else "")
         service = Service(settings)
         service.start()
-        with service.signed_in() as client:
-            found.append(Sent("/drafts", DRAFT).to(client, "post", "k"))
-        service.stop()
+        try:
+            with service.signed_in() as client:
+                found.append(Sent("/drafts", DRAFT).to(client, "post", "k"))
+        finally:
+            service.stop()
     assert [answer.status_code for answer in found] == [201, 201]
     assert found[0].json() == found[1].json()
 

@@ -33,7 +33,7 @@ def test_deep_links_open_the_application(built: Path, client: httpx.Client, path
     assert "Clearance" in answer.text
 
 
-def test_the_root_leads_to_the_runs(client: httpx.Client) -> None:
+def test_the_root_leads_to_the_runs(built: Path, client: httpx.Client) -> None:
     answer = client.get("/", headers=HTML)
     assert (answer.status_code, answer.headers["location"]) == (307, "/runs")
 
@@ -96,10 +96,14 @@ def test_a_program_asking_for_a_page_that_is_not_there_gets_a_problem(built: Pat
     problem(client.get("/runs", headers={"accept": "application/json"}), 404)
 
 
-def test_without_built_pages_a_plain_page_explains_what_to_do(client: httpx.Client) -> None:
-    answer = client.get("/runs", headers=HTML)
+@pytest.mark.parametrize("path", ["/", "/runs"])
+def test_without_built_pages_a_plain_page_explains_what_to_do(
+    service: Service, client: httpx.Client, path: str
+) -> None:
+    answer = client.get(path, headers=HTML)
     assert answer.status_code == 503
-    assert "make install" in answer.text
+    assert "run <code>make install</code> in a clone of Clearance, set <code>CLEARANCE_PAGES</code>" in answer.text
+    assert str(service.settings.pages) in answer.text
 
 
 def test_no_built_file_needs_itself() -> None:

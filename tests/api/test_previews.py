@@ -168,7 +168,7 @@ def test_a_stop_waits_for_no_preview(service: Service) -> None:
             except httpx.TransportError as error:
                 said.append(error)
 
-    thread = threading.Thread(target=ask)
+    thread = threading.Thread(target=ask, daemon=True)
     thread.start()
     until(lambda: service.app.state.previews.live._child and service.app.state.previews.live._child._asked)
     service.stop()

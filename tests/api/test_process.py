@@ -27,7 +27,10 @@ WAIT = 30.0
 
 def environment(data: Path, **settings: str) -> dict[str, str]:
     own = {k: v for k, v in os.environ.items() if not k.startswith("CLEARANCE_")}
-    return {**own, "CLEARANCE_DATA": str(data), "CLEARANCE_PORT": "0", **settings}
+    pages = data.parent / "pages"  # without any, the service says so at start
+    pages.mkdir(exist_ok=True)
+    (pages / "index.html").touch()
+    return {**own, "CLEARANCE_DATA": str(data), "CLEARANCE_PORT": "0", "CLEARANCE_PAGES": str(pages), **settings}
 
 
 @contextmanager

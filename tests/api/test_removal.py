@@ -218,7 +218,7 @@ def test_who_signs_while_the_run_is_being_removed_comes_too_late(
 ) -> None:
     """SQLite has one writer at a time; here the row is what the two wait for."""
     answers: list[httpx.Response] = []
-    thread = threading.Thread(target=lambda: answers.append(sign(client, run)))
+    thread = threading.Thread(target=lambda: answers.append(sign(client, run)), daemon=True)
     waiting = sa.text("select count(*) from pg_locks where not granted")
     with service.engine.begin() as writer:
         writer.execute(sa.select(Run.id).where(Run.id == 1).with_for_update())

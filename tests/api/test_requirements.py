@@ -365,3 +365,22 @@ def test_viewers_read_and_engineers_change(still: Service, guest: httpx.Client) 
         file = sent(engineer, b"id,text\nA,x\n").json()["file"]
         problem(viewer.delete(f"{AT}/files/{file['id']}"), 403)
         assert engineer.delete(f"{AT}/files/{file['id']}").status_code == 204
+
+
+def test_a_text_that_somebody_else_has_changed_is_not_overwritten(client: httpx.Client) -> None:
+    """Nor deleted; without the header as in earlier versions."""
+
+    def put(text: str, **headers: str) -> httpx.Response:
+        return client.put("/api/v1/requirements", json={"id": "MATCH-1", "text": text}, headers=headers)
+
+    read = put("first").headers["etag"]
+    (row,) = client.get("/api/v1/requirements", params={"q": "MATCH-1"}).json()["items"]
+    assert row["etag"] == read
+    changed = put("second", **{"If-Match": read})
+    assert (changed.status_code, changed.headers["etag"]) == (200, changed.json()["etag"])
+    gone = client.delete("/api/v1/requirements", params={"requirement": "MATCH-1"}, headers={"If-Match": read})
+    for refused in (put("third", **{"If-Match": read}), gone):
+        assert "MATCH-1 has changed since it was read" in str(problem(refused, 412)["detail"])
+    assert put("third").json()["text"] == "third"
+    now = {"If-Match": put("third").headers["etag"]}
+    assert client.delete("/api/v1/requirements", params={"requirement": "MATCH-1"}, headers=now).status_code == 204

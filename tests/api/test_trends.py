@@ -57,6 +57,29 @@ def test_outcomes_and_removed_runs(service: Service, client: httpx.Client) -> No
     ]
 
 
+def test_runs_with_a_label_are_a_trend_of_their_own(service: Service, client: httpx.Client) -> None:
+    """Changes of the code are those between its runs."""
+    for number, (branch, code) in enumerate((("main", "a"), ("other", "b"), ("main", "a"), ("main", "c")), 1):
+        labels = {"branch": branch, "commit": str(number)}
+        sent = client.post("/api/v1/runs", json={"campaign": campaign(seed=number), "labels": labels})
+        assert sent.status_code == 201, sent.text
+        with service.engine.begin() as writer:
+            writer.execute(sa.update(Run).where(Run.id == number).values(flown={"code": code}))
+    submit(client, seed=9)
+    found = trend(client, name=NAME, label="branch=main")
+    assert [(run["id"], run["code_changed"]) for run in found["runs"]] == [
+        ("R-0001", False), ("R-0003", False), ("R-0004", True),
+    ]  # fmt: skip
+    assert (found["total"], found["campaigns"]) == (3, 3)
+    assert found["runs"][0]["labels"] == {"branch": "main", "commit": "1"}
+    assert found["labels"][0] == {"value": "branch=main", "runs": 3}
+    assert {one["value"] for one in found["labels"]} >= {"branch=other", "commit=2"}, "those by which others are found"
+    both = trend(client, name=NAME, label=["branch=main", "branch=other", "commit=2"])
+    assert [run["id"] for run in both["runs"]] == ["R-0002"]
+    assert trend(client, name=NAME)["total"] == 5
+    assert "KEY=VALUE" in str(problem(client.get("/api/v1/trends", params={"name": NAME, "label": "main"}), 422))
+
+
 def test_what_is_not_asked_rightly(client: httpx.Client) -> None:
     problem(client.get("/api/v1/trends"), 422)
     problem(client.get("/api/v1/trends", params={"campaign": DIGEST, "name": NAME}), 422)

@@ -25,6 +25,7 @@ from backend.settings import Settings
 from campaigns.asked.spec import seedless
 from campaigns.results import ValidateResult, Verdict
 from tests.api.server import Service
+from tests.api.sized import stored_size
 from tests.audited import audited
 
 STORED = Path(__file__).parent / "stored" / "revision-0009.sqlite3.gz"
@@ -107,6 +108,13 @@ def test_findings_hold_their_evidence(engine: sa.Engine, before: dict[str, Any])
     assert {"name": "nominal", **validated.encounter.closest.model_dump()} == closest["nominal"]
     new = {"stop": {"said", "code", "values"}}
     assert [row.model_dump(exclude=new) for row in validated.comparison] == before["validate"]["comparison"]
+
+
+def test_what_runs_store_is_counted(engine: sa.Engine) -> None:
+    with read(engine) as reader:
+        counted = dict(reader.execute(sa.select(Run.id, Run.size)).all())
+        assert counted == {run: stored_size(reader, run) for run in counted}
+    assert counted[1] > 10_000
 
 
 def test_campaigns_are_found_apart_from_their_seed(engine: sa.Engine) -> None:

@@ -95,7 +95,7 @@ def test_a_page_controls_its_view_and_receives_its_state(service: Service, clien
 
 def test_a_request_may_wait_for_the_view_to_open(service: Service, client: httpx.Client, run: str) -> None:
     answers: list[dict[str, Any]] = []
-    asking = threading.Thread(target=lambda: answers.append(steer(client, run, flight="F2")))
+    asking = threading.Thread(target=lambda: answers.append(steer(client, run, flight="F2")), daemon=True)
     asking.start()
     with viewing(service, client, f"/view/{run}/key/{KEY}") as connection:
         frames_until(connection, b"F2 0.8500 m")
@@ -356,7 +356,8 @@ def test_a_change_of_what_is_shown_is_published_at_once(
         known = steer(client, run)
         gone: list[httpx.Response] = []
         asking = threading.Thread(
-            target=lambda: gone.append(client.get(address(run), params={"since": known["revision"], "wait": 20}))
+            target=lambda: gone.append(client.get(address(run), params={"since": known["revision"], "wait": 20})),
+            daemon=True,
         )
         asking.start()
     asking.join(10)

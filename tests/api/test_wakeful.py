@@ -10,7 +10,7 @@ from backend.scenes.control.wakeful import Wakeful
 
 
 def in_a_thread(event: Wakeful) -> None:
-    thread = threading.Thread(target=event.set)
+    thread = threading.Thread(target=event.set, daemon=True)
     thread.start()
     thread.join()
 

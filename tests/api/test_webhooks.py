@@ -336,7 +336,7 @@ def test_a_receiver_that_drips_is_cut_off() -> None:
                     except OSError:
                         return
 
-        thread = threading.Thread(target=drip)
+        thread = threading.Thread(target=drip, daemon=True)
         thread.start()
         sent = attempt(f"http://127.0.0.1:{server.getsockname()[1]}/", limit=0.4)  # which ends, as the drip does not
         stop.set()

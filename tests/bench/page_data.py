@@ -95,7 +95,7 @@ def growing(engine: sa.Engine, count: int) -> Iterator[list[int]]:
         store.finish(0, results.nominal(0.94), 0.01)
         store.begin(1)
     ended = threading.Event()
-    writer = threading.Thread(target=_grow, args=(stores, len(campaign.uncertain), ended))
+    writer = threading.Thread(target=_grow, args=(stores, len(campaign.uncertain), ended), daemon=True)
     writer.start()
     try:
         yield [claim.run_id for claim in claims]

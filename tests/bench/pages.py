@@ -152,8 +152,10 @@ class Visitor:
         """An empty page of a profile without anything in its cache."""
         context = self.browser.new_context(storage_state=self.state, viewport={"width": 1440, "height": 900})
         context.set_default_timeout(PATIENCE)
-        yield context.new_page()
-        context.close()
+        try:
+            yield context.new_page()
+        finally:
+            context.close()
 
     def time(self, visit: Callable[[Page, str], None]) -> float:
         """How long a visit takes [ms]."""

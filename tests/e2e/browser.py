@@ -152,8 +152,10 @@ def undrawn(page: Page) -> Iterator[None]:
 
     if not pictured():
         page.route("**/view/**", empty)
-    yield
-    page.unroute("**/view/**")
+    try:
+        yield
+    finally:
+        page.unroute("**/view/**")
 
 
 def nightly_but(by_day: Sequence[str], names: Iterable[str]) -> list[ParameterSet | str]:
@@ -191,8 +193,10 @@ def visiting(browser: Browser, address: str, *, views: bool = True, moving: bool
     if not views:
         blank(context)
     visit = Visit(context.new_page(), address)
-    yield visit
-    context.close()
+    try:
+        yield visit
+    finally:
+        context.close()
     assert visit.wrong == [], "\n".join(visit.wrong)
 
 

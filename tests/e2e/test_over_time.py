@@ -32,7 +32,9 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     with served(tmp_path_factory.mktemp("over-time")) as service:
         with service.signed_in() as client:
             for verdict in ("cleared", "violated", "inconclusive"):
-                assert client.post("/api/v1/runs", json={"campaign": campaign()}).status_code == 201
+                labels = {"branch": "other" if verdict == "violated" else "main"}
+                sent = client.post("/api/v1/runs", json={"campaign": campaign(), "labels": labels})
+                assert sent.status_code == 201
                 finish_fully(service, verdict)
             swept: dict[str, Any] = {"campaign": campaign(), "path": "avoider.d_0", "values": [1.0, 1.5, 2.0, 2.5, 3.0]}
             assert client.post("/api/v1/sweeps", json=swept).status_code == 201
@@ -74,6 +76,12 @@ def test_other_runs_with_the_same_input(visit: Visit) -> None:
     expect(visit.page.locator("canvas")).to_have_count(2)
     expect(row(visit.page, "R-0002")).to_contain_text("−0.1000 m")
     looks(visit, "trend")
+    visit.page.get_by_role("button", name="Label").click()
+    visit.page.get_by_role("checkbox", name="branch=main").check()
+    visit.page.keyboard.press("Escape")
+    expect(row(visit.page, "R-0002")).to_have_count(0)
+    expect(row(visit.page, "R-0003")).to_contain_text("branch=main")
+    expect(visit.page).to_have_url(re.compile("label="))
 
 
 def test_a_sweep(visit: Visit) -> None:

@@ -231,7 +231,7 @@ def test_many_workers_at_once_never_hold_the_same_run(database: sa.Engine) -> No
             errors.append(error)
             raise
 
-    threads = [threading.Thread(target=work, args=(f"w{i}",)) for i in range(4)]
+    threads = [threading.Thread(target=work, args=(f"w{i}",), daemon=True) for i in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:

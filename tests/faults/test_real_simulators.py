@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import runpy
 import shutil
 import subprocess
 import sys
@@ -155,7 +156,21 @@ def test_another_version_of_the_package_is_refused_with_a_sentence(
     finally:
         simulator.close()
     assert batch.status.tolist() == [FAILED]
-    assert "is installed, and this example is written for 0.0" in reasons[0]
+    assert "is installed, and this example is written for 0.0: pip install 'clearance[" in reasons[0]
+
+
+@pytest.mark.parametrize(
+    ("package", "program"),
+    [("jsbsim", "jsbsim_intruder/jsbsim_flight.py"), ("bluesky", "bluesky_mvp/bluesky_conflict.py")],
+)
+def test_without_the_package_the_command_that_installs_it_is_stated(
+    monkeypatch: pytest.MonkeyPatch, package: str, program: str
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)  # as if it were not there
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_path(str(EXAMPLES / program), run_name="__main__")
+    assert f"the package {package} is not installed; " in str(ended.value)
+    assert f"pip install 'clearance[{package}]'" in str(ended.value)
 
 
 @needs_bluesky

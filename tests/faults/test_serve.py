@@ -49,9 +49,10 @@ def state(engine: sa.Engine, run_id: int) -> Any:
 
 
 def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with serving(tmp_path, CLEARANCE_THREADS="1", CLEARANCE_MAX_VIEWER="3") as service:
+    with serving(tmp_path, CLEARANCE_THREADS="1", CLEARANCE_MAX_VIEWER="3", CLEARANCE_PAGES=str(tmp_path)) as service:
         assert service.healthy()
         assert "Warning: CLEARANCE_MAX_VIEWER is not a setting and has no effect: is CLEARANCE_MAX" in service.text()
+        assert f"Warning: there are no built pages in {tmp_path}, only the API: run `make install`" in service.text()
         assert [get(service.link()) for _ in range(2)] == [303, 403], "the link is single-use"
         stored = [path for path in service.data.rglob("*") if path.is_file()]
         assert {path.name for path in stored} >= {"clearance.sqlite3", "backend.log", "worker-1.log"}

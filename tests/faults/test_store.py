@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 import sqlalchemy as sa
+from alembic import command
 
+from backend.db.engine import migration_lock
+from backend.db.migrate import config
 from backend.db.queue import Claim, Queue, submit
 from backend.db.records import Ahead, Columns, StagePlan, StageRecord
 from backend.db.rows import plain
@@ -17,6 +20,7 @@ from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from tests import results
+from tests.api.sized import stored_size
 from tests.faults.cases import PLAN, campaign, columns, finding, trace
 from worker.stages.parts.store import Store
 
@@ -94,6 +98,23 @@ def test_evaluations_completed_ahead_of_an_earlier_one_are_stored_separately(sto
     assert store.ahead(1) is None
     assert same_bits(store.evaluations(1), whole)  # type: ignore[arg-type]
     assert store.ahead(0) is None
+
+
+def test_the_size_of_a_run_is_that_of_its_rows(database: sa.Engine, store: RunStore, claim: Claim) -> None:
+    """Also where a trace is stored again."""
+    store.append(1, 0, columns(0, 50), behind(columns(0, 100), 70))
+    store.append(1, 50, columns(50, 50), behind(columns(0, 100)))
+    for stored in ([trace("nominal")], [trace(), trace("nominal")]):
+        store.finish(2, results.validated(), 2.5, [], stored)
+    assert any(chunk.reasons for chunk in rows(store, EvaluationChunk))
+    with database.connect() as reader:
+        size = stored_size(reader, claim.run_id)
+        assert reader.scalar(sa.select(Run.size)) == size > 100
+    with migration_lock(database) as connection:
+        command.downgrade(config(connection), "0020")
+        command.upgrade(config(connection), "head")  # counts what is there
+    with database.connect() as reader:
+        assert reader.scalar(sa.select(Run.size)) == size
 
 
 def test_the_first_of_equal_costs_is_the_best(store: RunStore) -> None:

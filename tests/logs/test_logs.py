@@ -108,6 +108,13 @@ def test_other_topics_and_fields(tmp_path: Path) -> None:
         separation_of_ulog(tmp_path / "none.ulg", [BESIDE])
 
 
+def test_a_ulog_whose_format_has_lost_its_time_is_named(tmp_path: Path) -> None:
+    """One byte of its description was damaged, which ended in a KeyError."""
+    file = ulog(tmp_path / "log.ulg", {TOPIC: STRAIGHT}, FIELDS.replace("uint64_t timestamp", "uint64_t timestomp"))
+    with pytest.raises(Unreadable, match="vehicle_local_position"):
+        separation_of_ulog(file, [BESIDE])
+
+
 def recorded(tmp_path: Path, **changed: Any) -> Path:
     meeting = [(0.07 * k, 20.0 - 1.4 * k, 3.0, -5.0) for k in range(16)]
     topics: Any = {"/odom": (ODOMETRY, "map", STRAIGHT), "/person": (POSE, "map", meeting)}

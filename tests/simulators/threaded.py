@@ -30,7 +30,7 @@ class Threaded(two_basins.TwoBasins):
         self.most = self.begun = 0
         self._random = random.Random(seed)
         self._given: queue.SimpleQueue[tuple[Future[Evaluated], Floats] | None] = queue.SimpleQueue()
-        self._thread = threading.Thread(target=self._work)
+        self._thread = threading.Thread(target=self._work, daemon=True)
         self._thread.start()
 
     def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:

@@ -16,45 +16,29 @@ import pytest
 from campaigns.capsules import packing
 from campaigns.capsules.capsule import digest_of
 from campaigns.capsules.packing import CapsuleError, read, unpacked
+from tests.unit.capsules import few_checks, files_of, written, zipped
 from tests.unit.records import ran
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
 from worker.cli._capsule import write_capsules
-from worker.stages.parts import offered
 
 Document = dict[str, Any]
 
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As in the tests of replay, so that they share their runs."""
-    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
-    monkeypatch.setattr(offered, "AT_MOST", 3)
+    few_checks(monkeypatch)
 
 
 @pytest.fixture
 def capsule(tmp_path: Path) -> Path:
     """That of the worst finding of a violated run."""
-    write_capsules(tmp_path, *ran("violated"), None)
-    return tmp_path / "capsule-F1.zip"
+    return written(tmp_path)
 
 
 def replayed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, Any]:
     capsys.readouterr()
     code = invoke(["replay", *arguments, "--json"])
     return code, json.loads(capsys.readouterr().out)
-
-
-def files_of(path: Path) -> dict[str, bytes]:
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
-
-
-def zipped(files: dict[str, bytes], *more: tuple[str, bytes]) -> bytes:
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in [*files.items(), *more]:
-            archive.writestr(name, data)
-    return buffer.getvalue()
 
 
 def altered(path: Path, change: Callable[[Document], object], sealed: bool = True) -> bytes:

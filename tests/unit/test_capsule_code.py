@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import os
 import subprocess
 import sys
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,14 +16,13 @@ import pytest
 from campaigns.asked.load import load_document
 from campaigns.capsules.capsule import digest_of
 from campaigns.capsules.packing import CapsuleError, read_sources, unpacked
+from tests.unit.capsules import few_checks, files_of, written, zipped
 from tests.unit.packages import package
 from tests.unit.records import ran
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
-from worker.cli._capsule import write_capsules
 from worker.components.avoiders import potential_field
 from worker.runs import added as recorded
 from worker.runs.meaning import meaning
-from worker.stages.parts import offered
 
 SHIPPED = Path(potential_field.__file__).read_text(encoding="utf-8")
 OWN, FOREIGN = "worker.components.own.my_field", "acme_fields"
@@ -33,10 +30,8 @@ Document = dict[str, Any]
 
 
 @pytest.fixture(autouse=True)
-def quick(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """As in the tests of replay, so that they share their runs."""
-    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
-    monkeypatch.setattr(offered, "AT_MOST", 3)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    few_checks(monkeypatch)
 
 
 def text_of(trace: Path) -> bytes:
@@ -47,9 +42,8 @@ def text_of(trace: Path) -> bytes:
 
 def with_source(folder: Path, module: str, text: bytes, change: Callable[[Document], object] = lambda d: None) -> Path:
     """The capsule of a run whose avoider is not shipped: the same numbers as those of the shipped one."""
-    write_capsules(folder, *ran("violated"), None)
-    with zipfile.ZipFile(folder / "capsule-F1.zip") as archive:
-        files = {name: archive.read(name) for name in archive.namelist()}
+    made = written(folder)
+    files = files_of(made)
     document = json.loads(files["capsule.json"])
     document["campaign"]["scenario"]["avoider"]["component"] = "my_field"
     document["campaign_digest"] = load_document(document["campaign"], "x").digest
@@ -68,17 +62,8 @@ def with_source(folder: Path, module: str, text: bytes, change: Callable[[Docume
     change(document)
     document["digest"] = digest_of(document)
     files["capsule.json"] = json.dumps(document).encode()
-    made = folder / "capsule-F1.zip"
     made.write_bytes(zipped(files))
     return made
-
-
-def zipped(files: dict[str, bytes]) -> bytes:
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in files.items():
-            archive.writestr(name, data)
-    return buffer.getvalue()
 
 
 @pytest.mark.parametrize("module", [OWN, FOREIGN])
@@ -107,8 +92,7 @@ def test_text_that_was_changed_is_refused_and_not_run(
 ) -> None:
     trace = tmp_path / "ran"
     capsule = with_source(tmp_path, module, text_of(trace))
-    with zipfile.ZipFile(capsule) as archive:
-        files = {name: archive.read(name) for name in archive.namelist()}
+    files = files_of(capsule)
     changed = files[f"source/{module}.py"] + b"x = 1\n"
     capsule.write_bytes(zipped(files | {f"source/{module}.py": changed}))
     assert invoke(["replay", str(capsule), "--allow-code"]) == WRONG_INPUT

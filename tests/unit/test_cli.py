@@ -44,8 +44,17 @@ def test_help_is_0(capsys: pytest.CaptureFixture[str]) -> None:
         assert f" {command} " in shown
 
 
-@pytest.mark.parametrize(("raised", "code"), [(RuntimeError("a bug"), INTERNAL), (KeyboardInterrupt(), INTERRUPTED)])
-def test_what_goes_wrong_inside(raised: BaseException, code: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("raised", "code", "said"),
+    [
+        (RuntimeError("a bug"), INTERNAL, "Internal error in Clearance; this is not a result of your campaign."),
+        (KeyboardInterrupt(), INTERRUPTED, "interrupted"),
+        (KeyboardInterrupt("nothing is stored"), INTERRUPTED, "interrupted: nothing is stored"),
+    ],
+)
+def test_what_goes_wrong_inside(
+    raised: BaseException, code: int, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def broken(*_: object, **__: object) -> None:
         raise raised
 
@@ -54,6 +63,7 @@ def test_what_goes_wrong_inside(raised: BaseException, code: int, monkeypatch: p
     monkeypatch.setattr(token, "opened", lambda *_: _Nothing())
     assert build() is not None
     assert invoke(["token", "list"]) == code
+    assert capsys.readouterr().err.splitlines()[-1] == said
 
 
 class _Nothing:

@@ -40,7 +40,7 @@ class Fake:
         self.open_gate = threading.Event()
         self.open_gate.set()
         self.loop = asyncio.new_event_loop()
-        self.thread = threading.Thread(target=self.loop.run_forever)
+        self.thread = threading.Thread(target=self.loop.run_forever, daemon=True)
         self.thread.start()
 
     def call(self, work: Any) -> Any:
@@ -225,7 +225,7 @@ def test_many_threads_may_submit_and_one_may_close(cluster: Fake, pool: DaskPool
             except RuntimeError:
                 return
 
-    threads = [threading.Thread(target=submit) for _ in range(4)]
+    threads = [threading.Thread(target=submit, daemon=True) for _ in range(4)]
     for thread in threads:
         thread.start()
     pool.close()

@@ -21,7 +21,7 @@ from campaigns.stages.plan import plan
 from tests.audited import audited
 from tests.unit.cases import searching
 from worker.catalogue.installed import catalogue
-from worker.cli import WRONG_INPUT, invoke
+from worker.cli import INTERRUPTED, WRONG_INPUT, invoke
 from worker.cli._results import read_folder
 from worker.problem.evaluate import InProcess
 from worker.runs import sources
@@ -210,6 +210,34 @@ def test_a_stored_run_is_extended_as_a_new_stored_run(
     assert added > 300
     assert len(flown) == added + len(new[stages - 1].status)
     engine.dispose()
+
+
+def test_an_interrupt_states_what_is_stored(
+    first: Path, data: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fly, calls = InProcess.__call__, 0
+
+    def interrupted(self: InProcess, asked: Floats) -> Any:
+        nonlocal calls
+        calls += 1
+        if calls > 1:
+            raise KeyboardInterrupt
+        return fly(self, asked)
+
+    monkeypatch.setattr(InProcess, "__call__", interrupted)
+    assert invoke(["run", "--continue", str(first), "--budget", "+300"]) == INTERRUPTED
+    told = capsys.readouterr().err
+    done = int(told.partition("interrupted: ")[2].split()[0])
+    assert 0 < done < 300, "those of the earlier run are in its folder"
+    calls = 0
+    assert invoke(["run", "--continue", "R-0001", "--budget", "+300", "--data", str(data)]) == INTERRUPTED
+    assert "interrupted: R-0002 and its completed evaluations are stored; " in capsys.readouterr().err
+    engine = connect(default_url(data))
+    with read(engine) as connection:
+        found = connection.execute(sa.select(Run.state, Run.evaluations).where(Run.id == 2)).one()
+    engine.dispose()
+    assert found.state == "queued"
+    assert found.evaluations > 0
 
 
 def test_a_run_of_other_code_is_not_extended(data: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -40,7 +40,7 @@ def test_blocks_of_two_threads_overlap() -> None:
             entered.set()
             leave.wait(10)
 
-    thread = threading.Thread(target=other)
+    thread = threading.Thread(target=other, daemon=True)
     with one_thread():
         thread.start()
         entered.wait(10)

@@ -134,7 +134,7 @@ def test_an_export_has_columns_for_the_most_frequent_attributes_only(monkeypatch
     rows = [
         RequirementRow(
             id=f"R{i}", text="t", status="no evidence", sentence="", registered=True, file=None, attributes=attributes,
-            changed=None, changed_by=None, runs=[], total=0, removed=0, sweeps=0,
+            changed=None, changed_by=None, etag="", runs=[], total=0, removed=0, sweeps=0,
         )
         for i, attributes in enumerate(given)
     ]  # fmt: skip

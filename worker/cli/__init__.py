@@ -12,9 +12,11 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from functools import cache
+from typing import Any
 
 import sqlalchemy as sa
 import typer
+from typer.core import TyperGroup
 
 from backend.db.access import AccessError
 from campaigns import CampaignError
@@ -32,6 +34,20 @@ class WrongInputError(Exception):
 
 class UnreachableError(Exception):
     """A service that did not answer in time. Ends the command with `INTERNAL`."""
+
+
+class _Interrupted(Exception):
+    """Ctrl-C; the message states what it left behind, if the command has said so."""
+
+
+class _Commands(TyperGroup):
+    """The command line library ends at Ctrl-C without a word: it is raised past it as another exception."""
+
+    def invoke(self, ctx: Any) -> object:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            raise _Interrupted(f"{error}") from None
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -52,8 +68,8 @@ def invoke(arguments: Sequence[str]) -> int:
     except UnreachableError as error:
         _explain(error)
         return INTERNAL
-    except (KeyboardInterrupt, typer.Abort):
-        typer.echo("interrupted", err=True)
+    except (KeyboardInterrupt, _Interrupted, typer.Abort) as error:
+        typer.echo(f"interrupted: {error}" if f"{error}" else "interrupted", err=True)
         return INTERRUPTED
     except Exception as error:
         sentence = _of_a_component(error)
@@ -69,6 +85,7 @@ def invoke(arguments: Sequence[str]) -> int:
 def build() -> typer.Typer:
     """The commands of this folder as one application."""
     app = typer.Typer(
+        cls=_Commands,
         help="Searches for the worst case of an obstacle-avoidance system and states what may be claimed.",
         no_args_is_help=True,
         add_completion=False,

@@ -30,6 +30,7 @@ from campaigns.stages.plan import plan
 from campaigns.versions import Versions
 from worker.catalogue.installed import catalogue
 from worker.cli import WrongInputError
+from worker.cli._interrupt import explained
 from worker.cli._results import read_folder, versions_of
 from worker.cli._where import existing_url_of, stored_run
 from worker.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
@@ -85,7 +86,8 @@ def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
     earlier = _Earlier(str(folder), campaign, store, versions_of(folder), {})
     onward, columns = earlier.onward(budget)
     memory = preloaded(onward, columns)
-    return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)
+    with explained(memory):
+        return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)
 
 
 def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Continued:
@@ -151,7 +153,10 @@ def _held(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute)
             raise
         except KeyboardInterrupt:
             queue.give_back(claim)
-            raise
+            raise KeyboardInterrupt(
+                f"{run_name(claim.run_id)} and its completed evaluations are stored; unless it was cancelled, a worker "
+                "of this database resumes it (`clearance serve` starts one)"
+            ) from None
         except Exception as error:
             queue.retry(claim, f"the runner raised {type(error).__name__}: {error}")
             raise

@@ -172,7 +172,8 @@ def _fresh(file: Path, campaign: Campaign, execute: Execute) -> tuple[Campaign, 
         raise CampaignError(str(file), problems)
     store = MemoryStore()
     try:
-        return campaign, store, execute(campaign, store, lambda: False)
+        with interrupt.explained(store):
+            return campaign, store, execute(campaign, store, lambda: False)
     except CampaignUnusable as error:
         raise CampaignError(str(file), error.problems) from None
 

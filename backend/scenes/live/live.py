@@ -36,6 +36,9 @@ MOST_STARTS = 3
 FIRST_LIMIT = 20.0
 """Time limit of a campaign's first simulation, which may include compilation [s]."""
 
+START_LIMIT = 180.0
+"""Time limit of the start of the process: it loads the physics, which takes minutes on an overloaded machine [s]."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -148,7 +151,10 @@ class _Child:
         self._command = command
         self._numbers = itertools.count(1)
         self._asked: dict[int, _Asked] = {}
-        self._heard = time.monotonic()
+        self._left: set[int] = set()
+        """Requests that were given up while the process started; it answers them nevertheless."""
+        self._ready = False
+        self._begun = self._heard = time.monotonic()
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
         self._started = threading.Event()
@@ -178,11 +184,28 @@ class _Child:
         while True:
             remaining = self._remaining()
             if remaining <= 0 and not asked.answer.done():
-                self.end("the simulation timed out; the next one starts a new simulation process")
+                self._exceeded(asked)
             try:
                 return asked.answer.result(max(remaining, 0.01))
             except TimeoutError:
                 continue
+
+    def _exceeded(self, asked: _Asked) -> None:
+        """The time limit of the oldest request is exceeded. A process that still starts is not ended for that.
+
+        It would never start where that takes longer than the limit.
+        """
+        if self._ready or time.monotonic() - self._begun > START_LIMIT:
+            self.end("the simulation timed out; the next one starts a new simulation process")
+            return
+        if time.monotonic() < asked.sent + asked.limit:
+            return  # it is an older one, which its own thread gives up
+        with self._lock:
+            left = {number for number, one in self._asked.items() if one is asked}
+            self._asked = {number: one for number, one in self._asked.items() if number not in left}
+            self._left |= left
+        if left:
+            asked.answer.set_exception(LiveError("the simulation process is still starting: ask again in a moment"))
 
     def end(self, why: str, failure: type[LiveError] = LiveError) -> None:
         """End it and fail all pending requests."""
@@ -236,6 +259,8 @@ class _Child:
         try:
             message = json.loads(line)
             if message.get("ready"):
+                with self._lock:
+                    self._ready, self._heard = True, time.monotonic()
                 return True
             if message.get("stale"):
                 self.end(_STALE, _StaleError)
@@ -243,10 +268,11 @@ class _Child:
             with self._lock:
                 self._heard = time.monotonic()
                 asked = self._asked.pop(message["id"], None)
+                given_up = message["id"] in self._left
         except (ValueError, AttributeError, KeyError, TypeError):
             return False
         if asked is None:
-            return self.over
+            return self.over or given_up
         if "error" in message:
             asked.answer.set_exception(FlightRefusedError(str(message["error"])))
         else:

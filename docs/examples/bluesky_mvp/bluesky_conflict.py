@@ -15,11 +15,18 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import bluesky
 import numpy as np
-from bluesky import navdatabase, tools
-from bluesky.stack.cmdparser import Command
 
+try:
+    import bluesky
+    from bluesky import navdatabase, tools
+    from bluesky.stack.cmdparser import Command
+except ModuleNotFoundError as error:
+    sys.exit(
+        f"the package {error.name} is not installed; where Clearance is installed: pip install 'clearance[bluesky]'"
+    )
+
+INSTALL = "pip install 'clearance[bluesky]'"
 VERSION = "1.1.1"
 """Of BlueSky. It is part of this file, and so of the simulator's digest: another version gives other numbers."""
 OPENAP = "2.6.2"
@@ -144,11 +151,11 @@ def unsuitable() -> str:
         try:
             installed = version(package)
         except PackageNotFoundError:
-            return f"the package {package} is not installed: install version {expected}"
+            return f"the package {package} is not installed; where Clearance is installed: {INSTALL}"
         if installed != expected:
             return (
-                f"{package} {installed} is installed, and this example is written for {expected}: install that "
-                f"version, or change {name} in {__file__}"
+                f"{package} {installed} is installed, and this example is written for {expected}: {INSTALL}, "
+                f"or change {name} in {__file__}"
             )
     return ""
 

@@ -14,7 +14,12 @@ import sys
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-import jsbsim
+try:
+    import jsbsim
+except ModuleNotFoundError as error:
+    sys.exit(
+        f"the package {error.name} is not installed; where Clearance is installed: pip install 'clearance[jsbsim]'"
+    )
 
 from worker.components.avoiders.closest_approach import ClosestApproach, Goal, component
 
@@ -226,8 +231,8 @@ def evaluated(asked: Mapping[str, Any]) -> dict[str, Any]:
     """Results, and their trace if it is requested, or an error."""
     if jsbsim.__version__ != VERSION:
         return {
-            "error": f"jsbsim {jsbsim.__version__} is installed, and this example is written for {VERSION}: install "
-            f"that version, or change VERSION in {__file__}"
+            "error": f"jsbsim {jsbsim.__version__} is installed, and this example is written for {VERSION}: pip "
+            f"install 'clearance[jsbsim]', or change VERSION in {__file__}"
         }
     try:
         rows: list[dict[str, float]] | None = [] if asked.get("trace") else None

@@ -128,7 +128,7 @@ export async function getFile(href: string): Promise<Blob> {
 
 /** Other runs of the same campaign, and those that differ only in the seed or the code. */
 export const getRelated = (run: string): Promise<RelatedRuns> => answer(sdk.listRelated({ path: { run } }))
-export const getTrend = (query: { campaign?: string; name?: string }): Promise<Trend> => answer(sdk.getTrend({ query }))
+export const getTrend = (query: { campaign?: string; name?: string; label?: string[] }): Promise<Trend> => answer(sdk.getTrend({ query }))
 export const listSweeps = (): Promise<SweepSummary[]> => answer(sdk.listSweeps())
 export const getSweep = (sweep: string): Promise<SweepDetail> => answer(sdk.getSweep({ path: { sweep } }))
 export const cancelSweep = (sweep: string): Promise<SweepDetail> => answer(sdk.cancelSweep({ path: { sweep } }))

@@ -57,7 +57,9 @@ export const importFile = ({ file, idAttribute, textAttribute }: GivenFile): Pro
 export const kindOf = (name: string): 'csv' | 'reqif' => (/\.(reqifz?|xml)$/i.test(name) ? 'reqif' : 'csv')
 
 export const deleteImport = (file: number): Promise<unknown> => answer(sdk.deleteImport({ path: { file } }))
-export const writeRequirement = (id: string, text: string): Promise<RequirementRow> =>
-  answer(sdk.writeRequirement({ body: { id, text } }))
-export const deleteRequirement = (requirement: string): Promise<unknown> =>
-  answer(sdk.deleteRequirement({ query: { requirement } }))
+const matching = (etag: string | undefined) => (etag === undefined ? {} : { headers: { 'If-Match': etag } })
+/** etag: of the text that was read; another one is not overwritten. */
+export const writeRequirement = (id: string, text: string, etag?: string): Promise<RequirementRow> =>
+  answer(sdk.writeRequirement({ body: { id, text }, ...matching(etag) }))
+export const deleteRequirement = (requirement: string, etag?: string): Promise<unknown> =>
+  answer(sdk.deleteRequirement({ query: { requirement }, ...matching(etag) }))

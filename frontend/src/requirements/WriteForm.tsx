@@ -19,9 +19,11 @@ export function WriteForm({ row, onDone }: WriteFormProps) {
   const cache = useQueryClient()
   const [id, setId] = useState(row?.id ?? '')
   const [text, setText] = useState(row?.text ?? '')
+  // As it was read: what somebody else changes meanwhile is not overwritten, even after the list was read again.
+  const [etag] = useState(row?.etag)
   const onSuccess = () => cache.invalidateQueries({ queryKey: ['requirements'] }).then(onDone)
-  const write = useMutation({ mutationFn: () => writeRequirement(id.trim(), text.trim()), onSuccess })
-  const remove = useMutation({ mutationFn: () => deleteRequirement(id), onSuccess })
+  const write = useMutation({ mutationFn: () => writeRequirement(id.trim(), text.trim(), etag), onSuccess })
+  const remove = useMutation({ mutationFn: () => deleteRequirement(id, etag), onSuccess })
   const [leaving, setLeaving] = useState(false)
   const error = write.error ?? remove.error
   return (

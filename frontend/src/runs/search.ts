@@ -63,13 +63,13 @@ const text = (value: unknown): string | undefined =>
   typeof value === 'string' || typeof value === 'number' ? String(value) || undefined : undefined
 
 /** One or several words; an empty list does not filter. */
-function words(value: unknown): string[] | undefined {
+export function words(value: unknown): string[] | undefined {
   const found = (Array.isArray(value) ? value : [value]).flatMap((item) => text(item) ?? [])
   return found.length ? [...new Set(found)] : undefined
 }
 
 /** Those that can be labels, key=value. */
-const pairs = (value: unknown): unknown[] =>
+export const pairs = (value: unknown): unknown[] =>
   (Array.isArray(value) ? value : [value]).filter((item) => typeof item === 'string' && /^[^=]+=./.test(item))
 
 const isSort = (value: string | undefined): value is Sort =>

@@ -13,6 +13,7 @@ import { rfc3339 } from '../format/time'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card, Seg } from '../ui/Card'
+import { FilterMenu } from '../runs/FilterMenu'
 import { usePolling } from '../ui/usePolling'
 import { type Along, apart, axisOf } from './axis'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from './cells'
@@ -23,10 +24,13 @@ import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 import styles from './trends.module.css'
 
-const trendQuery = ({ campaign, name }: TrendSearch) =>
+const trendQuery = ({ campaign, name, label }: TrendSearch) =>
   queryOptions({
-    queryKey: ['trend', campaign, name],
-    queryFn: () => getTrend({ campaign, name }),
+    queryKey: ['trend', campaign, name, label],
+    queryFn: () => getTrend({ campaign, name, label }),
+    // While other labels are chosen the page stays, and with it the menu.
+    placeholderData: (before: Trend | undefined, query) =>
+      query?.queryKey[1] === campaign && query?.queryKey[2] === name ? before : undefined,
     enabled: Boolean(campaign ?? name),
   })
 
@@ -95,12 +99,14 @@ function Shown({ trend }: { trend: Trend }) {
   const { points, axis } = useMemo(() => axisOf(runs, along), [runs, along])
   const show = (next: Along) =>
     void navigate({ to: '/trends', search: { ...search, along: next === usual ? undefined : next }, replace: true })
+  const narrow = (label: string[] | undefined) => void navigate({ to: '/trends', search: { ...search, label }, replace: true })
   const data = () => ({
     name: 'trend',
-    columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'confidence', 'campaign', 'code', 'requirements'],
+    columns: ['run', 'submitted', 'finished', 'state', 'verdict', 'seed', 'worst margin', 'unit', 'P(violation) upper bound', 'confidence', 'campaign', 'code', 'requirements', 'labels'],
     rows: runs.map((run) => [
       run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, run.verdict, run.seed,
       run.margin, run.unit, run.upper_bound, run.confidence, run.campaign_digest, run.code, run.requirements.join('; '),
+      Object.entries(run.labels).map(([key, value]) => `${key}=${value}`).join('; '),
     ]),
   })
   return (
@@ -123,14 +129,17 @@ function Shown({ trend }: { trend: Trend }) {
         </div>
         <div className={layout.acts}>
           {trend.digest && (
-            <Link to="/trends" search={{ name: trend.name }} className={buttons.btn}>
+            <Link to="/trends" search={{ name: trend.name, label: search.label }} className={buttons.btn}>
               All campaigns of this name
             </Link>
+          )}
+          {(trend.labels.length > 0 || search.label) && (
+            <FilterMenu name="Label" options={trend.labels} value={search.label} onChange={narrow} />
           )}
         </div>
       </div>
       {runs.length === 0 ? (
-        <p className="sec">No run has this campaign.</p>
+        <p className="sec">{search.label ? 'No run of this campaign has the chosen labels.' : 'No run has this campaign.'}</p>
       ) : (
         <div className={layout.grid}>
           <ChartCard title={`Worst margin and P(violation) ${along === 'time' ? 'over time' : 'by run'}`} note={changesOf(runs)} className={layout.c12} run="trend" data={data} right={<AlongSeg value={along} onChange={show} />}>
@@ -167,6 +176,7 @@ function AlongSeg({ value, onChange }: { value: Along; onChange: (value: Along) 
 
 function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
   const stated = runs.some(({ requirements }) => requirements.length > 0)
+  const labelled = runs.some(({ labels }) => Object.keys(labels).length > 0)
   return (
     <table className={tables.table}>
       <thead>
@@ -180,6 +190,7 @@ function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
           <th className="num">Seed</th>
           <th>Code</th>
           {stated && <th>Evidence for</th>}
+          {labelled && <th>Labels</th>}
           <th>Finished</th>
         </tr>
       </thead>
@@ -218,6 +229,13 @@ function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
                     </Link>
                   </span>
                 ))}
+              </td>
+            )}
+            {labelled && (
+              <td className="sec">
+                {Object.entries(run.labels)
+                  .map(([key, value]) => `${key}=${value}`)
+                  .join(', ')}
               </td>
             )}
             <td>

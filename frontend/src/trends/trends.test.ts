@@ -30,6 +30,9 @@ it('reads the address', () => {
   expect(readTrend({ campaign: 3 })).toEqual({})
   expect(readTrend({ name: 'y', along: 'order' })).toEqual({ name: 'y', along: 'order' })
   expect(readTrend({ name: 'y', along: 'sideways' })).toEqual({ name: 'y' })
+  expect(readTrend({ name: 'y', label: 'branch=main' })).toEqual({ name: 'y', label: ['branch=main'] })
+  expect(readTrend({ name: 'y', label: ['a=1', 'x', 3, 'a=1', 'b=2'] })).toEqual({ name: 'y', label: ['a=1', 'b=2'] })
+  expect(readTrend({ campaign: digest, label: [] })).toEqual({ campaign: digest })
 })
 
 const at = (...times: number[]) =>

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -45,9 +46,9 @@ def _read(file: Path, names: list[str]) -> Any:
         raise Unreadable(
             f"reading a ULog requires pyulog ({error}); install it: pip install 'clearance[logs]'"
         ) from None
-    _complete(file)
+    content = _complete(file)
     try:
-        log = ULog(str(file), names)
+        log = ULog(io.BytesIO(content), names)  # of a file that it cannot read it leaves the file open
     except Exception as error:  # pyulog raises many kinds
         raise Unreadable(
             f"{file.name} cannot be read: {' '.join(str(error).split()) or type(error).__name__}"
@@ -57,8 +58,8 @@ def _read(file: Path, names: list[str]) -> Any:
     return log
 
 
-def _complete(file: Path) -> None:
-    """Check that the file ends with a whole message; pyulog reads a cut file up to the cut without a word."""
+def _complete(file: Path) -> bytes:
+    """The content, which ends with a whole message; pyulog reads a cut file up to the cut without a word."""
     try:
         content = file.read_bytes()
     except OSError as error:
@@ -70,6 +71,7 @@ def _complete(file: Path) -> None:
         at += 3 + int.from_bytes(content[at : at + 2], "little")
     if at != len(content):
         raise Unreadable(f"{file.name} is cut: its last message is incomplete; what happened after it is unknown")
+    return content
 
 
 def _track(log: Any, topic: str) -> Track:
@@ -78,7 +80,7 @@ def _track(log: Any, topic: str) -> Track:
     if not found:
         raise Unreadable(f"the log has no topic {topic}")
     data = found[0].data
-    missing = [field for field in "xyz" if field not in data]
+    missing = [field for field in ("timestamp", *"xyz") if field not in data]
     if missing:
         raise Unreadable(f"the topic {topic} has no {', '.join(missing)}")
     times = data["timestamp"].astype(np.float64) * 1e-6

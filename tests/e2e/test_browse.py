@@ -31,10 +31,11 @@ NOTES = "# Why\n\nThe *planning radius* is <b>75 m</b>.\n\n- [x] flown"
 WATCH = """
     window.told = [];
     window.Notification = class extends window.Notification {
+        static permission = 'granted'
         constructor(title, more) { super(title, more); told.push([title, more.body]); }
     };
 """
-"""Writes down what the page has the browser show."""
+"""Writes down what the page has the browser show; one without windows shows nothing, and permits nothing by itself."""
 
 
 def post(visit: Visit, path: str, data: Any) -> Any:

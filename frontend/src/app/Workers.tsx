@@ -33,7 +33,8 @@ export function Workers() {
           type="button"
           className={clsx(styles.target, none && styles.none)}
           onClick={() => setOpened(!opened)}
-          aria-label={none ? 'No worker is alive' : `${workers(data.alive)} alive, ${count(busy)} busy`}
+          // The name contains what is shown, also in narrow windows, where that is the number alone.
+          aria-label={none ? 'No worker is alive, 0 workers' : `${workers(data.alive)} alive, ${count(busy)} busy`}
           title="Workers"
           data-testid="workers"
         >

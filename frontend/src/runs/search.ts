@@ -1,6 +1,7 @@
 // The state of the run list in the address. Start reading at `readSearch`.
 import type { RunFilter } from '../api/calls'
 import { COLUMN_KEYS, type ColumnKey } from './columnKeys'
+import { pairs, text, words } from '../format/query'
 
 export const SHOWS = ['cleared', 'violated', 'inconclusive', 'running', 'queued', 'failed', 'cancelled'] as const
 export type Show = (typeof SHOWS)[number]
@@ -58,19 +59,6 @@ export const NARROWING = ['q', 'show', 'campaign', 'tag', 'owner', 'method', 'la
 export const CLEARED = Object.fromEntries(NARROWING.map((key) => [key, undefined])) as Partial<RunsSearch>
 
 export const isNarrowed = (search: RunsSearch): boolean => NARROWING.some((key) => search[key] !== undefined)
-
-const text = (value: unknown): string | undefined =>
-  typeof value === 'string' || typeof value === 'number' ? String(value) || undefined : undefined
-
-/** One or several words; an empty list does not filter. */
-export function words(value: unknown): string[] | undefined {
-  const found = (Array.isArray(value) ? value : [value]).flatMap((item) => text(item) ?? [])
-  return found.length ? [...new Set(found)] : undefined
-}
-
-/** Those that can be labels, key=value. */
-export const pairs = (value: unknown): unknown[] =>
-  (Array.isArray(value) ? value : [value]).filter((item) => typeof item === 'string' && /^[^=]+=./.test(item))
 
 const isSort = (value: string | undefined): value is Sort =>
   value !== undefined && SORTS.some((sort) => value === sort || value === `-${sort}`)

@@ -1,5 +1,5 @@
 // The state of the trend page in the address.
-import { pairs, words } from '../runs/search'
+import { pairs, words } from '../format/query'
 import type { Along } from './axis'
 
 export interface TrendSearch {

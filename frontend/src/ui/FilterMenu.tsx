@@ -3,10 +3,10 @@ import { clsx } from 'clsx'
 import { type ReactNode, useState } from 'react'
 import type { Facet } from '../client'
 import { count } from '../format/numbers'
-import { Menu, Pick, Picks } from '../ui/Menu'
-import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
+import { Menu, Pick, Picks } from './Menu'
+import buttons from './buttons.module.css'
+import fields from './fields.module.css'
+import layout from './layout.module.css'
 
 interface FilterMenuProps {
   name: string

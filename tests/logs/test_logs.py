@@ -111,7 +111,7 @@ def test_other_topics_and_fields(tmp_path: Path) -> None:
 def test_a_ulog_whose_format_has_lost_its_time_is_named(tmp_path: Path) -> None:
     """One byte of its description was damaged, which ended in a KeyError."""
     file = ulog(tmp_path / "log.ulg", {TOPIC: STRAIGHT}, FIELDS.replace("uint64_t timestamp", "uint64_t timestomp"))
-    with pytest.raises(Unreadable, match="vehicle_local_position"):
+    with pytest.raises(Unreadable, match="the topic vehicle_local_position has no timestamp"):
         separation_of_ulog(file, [BESIDE])
 
 

@@ -30,6 +30,7 @@ UNREADABLE = {
     "json syntax": ('{"campaign": ', "application/json", "JSON"),
     "json key twice": ('{"campaign": {}, "campaign": {}}', "application/json", "given twice"),
     "json deep": ("[" * 100_000, "application/json", "JSON"),
+    "json many": ("[" + "[]," * 100_000 + "[]]", "application/json", "more than 100,000 lists"),
     "json list": ("[1]", "application/json", ""),
     "json nothing": ("{}", "application/json", "required"),
     "json nan": (json.dumps({"campaign": campaign(criterion={"threshold": math.nan})}), "application/json", "finite"),

@@ -32,7 +32,7 @@ def test_from_a_file_of_requirements_to_suspect_evidence(tmp_path: Path, browser
         dialog = page.get_by_role("dialog", name="Import requirements")
         dialog.get_by_label("File").set_input_files({"name": "a.csv", "mimeType": "text/csv", "buffer": b"a,b\n1,2\n"})
         dialog.get_by_role("button", name="Import").click()
-        expect(dialog.get_by_role("alert")).to_contain_text("no column for the id")
+        expect(dialog.get_by_role("alert")).to_contain_text("No column for the id")
         visit.wrong.clear()  # the browser reports the refusal on its console
         assert violations(page, within=["[role=dialog]"]) == []
         dialog.get_by_label("File").set_input_files(WRITTEN)

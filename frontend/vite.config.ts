@@ -74,7 +74,7 @@ export default defineConfig({
     pool: 'threads',
     isolate: false,
     // Only to end what hangs: the machine may be busy.
-    testTimeout: 60_000,
+    testTimeout: 600_000, // `make test` runs them at the lowest priority, beside everything else
     hookTimeout: 60_000,
   },
 })

@@ -166,7 +166,9 @@ interface SignFormProps {
 function SignForm({ run, seen, onDone }: SignFormProps) {
   const session = useQuery(sessionQuery).data
   const [name, setName] = useState('')
-  const [role, setRole] = useState(ROLES[0] ?? '')
+  const own = session !== undefined && session.user === run.owner
+  // Whoever launched a run is not independent of it.
+  const [role, setRole] = useState(own ? '' : (ROLES[0] ?? ''))
   const [comment, setComment] = useState('')
   const [digest] = useState(seen.digest)
   const sign = useChange(
@@ -186,6 +188,7 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
         You sign the verdict <b>{run.verdict}</b> with its findings and stages, sha256{' '}
         <span className="mono">{digest.slice(0, 16)}</span>
         {session && <>, signed in as {session.user}</>}. This cannot be edited later, only withdrawn.
+        {own && ` You launched ${run.id}, and the sign-off states that.`}
       </p>
       <label className={fields.lbl}>
         Name

@@ -274,6 +274,7 @@ def test_the_keys_are_listed_and_work(signed_in: Visit) -> None:
     page.keyboard.type("once more")
     expect(page.locator("tr[data-run]")).to_have_count(1)
     page.keyboard.press("Escape")
+    expect(page.get_by_label("Search runs")).to_have_value("once more")
     page.keyboard.press("j")
     page.keyboard.press("x")
     expect(page.get_by_text("1 selected")).to_be_visible()

@@ -52,7 +52,11 @@ export function SearchBox({ label, value, hint = 'Name, number, tag, user', begi
         placeholder={hint}
         aria-label={label}
         onChange={(event) => setText(event.target.value)}
-        onKeyDown={(event) => event.key === 'Escape' && event.currentTarget.blur()}
+        onKeyDown={(event) => {
+          if (event.key !== 'Escape') return
+          event.preventDefault() // what was searched for stays; the browser would clear it
+          event.currentTarget.blur()
+        }}
       />
       <span className={buttons.kbd}>/</span>
     </label>

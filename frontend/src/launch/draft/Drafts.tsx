@@ -42,7 +42,7 @@ export function Drafts() {
         )
       }
     >
-      <table className={tables.table}>
+      <table className={clsx(tables.table, tables.stack)}>
         <thead>
           <tr>
             <th>Draft</th>
@@ -62,18 +62,18 @@ export function Drafts() {
                   {draft.id}
                 </Link>
               </td>
-              <td className={layout.wrapAny}>{draft.name || <span className="mut">Untitled</span>}</td>
+              <td className={layout.wrapAny} data-label="Name">{draft.name || <span className="mut">Untitled</span>}</td>
               <td className={layout.hideN}>
                 <Tags tags={draft.tags} />
               </td>
-              <td>
+              <td data-label="Saved by">
                 {draft.saved_by}
                 {draft.owner !== draft.saved_by && <span className="mut">, begun by {draft.owner}</span>}
               </td>
-              <td className="nw" title={moment(draft.saved)}>
+              <td className="nw" title={moment(draft.saved)} data-label="Saved">
                 {when(draft.saved, now)}
               </td>
-              <td>
+              <td data-label={draft.run ? 'Run' : undefined}>
                 {draft.run && (
                   <Link to="/runs/$id" params={{ id: draft.run }} className="mono">
                     {draft.run}

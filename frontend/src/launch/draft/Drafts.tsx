@@ -63,7 +63,7 @@ export function Drafts() {
                 </Link>
               </td>
               <td className={layout.wrapAny} data-label="Name">{draft.name || <span className="mut">Untitled</span>}</td>
-              <td className={layout.hideN}>
+              <td className={layout.hideN} data-label={draft.tags.length > 0 ? 'Tags' : undefined}>
                 <Tags tags={draft.tags} />
               </td>
               <td data-label="Saved by">

@@ -7,11 +7,11 @@ tells which tests stay together. A fork that dies is reported and replaced. Star
 from __future__ import annotations
 
 import atexit
+import contextlib
 import os
 import sys
 import traceback
 import warnings
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, Pipe, wait
 from types import SimpleNamespace
@@ -59,12 +59,12 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
     return True
 
 
-def groups(session: pytest.Session) -> Iterator[list[int]]:
+def groups(session: pytest.Session) -> list[list[int]]:
     """Places of the tests of a group, for all groups in the order of their first test."""
     found: dict[str, list[int]] = {}
     for place, item in enumerate(session.items):
         found.setdefault(session.config.hook.pytest_group_of(item=item), []).append(place)
-    yield from found.values()
+    return list(found.values())
 
 
 @dataclass
@@ -87,7 +87,7 @@ class Parent:
     waiting: list[list[int]] = field(default_factory=list)
 
     def __enter__(self) -> Parent:
-        self.waiting = list(groups(self.session))
+        self.waiting = groups(self.session)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -139,7 +139,8 @@ class Parent:
         stopped = self.session.shouldfail or self.session.shouldstop
         group = self.waiting.pop(0) if self.waiting and not stopped else []
         fork.left += group
-        fork.connection.send(group)
+        with contextlib.suppress(ConnectionError):  # it died meanwhile, which is received next
+            fork.connection.send(group)
 
     def lost(self, fork: Fork) -> None:
         """It has ended. Where tests are left, the one that ran has failed, and another fork runs the others."""

@@ -7,6 +7,7 @@ import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
+import { PageHead } from './PageHead'
 import styles from './page.module.css'
 
 interface LoadingProps {
@@ -20,13 +21,7 @@ interface LoadingProps {
 export function Loading({ what, title, failed }: LoadingProps) {
   return (
     <>
-      {title && (
-        <div className={layout.ph}>
-          <div className={layout.t}>
-            <h1>{title}</h1>
-          </div>
-        </div>
-      )}
+      {title && <PageHead title={title} />}
       <div className={styles.loading} role="status">
         <div className={styles.attempts}>
           <span className={layout.row}>

@@ -8,6 +8,7 @@ import { getFile, listReports } from '../api/calls'
 import type { Report, ReportFile } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card } from '../ui/Card'
@@ -39,11 +40,7 @@ export function ReportsPage() {
   if (query.isError && !query.data)
     return (
       <>
-        <div className={layout.ph}>
-          <div className={layout.t}>
-            <h1>Reports</h1>
-          </div>
-        </div>
+        <PageHead title="Reports" />
         <Trouble error={query.error} retry={() => void query.refetch()} below />
       </>
     )
@@ -52,11 +49,7 @@ export function ReportsPage() {
   const total = query.data.pages[0]?.total ?? items.length
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>Reports</h1>
-        </div>
-      </div>
+      <PageHead title="Reports" />
       {(total > 0 || q) && (
         <div className={layout.filters}>
           <SearchBox label="Search reports" value={q} onChange={search} />

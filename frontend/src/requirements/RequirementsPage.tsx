@@ -10,6 +10,7 @@ import { sessionQuery } from '../api/queries'
 import { EXPORTS, requirementsQuery } from '../api/requirements'
 import type { RequirementRow } from '../client'
 import { count } from '../format/numbers'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card } from '../ui/Card'
@@ -45,11 +46,7 @@ export function RequirementsPage() {
   if (!query.data)
     return (
       <>
-        <div className={layout.ph}>
-          <div className={layout.t}>
-            <h1>Requirements</h1>
-          </div>
-        </div>
+        <PageHead title="Requirements" />
         {query.isError ? <Trouble error={query.error} retry={() => void query.refetch()} below /> : <Loading what="requirements" failed={query.failureReason} />}
       </>
     )

@@ -10,6 +10,7 @@ import { OutcomesChart } from '../charts/OutcomesChart'
 import type { Trend, TrendRun } from '../client'
 import { count } from '../format/numbers'
 import { rfc3339 } from '../format/time'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card, Seg } from '../ui/Card'
@@ -52,11 +53,7 @@ function Campaigns() {
   if (!data) return <Loading what="the campaigns" title="Trends" failed={failureReason} />
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>Trends</h1>
-        </div>
-      </div>
+      <PageHead title="Trends" />
       <Card title="Campaigns" note={data.campaigns.length > 0 && "By name, those with the most runs first"} flush={data.campaigns.length > 0}>
         {data.campaigns.length === 0 && (
           <p className="sec">

@@ -1,17 +1,21 @@
-"""Callback libraries as generators, and concurrent searches; no thread outlives its search."""
+"""Callback libraries as generators, and concurrent searches; no library goes on when its search is closed."""
 
 from __future__ import annotations
 
 import gc
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Generator, Iterator
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
 
 from tests.unit.searching import batch
 from worker.search.base import Batch, Floats, Search, side_by_side
-from worker.search.parts.callback import Ask, called_back
+from worker.search.parts.callback import Ask, called_back, called_back_in_thread
+
+T = TypeVar("T")
+Made = Callable[[Callable[[Ask], Any]], Generator[Floats, Batch, Any]]
 
 
 @pytest.fixture(autouse=True)
@@ -21,24 +25,47 @@ def no_thread_stays() -> Iterator[None]:
     assert set(threading.enumerate()) <= before
 
 
+def driven(search: Generator[Floats, Batch, T], factor: float = 1.0) -> T:
+    """What it returns, answered to its end."""
+    points = next(search)
+    try:
+        while True:
+            points = search.send(cost(points * factor))
+    except StopIteration as ended:
+        result: T = ended.value
+        return result
+
+
 # Libraries that call back
 
 
-def doubling(ask: Ask) -> float:
-    """A library that requests ever larger points, and returns the last result."""
+@pytest.fixture(params=[called_back, called_back_in_thread], ids=["greenlet", "thread"])
+def made(request: pytest.FixtureRequest) -> Made:
+    """The function that makes a generator of a library."""
+    function: Made = request.param
+    return function
+
+
+def doubling(ask: Ask, running: list[str] | None = None) -> float:
+    """A library that requests ever larger points, and returns the last result; `running` names it while it runs."""
+    names = [] if running is None else running
     x, answer = 0.01, 0.0
-    while x < 1:
-        answer = float(ask(np.array([[x]])).costs[0, 0])
-        x *= 2
-    return answer
+    names.append("doubling")
+    try:
+        while x < 1:
+            answer = float(ask(np.array([[x]])).costs[0, 0])
+            x *= 2
+        return answer
+    finally:
+        names.remove("doubling")
 
 
 def cost(points: Floats) -> Batch:
     return batch(points.sum(axis=1))
 
 
-def test_a_library_that_calls_back_becomes_a_generator() -> None:
-    search = called_back(doubling)
+def test_a_library_that_calls_back_becomes_a_generator(made: Made) -> None:
+    search = made(doubling)
     asked = []
     points = next(search)
     for _ in range(6):
@@ -51,28 +78,85 @@ def test_a_library_that_calls_back_becomes_a_generator() -> None:
 
 
 @pytest.mark.parametrize("after", range(4))
-def test_abandoning_it_ends_its_thread(after: int) -> None:
-    search = called_back(doubling)
-    before = threading.active_count()
+def test_closing_it_ends_the_library(made: Made, after: int) -> None:
+    running: list[str] = []
+    search = made(lambda ask: doubling(ask, running))
     points = next(search) if after else None
     for _ in range(after - 1):
         assert points is not None
         points = search.send(cost(points))
-    assert threading.active_count() == before + (after > 0)
+    assert len(running) == (after > 0)
     search.close()
-    assert threading.active_count() == before
+    assert running == []
 
 
-def test_forgetting_it_ends_its_thread_too() -> None:
-    search = called_back(doubling)
+def test_forgetting_it_ends_the_library_too(made: Made) -> None:
+    running: list[str] = []
+    search = made(lambda ask: doubling(ask, running))
     next(search)
-    before = threading.active_count()
+    assert running
     del search
     gc.collect()
-    assert threading.active_count() == before - 1
+    assert running == []
 
 
-def test_a_library_that_keeps_every_exception_ends_nevertheless() -> None:
+def test_an_interrupt_while_it_is_answered_ends_the_library(made: Made) -> None:
+    running: list[str] = []
+
+    def answering() -> None:
+        search = made(lambda ask: doubling(ask, running))
+        next(search)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        answering()
+    gc.collect()
+    assert running == []
+
+
+def test_an_interrupt_while_the_library_computes_is_raised(made: Made) -> None:
+    def computing(ask: Ask) -> None:
+        ask(np.array([[0.5]]))
+        raise KeyboardInterrupt  # as from its signal, which may come at any time
+
+    search = made(computing)
+    points = next(search)
+    with pytest.raises(KeyboardInterrupt):
+        search.send(cost(points))
+
+
+def test_no_thread_is_started_and_several_threads_have_their_own() -> None:
+    before, found = threading.active_count(), dict[int, float]()
+
+    def drive(k: int) -> None:
+        found[k] = driven(called_back(doubling), k)
+
+    drive(1)
+    assert threading.active_count() == before
+    threads = [threading.Thread(target=drive, args=[k]) for k in range(2, 6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == {k: 0.64 * k for k in range(1, 6)}
+
+
+def test_a_library_may_be_driven_from_within_another(made: Made) -> None:
+    def outer(ask: Ask) -> float:
+        inner, total = made(doubling), 0.0
+        points = next(inner)
+        while True:
+            answer = ask(points)
+            total += float(answer.costs[0, 0])
+            try:
+                points = inner.send(answer)
+            except StopIteration as ended:
+                return total + float(ended.value)
+
+    assert driven(made(outer)) == pytest.approx(1.27 + 0.64)
+
+
+def test_a_library_that_keeps_every_exception_ends_nevertheless(made: Made) -> None:
     asked = []
 
     def stubborn(ask: Ask) -> None:
@@ -83,13 +167,13 @@ def test_a_library_that_keeps_every_exception_ends_nevertheless() -> None:
             except Exception:
                 continue
 
-    search = called_back(stubborn)
+    search = made(stubborn)
     next(search)
     search.close()
     assert asked == [0]
 
 
-def test_a_library_that_asks_again_after_it_was_abandoned_is_refused_again() -> None:
+def test_a_library_that_asks_again_after_it_was_abandoned_is_refused_again(made: Made) -> None:
     def deaf(ask: Ask) -> int:
         refused = 0
         for _ in range(5):
@@ -101,28 +185,30 @@ def test_a_library_that_asks_again_after_it_was_abandoned_is_refused_again() -> 
         return refused
 
     seen: list[int] = []
-    search = called_back(deaf)
+    search = made(deaf)
     next(search)
     search.close()
     assert seen == [5]
 
 
-def test_an_error_in_the_library_surfaces() -> None:
+def test_an_error_in_the_library_surfaces(made: Made) -> None:
     def broken(ask: Ask) -> None:
         ask(np.array([[0.5]]))
         raise ZeroDivisionError("in the library")
 
-    search = called_back(broken)
+    search = made(broken)
     points = next(search)
     with pytest.raises(ZeroDivisionError, match="in the library"):
         search.send(cost(points))
 
 
-def test_an_error_thrown_into_the_generator_ends_the_thread() -> None:
-    search = called_back(doubling)
+def test_an_error_thrown_into_the_generator_ends_the_library(made: Made) -> None:
+    running: list[str] = []
+    search = made(lambda ask: doubling(ask, running))
     next(search)
     with pytest.raises(KeyboardInterrupt):
         search.throw(KeyboardInterrupt())
+    assert running == []
 
 
 # Side by side
@@ -178,9 +264,9 @@ def test_when_one_cannot_begin_the_others_are_closed() -> None:
     def broken(ask: Ask) -> str:
         raise MemoryError
 
-    before = threading.active_count()
-    both = side_by_side([called_back(lambda ask: str(doubling(ask))), called_back(broken)])
+    running: list[str] = []
+    both = side_by_side([called_back(lambda ask: str(doubling(ask, running))), called_back(broken)])
     with pytest.raises(MemoryError) as caught:
         next(both)
     assert caught.traceback  # the traceback references the frames, and thus every open generator
-    assert threading.active_count() == before
+    assert running == []

@@ -1,17 +1,20 @@
 """Turns a library that calls back for every evaluation into a generator that yields batches.
 
-The library runs in its own thread; it and the generator take turns, so they never run at the same time.
-Start reading at `called_back`.
+The library runs on a stack of its own in the same thread (greenlet): to go from one to the other takes 2 us, where
+waking another thread takes 50 us or more. A library whose state belongs to a thread gets one of its own; the two take
+turns, so they never run at the same time. Start reading at `called_back`.
 """
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from queue import SimpleQueue
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+from greenlet import getcurrent, greenlet
 
 from worker.search.base import Batch, Floats
 
@@ -20,7 +23,38 @@ Ask = Callable[[Floats], Batch]
 
 
 class Abandoned(BaseException):
-    """Raised inside the library's thread when the driver closes it; not caught by `except Exception`."""
+    """Raised in the library when the driver closes the generator; not caught by `except Exception`."""
+
+
+def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
+    """Run `run(ask)` and yield the points (m, n) that it requests; returns the result of `run`.
+
+    When the generator is closed, `ask` raises `Abandoned`, now and ever after, and the library ends before close
+    returns. The generator stays in the thread that began it.
+    """
+    abandoned = False
+
+    def ask(points: Floats) -> Batch:
+        if abandoned:
+            raise Abandoned
+        answer: Batch = library.parent.switch(points)
+        return answer
+
+    library: Any = greenlet(lambda: run(ask))
+    try:
+        said = library.switch()
+        while not library.dead:
+            answer = yield said
+            library.parent = getcurrent()  # whoever drives the generator now
+            said = library.switch(answer)
+        result: T = said
+        return result
+    finally:
+        abandoned = True
+        if not library.dead:
+            library.parent = getcurrent()
+            with suppress(Abandoned, Exception):
+                library.throw(Abandoned)
 
 
 class _Raised:
@@ -33,11 +67,8 @@ class _Returned:
         self.value = value
 
 
-def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
-    """Run `run(ask)` in a thread and yield the points (m, n) that it requests; returns the result of `run`.
-
-    When the generator is closed, `ask` raises `Abandoned` in the thread and the thread ends before close returns.
-    """
+def called_back_in_thread(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
+    """As `called_back`, for a library whose state belongs to a thread, as the random stream of NLopt does."""
     requests: SimpleQueue[Floats | _Raised | _Returned] = SimpleQueue()
     answers: SimpleQueue[Batch] = SimpleQueue()
     nothing = Batch(np.empty((0, 0)), np.empty(0, dtype=np.uint8))

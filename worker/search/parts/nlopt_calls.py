@@ -13,7 +13,7 @@ import nlopt
 import numpy as np
 
 from worker.search.base import Ended, Floats, Search, Space
-from worker.search.parts.callback import Ask, called_back
+from worker.search.parts.callback import Ask, called_back_in_thread
 from worker.search.parts.lowest import Lowest
 
 STOPPED = {
@@ -32,7 +32,7 @@ def optimised(space: Space, build: Callable[[], Any]) -> Search:
     text = "the search ended"
     seed = int(space.random.integers(1, 2**31))
     try:
-        text = yield from called_back(lambda ask: _run(ask, space.dimension, build, best, seed))
+        text = yield from called_back_in_thread(lambda ask: _run(ask, space.dimension, build, best, seed))
         return text
     finally:
         best.report(space, text)
@@ -53,7 +53,7 @@ def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed:
         highest = max(highest, value)
         return value
 
-    nlopt.srand(seed)  # NLopt's random stream is per thread, and each search has its own thread
+    nlopt.srand(seed)  # NLopt's random stream belongs to the thread, which is this search's own
     optimiser = build()
     optimiser.set_min_objective(cost)
     optimiser.set_lower_bounds(np.zeros(dimension))

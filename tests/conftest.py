@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+from tests import statements
 from tests.side_by_side import pytest_addoption, pytest_runtestloop
 
 __all__ = ["pytest_addoption", "pytest_runtestloop"]
@@ -63,6 +64,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_configure() -> None:
     """Collecting makes hardly any garbage."""
     gc.disable()
+    statements.share()
 
 
 def pytest_collection_finish() -> None:

@@ -1,0 +1,68 @@
+"""The nominal case without avoidance is kept for the next run, and never for another scenario's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from campaigns import Campaign, library, load_file
+from campaigns.asked.load import load_document
+from worker.systems.base import Shown
+from worker.systems.closed_loop import encounter
+from worker.systems.closed_loop.flights import Flights
+from worker.systems.closed_loop.trace import trace
+
+
+def changed(**changes: Any) -> Campaign:
+    """Case 1 with a short horizon, and with other entries of its scenario or, by their names, of the campaign."""
+    document = load_file(library()["unicycle_static"]).document()
+    document["scenario"] |= {"horizon": 2.0, "step": 0.01}
+    for name, value in changes.items():
+        place = document if name in document else document["scenario"]
+        place[name] = value
+    return load_document(document, "test")
+
+
+OTHERS = {
+    "another vehicle": changed(vehicle={"component": "unicycle", "parameters": {"m": 5.1, "J": 0.05}}),
+    "another start": changed(start={"x": 0.0, "y": 0.0, "theta": 0.3, "v": 0.0, "omega": 0.0}),
+    "another obstacle": changed(
+        obstacles=[{"component": "circle", "parameters": {"position": {"x": 1.0, "y": 0.5}, "radius": 0.2}}]
+    ),
+    "another step": changed(step=0.005),
+    "another horizon": changed(horizon=3.0),
+    "another threshold": changed(criterion={"component": "separation", "threshold": 9.0}),
+    "noise": changed(faults=[{"component": "sensor_noise"}], realisations={"seeds": [3]}),
+    "other noise": changed(faults=[{"component": "sensor_noise"}], realisations={"seeds": [4]}),
+}
+
+
+@pytest.fixture(autouse=True)
+def forgotten() -> Iterator[None]:
+    encounter._flown.cache_clear()
+    yield
+    encounter._flown.cache_clear()
+
+
+def seen(campaign: Campaign) -> Shown:
+    flights = Flights(campaign, compiled=False, lanes=1)
+    return encounter.shown(flights, trace(flights, "nominal", {}))
+
+
+def test_the_next_run_of_a_scenario_has_it_without_simulating_it() -> None:
+    first = seen(changed())
+    assert seen(changed(name="Another name", seed=7)) == first
+    assert (encounter._flown.cache_info().hits, encounter._flown.cache_info().misses) == (1, 1)
+    assert first.unseen is not None
+    assert first.unseen.deviation is not None
+
+
+@pytest.mark.parametrize("other", OTHERS.values(), ids=OTHERS)
+def test_what_changes_it_is_simulated(other: Campaign) -> None:
+    alone = seen(other)
+    encounter._flown.cache_clear()
+    seen(changed())
+    assert seen(other) == alone
+    assert encounter._flown.cache_info().misses == 2

@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
 
+from backend.db import revision
 from backend.db.private import create_private
 
 Result = TypeVar("Result")
@@ -113,14 +114,16 @@ def migration_lock(engine: sa.Engine) -> Iterator[sa.Connection]:
 
 def migrate(url: str) -> None:
     """Migrate the database to the newest schema; safe when several processes start at once."""
-    from backend.db.migrate import to_head  # imported here because Alembic is needed at start only
-
     engine = connect(url)
     if is_sqlite(engine):
         # A table is altered by copying and dropping it, which must not cascade; the pragma has no effect later.
         sa.event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=OFF"))
     try:
         with migration_lock(engine) as connection:
+            if revision.stored(connection) == revision.newest():
+                return
+            from backend.db.migrate import to_head  # only where it is needed: Alembic takes 0.2 s to load
+
             to_head(connection)
     finally:
         engine.dispose()

@@ -12,7 +12,10 @@ import sqlalchemy as sa
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from alembic.util import CommandError
 
+from backend.db import revision
 from backend.db.engine import connect, default_url, migrate, migration_lock
 from backend.db.migrate import config
 from backend.db.tables import Base
@@ -43,6 +46,23 @@ def test_migrating_again_changes_nothing(engine: sa.Engine, tmp_path: Path) -> N
     migrate(default_url(tmp_path))
     with engine.connect() as connection:
         assert connection.scalar(sa.text("select count(*) from catalogue")) == 1
+
+
+def test_the_newest_file_is_the_newest_revision(engine: sa.Engine, tmp_path: Path) -> None:
+    with engine.connect() as connection:
+        assert revision.stored(connection) is None
+        assert ScriptDirectory.from_config(config(connection)).get_heads() == [revision.newest()]
+    migrate(default_url(tmp_path))
+    with engine.connect() as connection:
+        assert revision.stored(connection) == revision.newest()
+
+
+def test_a_database_of_a_later_version_is_refused(engine: sa.Engine, tmp_path: Path) -> None:
+    migrate(default_url(tmp_path))
+    with engine.begin() as connection:
+        connection.execute(sa.text("update alembic_version set version_num = '9999'"))
+    with pytest.raises(CommandError, match="9999"):
+        migrate(default_url(tmp_path))
 
 
 def test_migrating_back_leaves_no_table(engine: sa.Engine, tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 
 from anyio import to_thread
 from fastapi import APIRouter, FastAPI
@@ -85,16 +85,15 @@ def create(settings: Settings) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        await app.state.webhooks.start()
-        yield
-        await app.state.webhooks.close()
-        await app.state.failures.flush()
-        await hub.close()
-        await to_thread.run_sync(live.close)
-        await to_thread.run_sync(app.state.previews.stop)
-        await to_thread.run_sync(app.state.cases.close)
-        await door.close()
-        engine.dispose()
+        async with AsyncExitStack() as ending:  # in reverse order, and each also if another fails
+            ending.callback(engine.dispose)
+            ending.push_async_callback(door.close)
+            for close in (app.state.cases.close, app.state.previews.stop, live.close):
+                ending.push_async_callback(to_thread.run_sync, close)
+            for finish in (hub.close, app.state.failures.flush, app.state.webhooks.close):
+                ending.push_async_callback(finish)
+            await app.state.webhooks.start()
+            yield
 
     app = FastAPI(
         title="Clearance",

@@ -149,7 +149,7 @@ function Shown({ trend }: { trend: Trend }) {
             flush
             footer={total > runs.length && `The newest ${runs.length} of ${count(total)} runs.`}
           >
-            <Table runs={runs} named={!trend.digest} />
+            <Table runs={runs} named={!trend.digest} label={search.label} />
           </Card>
         </div>
       )}
@@ -171,7 +171,7 @@ function AlongSeg({ value, onChange }: { value: Along; onChange: (value: Along) 
   )
 }
 
-function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
+function Table({ runs, named, label }: { runs: readonly TrendRun[]; named: boolean; label: string[] | undefined }) {
   const stated = runs.some(({ requirements }) => requirements.length > 0)
   const labelled = runs.some(({ labels }) => Object.keys(labels).length > 0)
   return (
@@ -205,7 +205,7 @@ function Table({ runs, named }: { runs: readonly TrendRun[]; named: boolean }) {
             <td className="num sec">{boundOf(run)}</td>
             {named && (
               <td className="sec">
-                <Link to="/trends" search={{ campaign: run.campaign_digest }} className="mono" title={run.campaign_digest}>
+                <Link to="/trends" search={{ campaign: run.campaign_digest, label }} className="mono" title={run.campaign_digest}>
                   {run.campaign_digest.slice(0, 8)}
                 </Link>
                 {run.campaign_changed && ' changed'}

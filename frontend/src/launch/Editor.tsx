@@ -189,7 +189,7 @@ export function Editor(props: EditorProps) {
             </p>
           )}
         </div>
-        <div className={clsx(layout.stack, styles.side)}>
+        <div className={clsx(layout.stack, styles.side, !hasScenario(draft.campaign) && styles.unpaired)}>
           <RunCard
             name={name}
             tags={tags}

@@ -5,6 +5,8 @@ Start reading at `shown`.
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from backend.db.records import Trace
@@ -13,11 +15,17 @@ from campaigns.asked.scenario import FaultPart
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.validate import Unseen
 from worker.systems.base import Condition, Shown
+from worker.systems.closed_loop.assemble import Loop
 from worker.systems.closed_loop.flights import Flights
 from worker.systems.closed_loop.trace import trace
 
 UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6})
 """No obstacle is ever seen: the avoider steers to the goal as if there were none."""
+
+KEPT = 8
+"""How many unseen flights are kept of each loop."""
+
+_FLOWN: WeakKeyDictionary[Loop, dict[tuple[str, int | None], Trace]] = WeakKeyDictionary()
 
 
 def conditions(flights: Flights) -> tuple[Condition, ...]:
@@ -45,7 +53,7 @@ def _unseen(campaign: Campaign, nominal: Trace) -> Unseen:
     realisation = nominal.meta.realisation
     blind = Flights(unseen(campaign), compiled=False, lanes=1)
     # With several realisations, use the one that the nominal trace shows: the worst, which determines the cost.
-    flight = trace(blind.under(None if realisation is None else realisation.seed), "unseen", {})
+    flight = _flown(blind, None if realisation is None else realisation.seed)
     rows = min(len(flight.data), len(nominal.data))
     apart = np.linalg.norm(flight.data[:rows, 1:4] - nominal.data[:rows, 1:4], axis=1)
     return Unseen(
@@ -54,6 +62,19 @@ def _unseen(campaign: Campaign, nominal: Trace) -> Unseen:
         reason=flight.meta.reason,
         deviation=float(apart.max()) if rows else None,
     )
+
+
+def _flown(blind: Flights, seed: int | None) -> Trace:
+    """That simulation; those of the last loops are kept, because a process often runs a scenario again."""
+    campaign = blind.campaign
+    asked = (campaign.given_scenario, campaign.criterion, campaign.objectives)
+    key = repr(asked), seed
+    kept = _FLOWN.setdefault(blind.loop, {})
+    if key not in kept:
+        if len(kept) >= KEPT:
+            kept.clear()
+        kept[key] = trace(blind.under(seed), "unseen", {})
+    return kept[key]
 
 
 def unseen(campaign: Campaign) -> Campaign:

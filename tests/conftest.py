@@ -52,6 +52,8 @@ def pytest_group_of(item: pytest.Item) -> str:
             return "tests/api: postgresql"  # one server for all
         if "process" in getattr(item, "fixturenames", ()):
             return "tests/api: simulating"  # one process for all
+    if file.startswith("tests/unit/") and "live" in getattr(item, "fixturenames", ()):
+        return "tests/unit: live"
     number = re.search(r"\[(\d+)-", rest)
     return f"{file}[{number[1]}]" if number and file.endswith(SPREAD) else file
 

@@ -346,7 +346,7 @@ RUNNER = "import worker.runs.runner; from worker.catalogue.installed import cata
             ),
             (CLI, {"numba", "scipy", "fastapi"}),
             ("import worker.processes.supervisor", {"numba", "scipy", "fastapi"}),
-            (RUNNER, {"scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "pymoo", "fastapi"}),
+            (RUNNER, {"SALib", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "pymoo", "fastapi"}),
         ],
     ],
     ids=["service", "worker"],

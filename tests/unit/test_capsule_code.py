@@ -108,7 +108,7 @@ def test_source_of_a_package_is_written_where_its_entry_points_find_it(
     monkeypatch.syspath_prepend(packages)
     monkeypatch.delitem(sys.modules, FOREIGN, raising=False)
     (entry,) = entry_points(group="clearance.components", name="my_field")
-    assert entry.load().name == "my_field"
+    assert entry.load().component.name == "my_field"
     assert Path(sys.modules.pop(FOREIGN).__file__ or "").is_relative_to(packages)
     assert trace.exists()
 

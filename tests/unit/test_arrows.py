@@ -340,6 +340,7 @@ RUNNER = "import worker.runs.runner; from worker.catalogue.installed import cata
         [
             ("import clearance", {"numpy", "numba", "scipy", "pydantic", "sqlalchemy", "fastapi"}),
             ("from clearance import Client", {"worker", "backend", "numpy", "numba", "scipy", "sqlalchemy", "fastapi"}),
+            ("import campaigns", {"worker", "backend", "numpy", "numba", "scipy"}),
             (
                 "import worker.audit.judge",
                 {"numba", "scipy", "fastapi", "backend", "worker.runs.runner", "worker.catalogue.installed"},

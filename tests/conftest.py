@@ -47,6 +47,13 @@ def pytest_group_of(item: pytest.Item) -> str:
     file, _, rest = item.nodeid.partition("::")
     if browsed := re.fullmatch(r"tests/e2e/test_(\w+)\.py", file):
         return f"tests/e2e: {BROWSED.get(browsed[1], 'others')}"
+    if file.startswith("tests/api/"):
+        if "postgresql" in rest:
+            return "tests/api: postgresql"  # one server for all
+        if "process" in getattr(item, "fixturenames", ()):
+            return "tests/api: simulating"  # one process for all
+    if file.startswith("tests/unit/") and "live" in getattr(item, "fixturenames", ()):
+        return "tests/unit: live"
     number = re.search(r"\[(\d+)-", rest)
     return f"{file}[{number[1]}]" if number and file.endswith(SPREAD) else file
 

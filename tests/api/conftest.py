@@ -11,9 +11,10 @@ from typing import Any
 import httpx
 import pytest
 
-from backend.db.engine import default_url, migrate
+from backend.db.engine import default_url
 from backend.scenes.live.live import Live
 from backend.settings import Settings
+from tests import migrated as empty
 from tests.api.databases import KINDS, Fresh, on_postgresql
 from tests.api.server import Service
 
@@ -22,7 +23,7 @@ from tests.api.server import Service
 def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with an empty database of the newest form."""
     folder = tmp_path_factory.mktemp("migrated")
-    migrate(default_url(folder))
+    empty.migrated(folder)
     return folder
 
 

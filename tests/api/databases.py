@@ -21,6 +21,11 @@ KINDS = ("sqlite", "postgresql")
 BOTH = pytest.mark.parametrize("database", KINDS, indirect=True)
 """What is claimed of one database is claimed of both; without a PostgreSQL server that half is skipped."""
 
+AT_NIGHT = pytest.mark.parametrize(
+    "database", [KINDS[0], pytest.param(KINDS[1], marks=pytest.mark.nightly)], indirect=True
+)
+"""The same, by day on SQLite alone: what locks, sorts, deletes or inserts as PostgreSQL does is tested on it by day."""
+
 POSTGRESQL = pytest.mark.parametrize("database", KINDS[1:], indirect=True)
 
 

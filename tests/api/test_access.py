@@ -20,7 +20,7 @@ from backend.sessions.attempts import BURST
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.conftest import Fresh, running
-from tests.api.databases import BOTH
+from tests.api.databases import AT_NIGHT, BOTH
 from tests.api.server import Service, until
 
 CLOSED = [
@@ -87,7 +87,7 @@ def test_a_wrong_login_link_is_refused_and_recorded_without_the_code(service: Se
     assert row["detail"] == {"address": "127.0.0.1", "attempts": 1}
 
 
-@BOTH
+@AT_NIGHT
 def test_a_new_login_link_voids_the_unused_ones_before_it_and_ends_no_session(service: Service) -> None:
     with service.signed_in() as browser:
         old, new = service.login_code(), service.login_code()
@@ -139,7 +139,7 @@ def test_signing_out_ends_the_session_for_good(service: Service, client: httpx.C
         problem(thief.get("/api/v1/session"), 401)
 
 
-@BOTH
+@AT_NIGHT
 def test_a_token_signs_in_and_its_use_is_noted(service: Service) -> None:
     token = service.token("ci")
     with service.visitor(authorization=f"Bearer {token}") as program:
@@ -164,7 +164,7 @@ def writing(engine: sa.Engine) -> Iterator[None]:
             connection.rollback()
 
 
-@BOTH
+@AT_NIGHT
 def test_stopping_leaves_no_connection_open_while_a_use_is_recorded(fresh: Fresh, tmp_path: Path) -> None:
     with running(fresh, tmp_path) as service:
         notes, count = service.app.state.door._notes, Counter[str]()
@@ -189,7 +189,7 @@ def test_authentication_does_not_wait_for_a_writer(service: Service) -> None:
         assert last_used(service) is None, "it was not noted, and nothing came of that"
 
 
-@BOTH
+@AT_NIGHT
 def test_wrong_codes_are_bounded_in_number_and_a_good_one_is_taken_all_the_same(service: Service) -> None:
     looked: list[str] = []
     code = service.login_code()

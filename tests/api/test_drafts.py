@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from backend.db.tables import Audit
 from backend.drafts import service as drafts
 from tests.api.answers import problem
-from tests.api.databases import BOTH
+from tests.api.databases import AT_NIGHT, BOTH
 from tests.api.server import Service
 from tests.api.submitting import submit
 
@@ -55,7 +55,7 @@ def test_saving_requires_the_current_version(service: Service, client: httpx.Cli
     assert client.get(f"{DRAFTS}/D-0001").json()["text"] == "name: Theirs"
 
 
-@BOTH
+@AT_NIGHT
 def test_a_draft_names_the_run_launched_from_it(client: httpx.Client) -> None:
     kept(client)
     run = submit(client)
@@ -65,7 +65,7 @@ def test_a_draft_names_the_run_launched_from_it(client: httpx.Client) -> None:
     problem(client.put(f"{DRAFTS}/D-0001", json=given(version=3, run="R-0099")), 404)
 
 
-@BOTH
+@AT_NIGHT
 def test_deleting_is_noted_and_a_number_is_never_given_again(service: Service, client: httpx.Client) -> None:
     kept(client)
     problem(client.delete(f"{DRAFTS}/D-0001", params={"version": 2}), 409)

@@ -20,7 +20,7 @@ from backend.exports import service as exports
 from backend.scenes.recordings import recording
 from tests.api.answers import problem
 from tests.api.conftest import running
-from tests.api.databases import BOTH, KINDS, Fresh
+from tests.api.databases import AT_NIGHT, KINDS, Fresh
 from tests.api.finished import Work, finish, flight, search
 from tests.api.server import Service
 from tests.api.submitting import submit
@@ -77,7 +77,7 @@ def test_no_name_of_a_run_leaves_the_header() -> None:
     assert len(exports.named("R-0001", "long " * 40, "run.json")) < 70
 
 
-@pytest.fixture(scope="module", params=KINDS)
+@pytest.fixture(scope="module", params=[KINDS[0], pytest.param(KINDS[1], marks=pytest.mark.nightly)])
 def stored(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stored]:
     """A client, and a finished run that the tests only read, on both databases."""
     fresh: Fresh = request.getfixturevalue(f"fresh_{request.param}")
@@ -180,7 +180,7 @@ def test_everything_as_json(stored: Stored) -> None:
     assert len(told["results_digest"]) == 64
 
 
-@BOTH
+@AT_NIGHT
 def test_what_did_not_change_is_not_sent_again(service: Service, client: httpx.Client, run: str) -> None:
     address = f"/api/v1/runs/{run}/exports/run.json"
     tag = client.get(address).headers["etag"]

@@ -14,7 +14,7 @@ from backend.db.queue import Queue
 from backend.db.tables import Run, RunText
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
-from tests.api.databases import BOTH, POSTGRESQL
+from tests.api.databases import AT_NIGHT, BOTH, POSTGRESQL
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
 from tests.api.submitting import submit
@@ -47,7 +47,7 @@ def sign(client: httpx.Client, run: str) -> httpx.Response:
     return client.post(f"{run}/signoffs", json={"name": "Ada", "role": "Review", "digest": digest})
 
 
-@BOTH
+@AT_NIGHT
 def test_a_removed_run_is_in_no_list_and_keeps_its_address(client: httpx.Client, run: str) -> None:
     submit(client, seed=2)
     before = client.get(run).json()
@@ -81,7 +81,7 @@ def test_nothing_is_written_on_a_removed_run(client: httpx.Client, run: str) -> 
     assert client.post(f"{run}/cancel").json()["state"] == "done"
 
 
-@BOTH
+@AT_NIGHT
 def test_a_run_in_work_and_a_signed_one_stay(service: Service, client: httpx.Client, run: str) -> None:
     signed = sign(client, run).json()
     waiting = submit(client, seed=2)

@@ -17,7 +17,7 @@ from backend.reports import pdf, plot, words
 from campaigns.claims import earlier, numbers
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
-from tests.api.databases import BOTH
+from tests.api.databases import AT_NIGHT, BOTH
 from tests.api.finished import Work, finish
 from tests.api.reported import finish_fully
 from tests.api.server import Service
@@ -46,7 +46,7 @@ def report(client: httpx.Client, run: str) -> str:
     return answer.text
 
 
-@BOTH
+@AT_NIGHT
 def test_it_has_every_section_and_figure(client: httpx.Client, run: str) -> None:
     text = report(client, run)
     found = [re.sub(r"^\d+\. ", "", heading) for heading in re.findall(r"<h2>(.*?)</h2>", text)]

@@ -18,7 +18,7 @@ from backend.db.tables import Audit, CatalogueDocument, Finding, Run
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.changing import changed
-from tests.api.databases import BOTH
+from tests.api.databases import AT_NIGHT, BOTH
 from tests.api.joined import joined
 from tests.api.reported import finish_fully
 from tests.api.server import Service
@@ -63,7 +63,7 @@ def sign(client: httpx.Client, run: str) -> None:
     assert client.post(f"/api/v1/runs/{run}/signoffs", json=body).status_code == 201
 
 
-@BOTH
+@AT_NIGHT
 def test_a_requirement_is_met_by_signed_evidence_until_something_changes(
     service: Service, client: httpx.Client
 ) -> None:
@@ -214,7 +214,7 @@ def test_a_requirement_without_text_in_its_campaign_is_that_of_the_sign_off(
     assert row(client, "REQ-1")["status"] == "suspect"
 
 
-@BOTH
+@AT_NIGHT
 def test_a_reqif_file_is_written_back_byte_by_byte(client: httpx.Client) -> None:
     """Those of other tools, see `requirements/public/README.md`, and those of a folder."""
     files: dict[str, tuple[bytes, dict[str, str], int]] = {"written.reqif": (WRITTEN, {}, 2)}

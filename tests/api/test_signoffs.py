@@ -12,7 +12,7 @@ from backend.db.tables import Audit, Finding, Run, Stage, Trace
 from tests import results
 from tests.api.answers import problem
 from tests.api.changing import changed
-from tests.api.databases import BOTH
+from tests.api.databases import AT_NIGHT, BOTH
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.api.submitting import submit
@@ -74,7 +74,7 @@ CHANGES: list[tuple[Any, dict[str, Any]]] = [
 ]
 
 
-@BOTH
+@AT_NIGHT
 def test_a_later_change_of_a_result_shows(service: Service, client: httpx.Client, run: str) -> None:
     """Each change by itself: the results that were signed are there again before the next one."""
     signed = client.post(run, json=given(client, run)).json()["digest"]
@@ -87,7 +87,7 @@ def test_a_later_change_of_a_result_shows(service: Service, client: httpx.Client
         assert client.get(run).json()["items"][0]["current"] is True, values
 
 
-@BOTH
+@AT_NIGHT
 def test_what_people_write_on_a_run_is_no_result(service: Service, client: httpx.Client, run: str) -> None:
     client.post(run, json=given(client, run))
     with service.engine.begin() as connection:
@@ -101,7 +101,7 @@ def test_other_results_than_those_reviewed_are_not_signed(client: httpx.Client, 
     assert client.get(run).json()["items"] == []
 
 
-@BOTH
+@AT_NIGHT
 def test_the_same_word_is_taken_once(client: httpx.Client, run: str) -> None:
     body = given(client, run)
     assert client.post(run, json=body).status_code == 201
@@ -109,7 +109,7 @@ def test_the_same_word_is_taken_once(client: httpx.Client, run: str) -> None:
     assert client.post(run, json=body | {"role": "Safety authority"}).status_code == 201
 
 
-@BOTH
+@AT_NIGHT
 def test_a_sign_off_is_withdrawn_once_and_stays_on_record(service: Service, client: httpx.Client, run: str) -> None:
     signed = client.post(run, json=given(client, run)).json()
     address = f"{run}/{signed['id']}/withdraw"
@@ -173,7 +173,7 @@ def test_hostile_words_of_a_reviewer_stay_words(client: httpx.Client, run: str) 
     assert text.count("&lt;script&gt;alert(1)&lt;/script&gt;") == 3
 
 
-@BOTH
+@AT_NIGHT
 def test_a_file_made_before_a_sign_off_is_not_taken_for_the_one_after(client: httpx.Client, run: str) -> None:
     address = run.replace("signoffs", "exports/run.json")
     before = client.get(address)

@@ -17,7 +17,7 @@ from backend.db.tables import CatalogueDocument, CatalogueSnapshot, Run
 from campaigns import Campaign, Catalogue
 from campaigns.checked.snapshot import changes, digest_of, snapshot, values_changed
 from tests.api.catalogue import CATALOGUE, campaign
-from tests.api.databases import BOTH
+from tests.api.databases import AT_NIGHT, BOTH
 from tests.api.finished import search
 from tests.api.reported import PLAN, finish_fully
 from tests.api.server import Service
@@ -82,7 +82,7 @@ def test_runs_of_the_same_components_share_one_snapshot(service: Service, client
     assert first["changes"] == []
 
 
-@BOTH
+@AT_NIGHT
 def test_a_later_installation_does_not_change_the_description_of_a_run(service: Service, client: httpx.Client) -> None:
     by_default = {"vehicle.J": {"plus_minus": "20%"}, "vehicle.m": {"low": 4, "high": 6}}
     run = f"/api/v1/runs/{submit(client, uncertain=by_default)}"
@@ -131,7 +131,7 @@ def test_a_run_without_snapshot_uses_the_installed_descriptions(service: Service
     assert "This installation has no component" in client.get(f"{run}/report.html").text
 
 
-@BOTH
+@AT_NIGHT
 def test_the_digest_of_earlier_results_is_what_it_was(service: Service, client: httpx.Client) -> None:
     submit(client)
 
@@ -147,7 +147,7 @@ def test_the_digest_of_earlier_results_is_what_it_was(service: Service, client: 
     assert digest() == "3ebf96b5a028133a235db85a1e1ceae24c8a7deba2f44e105eedc23c503e4add"
 
 
-@BOTH
+@AT_NIGHT
 def test_the_worker_that_starts_a_run_records_the_meaning_of_its_components(
     service: Service, client: httpx.Client
 ) -> None:

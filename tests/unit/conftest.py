@@ -1,4 +1,4 @@
-"""The process of live simulations, shared by a module's tests. Start reading at `live`."""
+"""The process of live simulations, shared by all tests of a process; runs with few spot checks."""
 
 from __future__ import annotations
 
@@ -7,14 +7,30 @@ from collections.abc import Iterator
 import pytest
 
 from tests.unit.living import Live
+from worker.audit import judge
+from worker.stages.parts import offered
+
+FEW = 5
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(autouse=True, scope="module")
+def few_spot_checks(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Of 200 evaluations that a run checks with the reference integrator, two thirds of its processor time, five.
+
+    A module with `ALL_CHECKS` has all of them.
+    """
+    if getattr(request.module, "ALL_CHECKS", False):
+        yield
+        return
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(offered, "SPOT_CHECKS", FEW)
+        patch.setattr(judge.audit, "__defaults__", (offered.AT_MOST, FEW))
+        yield
+
+
+@pytest.fixture(scope="session")
 def live() -> Iterator[Live]:
     made = Live()
     assert made.hear() == {"ready": True}
     yield made
     assert made.end() == (0, b"")
-
-
-"""[s]; the first flight may have to be compiled."""

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
-from backend.db.engine import connect, default_url, migrate, write
+from backend.db.engine import connect, write
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
 from tests.audited import audited, recorded
+from tests.migrated import migrated
 from tests.unit.cases import searching
 from tests.unit.records import (
     CALLS,
@@ -50,9 +51,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def database(tmp_path: Path) -> Iterator[sa.Engine]:
     """A database with the cleared run as written by a worker, with searches in two chunks."""
-    url = default_url(tmp_path)
-    migrate(url)
-    engine = connect(url)
+    engine = connect(migrated(tmp_path))
     campaign, memory = ran("cleared")
     with engine.begin() as connection:
         submit(connection, campaign, name="a", tags=[], owner="", planned=1)
@@ -214,8 +213,7 @@ def test_what_cannot_be_read_is_wrong_input(
 
 
 def test_a_run_without_a_verdict_is_wrong_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    migrate(default_url(tmp_path))
-    engine = connect(default_url(tmp_path))
+    engine = connect(migrated(tmp_path))
     with engine.begin() as connection:
         submit(connection, searching(DIRECT), name="a", tags=[], owner="", planned=1)
     with pytest.raises(UnreadableError, match="it is queued and has no verdict"):

@@ -11,7 +11,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db import baselines, labels
-from backend.db.engine import connect, default_url, migrate, read
+from backend.db.engine import connect, read
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from campaigns import Campaign
@@ -19,6 +19,7 @@ from campaigns.asked.load import load_document
 from campaigns.results import NominalResult
 from campaigns.results.base import EXCLUDED
 from campaigns.results.baseline import BaselineResult
+from tests.migrated import migrated
 from tests.problems import Problem
 from tests.unit.cases import campaign, searching
 from tests.unit.records import DIRECT, NOISE, SHORT, SQP, Folder
@@ -229,8 +230,7 @@ def stored(engine: sa.Engine, asked: Campaign, given: str, **labels: str) -> int
 
 
 def test_a_stored_run_is_compared_audited_and_extended(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    migrate(default_url(tmp_path))
-    engine = connect(default_url(tmp_path))
+    engine = connect(migrated(tmp_path))
     policy = {"fail_on": ["worse"], "tolerance": 0.001}
     asked = searching(DIRECT, SQP, **SHORT, regression=policy)
     assert stored(engine, asked, "", branch="main") == 1

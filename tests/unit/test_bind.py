@@ -88,8 +88,8 @@ class Package:
 
     def run(self) -> Any:
         """What a new process answers: the kernel's values, and whether it found the compiled code on disk."""
-        _, answer = self.start().communicate(timeout=120)[0].split("\n", 1)
-        return json.loads(answer)
+        loop, answer = self.start().communicate(timeout=120)[0].split("\n", 1)
+        return json.loads(answer) | {"loop": loop}
 
     def start(self) -> subprocess.Popen[str]:
         """A new process; its first line is the name of the loop, which it compiles next."""
@@ -103,40 +103,31 @@ class Package:
         return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
 
 
-def test_the_next_process_finds_the_code_and_sees_every_edit(tmp_path: Path) -> None:
+def test_of_processes_that_need_the_same_code_one_compiles_it(tmp_path: Path) -> None:
+    """And an edit of a dependency is compiled anew."""
     package = Package(tmp_path)
     first = package.run()
     assert (first["answer"], first["hits"], first["misses"]) == (["3.0", "5.0", "nan"], 0, 1)
     assert list((tmp_path / "cache").rglob("*.nbc"))
 
-    again = package.run()
-    assert (again["answer"], again["hits"], again["misses"]) == (["3.0", "5.0", "nan"], 1, 0)
-    assert again["name"] == first["name"]
+    shutil.rmtree(tmp_path / "cache")
+    (tmp_path / "cache" / "locks").mkdir(parents=True)
+    with (tmp_path / "cache" / "locks" / first["loop"]).open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        one, other = package.start(), package.start()
+        assert one.stdout is not None
+        assert other.stdout is not None
+        assert one.stdout.readline().strip() == other.stdout.readline().strip() == first["loop"]
+    answers = [json.loads(process.communicate(timeout=120)[0]) for process in (one, other)]
+    # The second process finds what the first has stored.
+    assert sorted((answer["misses"], answer["hits"]) for answer in answers) == [(0, 1), (1, 0)]
+    assert [answer["name"] for answer in answers] == [first["name"]] * 2
+    assert [answer["answer"] for answer in answers] == [["3.0", "5.0", "nan"]] * 2
 
     package.edit("far.py", "by * x", "x / by")
     edited = package.run()
     assert (edited["answer"], edited["misses"]) == (["1.5", "2.0", "nan"], 1)
     assert edited["name"] != first["name"]
-
-
-def test_of_processes_that_need_the_same_code_one_compiles_it(tmp_path: Path) -> None:
-    package = Package(tmp_path)
-    with package.start() as first:
-        assert first.stdout is not None
-        name = first.stdout.readline().strip()
-        first.kill()  # it compiles next
-        first.stdout.read()
-    shutil.rmtree(tmp_path / "cache", ignore_errors=True)
-    (tmp_path / "cache" / "locks").mkdir(parents=True)
-    with (tmp_path / "cache" / "locks" / name).open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        one, other = package.start(), package.start()
-        assert one.stdout is not None
-        assert other.stdout is not None
-        assert one.stdout.readline().strip() == other.stdout.readline().strip() == name
-    answers = [json.loads(process.communicate(timeout=120)[0]) for process in (one, other)]
-    assert sorted(answer["misses"] for answer in answers) == [0, 1]
-    assert [answer["answer"] for answer in answers] == [["3.0", "5.0", "nan"]] * 2
 
 
 @pytest.mark.nightly  # four processes; by day the digests alone, in `test_what_the_digest_covers`

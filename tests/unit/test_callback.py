@@ -133,7 +133,7 @@ def test_no_thread_is_started_and_several_threads_have_their_own() -> None:
 
     drive(1)
     assert threading.active_count() == before
-    threads = [threading.Thread(target=drive, args=[k]) for k in range(2, 6)]
+    threads = [threading.Thread(target=drive, args=[k], daemon=True) for k in range(2, 6)]
     for thread in threads:
         thread.start()
     for thread in threads:

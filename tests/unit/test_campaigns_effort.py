@@ -162,10 +162,24 @@ WORDS = ["a", "b", "1", ": ", ":", "- ", "\n", "\n  ", "  ", "{", "}", "[", "]",
 WORDS += ["|\n", ">\n", "%", "@", "---\n", "\\", "\u00e9", "~", "\u2028", "\u0085", "\r"]
 
 
-@settings(max_examples=400, deadline=None, derandomize=True)
-@given(st.lists(st.sampled_from(WORDS), max_size=12).map("".join))
+SENTENCES = st.lists(st.sampled_from(WORDS), max_size=12).map("".join)
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(SENTENCES)
 def test_both_readers_read_the_same(text: str) -> None:
     """libyaml and PyYAML read the same values; errors have PyYAML's text."""
+    read_by_both(text)
+
+
+@pytest.mark.nightly
+@settings(max_examples=4000, deadline=None, derandomize=True)
+@given(SENTENCES)
+def test_both_readers_read_many_texts_the_same(text: str) -> None:
+    read_by_both(text)
+
+
+def read_by_both(text: str) -> None:
     try:
         found = yaml.load(text, Loader=_Fast)
     except yaml.YAMLError:

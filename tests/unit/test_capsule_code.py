@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,12 @@ import pytest
 
 from campaigns.asked.load import load_document
 from campaigns.capsules.capsule import digest_of
-from campaigns.capsules.packing import CapsuleError, read_sources, unpacked
+from campaigns.capsules.packing import CapsuleError, read, read_sources, unpacked
 from tests.unit.capsules import few_checks, files_of, written, zipped
 from tests.unit.packages import package
 from tests.unit.records import ran
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
+from worker.cli._capsule_code import _written
 from worker.components.avoiders import potential_field
 from worker.runs import added as recorded
 from worker.runs.meaning import meaning
@@ -30,14 +32,16 @@ Document = dict[str, Any]
 
 
 @pytest.fixture(autouse=True)
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+def trace(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """The file that importing the component leaves."""
     few_checks(monkeypatch)
+    monkeypatch.setenv("TRACE", str(tmp_path / "ran"))
+    return tmp_path / "ran"
 
 
-def text_of(trace: Path) -> bytes:
-    """The shipped component under another name; importing it leaves a trace."""
-    text = SHIPPED.replace('name="potential_field"', 'name="my_field"')
-    return f"{text}\nopen({str(trace)!r}, 'w').close()\n".encode()
+TEXT = SHIPPED.replace('name="potential_field"', 'name="my_field"').encode()
+TEXT += b"\nimport os\nopen(os.environ['TRACE'], 'w').close()\n"
+"""The shipped component under another name; the same for all tests, so that it is examined and compiled once."""
 
 
 def with_source(folder: Path, module: str, text: bytes, change: Callable[[Document], object] = lambda d: None) -> Path:
@@ -67,16 +71,22 @@ def with_source(folder: Path, module: str, text: bytes, change: Callable[[Docume
 
 
 @pytest.mark.parametrize("module", [OWN, FOREIGN])
-def test_source_in_a_capsule_runs_only_if_permitted_and_gives_the_same_bits(
-    module: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_source_in_a_capsule_does_not_run_unless_permitted(
+    module: str, trace: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    trace = tmp_path / "ran"
-    capsule = with_source(tmp_path, module, text_of(trace))
-    assert invoke(["replay", str(capsule)]) == WRONG_INPUT
+    assert invoke(["replay", str(with_source(tmp_path, module, TEXT))]) == WRONG_INPUT
     refused = capsys.readouterr().err
     assert "nothing of it was executed; for a file that you trust, --allow-code permits it" in refused
     assert f"({module.rpartition('.')[2]}.py), which is code" in refused
     assert not trace.exists()
+
+
+# By day, that of a package is found by the entry points that are written, below, and recorded by the run, at the end.
+@pytest.mark.parametrize("module", [OWN, pytest.param(FOREIGN, marks=pytest.mark.nightly)])
+def test_permitted_source_runs_and_gives_the_same_bits(
+    module: str, trace: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    capsule = with_source(tmp_path, module, TEXT)
     assert invoke(["replay", str(capsule), "--allow-code", "--json"]) == 0, capsys.readouterr().err
     said = json.loads(capsys.readouterr().out)
     (case,) = said["cases"]
@@ -86,12 +96,28 @@ def test_source_in_a_capsule_runs_only_if_permitted_and_gives_the_same_bits(
     assert trace.exists()
 
 
+def test_source_of_a_package_is_written_where_its_entry_points_find_it(
+    trace: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = with_source(tmp_path, FOREIGN, TEXT)
+    capsule, _ = read(path)
+    assert capsule.sources is not None
+    place = tmp_path / "written"
+    place.mkdir()
+    packages = _written(place, capsule.sources, read_sources(path))["PYTHONPATH"].split(os.pathsep)[0]
+    monkeypatch.syspath_prepend(packages)
+    monkeypatch.delitem(sys.modules, FOREIGN, raising=False)
+    (entry,) = entry_points(group="clearance.components", name="my_field")
+    assert entry.load().component.name == "my_field"
+    assert Path(sys.modules.pop(FOREIGN).__file__ or "").is_relative_to(packages)
+    assert trace.exists()
+
+
 @pytest.mark.parametrize("module", [OWN, FOREIGN])
 def test_text_that_was_changed_is_refused_and_not_run(
-    module: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    module: str, trace: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    trace = tmp_path / "ran"
-    capsule = with_source(tmp_path, module, text_of(trace))
+    capsule = with_source(tmp_path, module, TEXT)
     files = files_of(capsule)
     changed = files[f"source/{module}.py"] + b"x = 1\n"
     capsule.write_bytes(zipped(files | {f"source/{module}.py": changed}))
@@ -103,7 +129,7 @@ def test_text_that_was_changed_is_refused_and_not_run(
         document["versions"]["components"] = {"my_field.py": "0" * 16}
         document["modules"][module] = "0" * 16
 
-    capsule = with_source(tmp_path, module, text_of(trace), sealed)
+    capsule = with_source(tmp_path, module, TEXT, sealed)
     assert invoke(["replay", str(capsule), "--allow-code"]) == WRONG_INPUT
     assert "is not the one that the run recorded" in capsys.readouterr().err
     assert not trace.exists()
@@ -146,7 +172,7 @@ def test_source_that_does_not_evaluate_the_finding_is_not_said_to(
         document["campaign"]["scenario"]["avoider"]["component"] = "potential_field"
         document["campaign_digest"] = load_document(document["campaign"], "x").digest
 
-    capsule = with_source(tmp_path, OWN, text_of(tmp_path / "ran"), shipped)
+    capsule = with_source(tmp_path, OWN, TEXT, shipped)
     assert invoke(["replay", str(capsule), "--allow-code"]) == WRONG_INPUT
     assert "is not evaluated by exactly the source in it" in capsys.readouterr().err
     assert invoke(["replay", str(capsule)]) == 0
@@ -172,7 +198,7 @@ def _module(name: str) -> Callable[[Document], object]:
 def test_sources_that_contradict_the_document_are_refused(
     tmp_path: Path, change: Callable[[Document], object], why: str
 ) -> None:
-    capsule = with_source(tmp_path, OWN, text_of(tmp_path / "ran"), change)
+    capsule = with_source(tmp_path, OWN, TEXT, change)
     with pytest.raises(CapsuleError, match=why):
         unpacked(capsule.read_bytes())
 
@@ -184,7 +210,7 @@ def test_source_of_shipped_code_is_not_replaced(tmp_path: Path) -> None:
 
 
 def test_a_run_records_the_source_of_a_packages_component(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    package(tmp_path, "clearance.components", FOREIGN, text_of(tmp_path / "ran").decode())
+    package(tmp_path, "clearance.components", FOREIGN, TEXT.decode())
     monkeypatch.syspath_prepend(tmp_path)
     campaign = ran("violated")[0]
     assert recorded.added(campaign) is None

@@ -181,14 +181,6 @@ def test_a_campaign_that_names_what_is_broken_is_told_its_sentence(
     assert [p.message for p in found] == [f"it cannot be used: the {kind} is broken: mend it"]
 
 
-def test_the_campaigns_do_not_import_the_physics() -> None:
-    code = "import sys, campaigns; print(json.dumps(sorted(m for m in sys.modules if '.' not in m)))"
-    done = in_a_new_process(f"import json; {code}", Path.cwd())
-    loaded = json.loads(done.stdout)
-    assert "campaigns" in loaded
-    assert not {"worker", "backend", "numba", "numpy", "scipy"} & set(loaded)
-
-
 @pytest.mark.parametrize(("given", "expected"), [("3", 3), ("0", None), ("", None), ("many", None), ("-2", None)])
 def test_the_number_of_threads(monkeypatch: pytest.MonkeyPatch, given: str, expected: int | None) -> None:
     monkeypatch.setenv("CLEARANCE_THREADS", given)

@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
-from backend.db.engine import connect, default_url, migrate
+from backend.db.engine import connect, default_url
 from backend.db.queue import Queue, submit
 from backend.db.records import Columns, StagePlan
 from backend.db.store import RunStore
 from backend.db.tables import EvaluationChunk, Run
 from tests.faults.cases import campaign
+from tests.migrated import migrated
 from worker.cli import WRONG_INPUT, invoke
 
 
@@ -24,8 +25,7 @@ from worker.cli import WRONG_INPUT, invoke
 def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with three runs of 100,000 evaluations (4 MB each), two of them removed 100 and 10 days ago."""
     folder = tmp_path_factory.mktemp("stored")
-    migrate(default_url(folder))
-    engine = connect(default_url(folder))
+    engine = connect(migrated(folder))
     with engine.begin() as writer:
         for name in ("long ago", "lately", "kept"):
             submit(writer, campaign(), name=name, tags=[], owner="", planned=1)

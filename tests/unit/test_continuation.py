@@ -12,13 +12,14 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db import continuation as stored
-from backend.db.engine import connect, default_url, migrate, read
+from backend.db.engine import connect, default_url, read
 from backend.db.queue import LostLease, Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Run
 from campaigns import Campaign
 from campaigns.stages.plan import plan
 from tests.audited import audited
+from tests.migrated import migrated
 from tests.unit.cases import searching
 from worker.catalogue.installed import catalogue
 from worker.cli import INTERRUPTED, WRONG_INPUT, invoke
@@ -165,9 +166,7 @@ def test_another_plan_is_refused() -> None:
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a database of one finished run."""
     folder = tmp_path_factory.mktemp("finished")
-    url = default_url(folder)
-    migrate(url)
-    engine = connect(url)
+    engine = connect(migrated(folder))
     with engine.begin() as connection:
         submit(connection, asked(), name="nightly", tags=["a"], owner="ci", planned=1)
     claim = Queue(engine).claim("a worker")

@@ -28,6 +28,7 @@ from campaigns.checked.expected import (
 from tests.simulators import package
 from tests.unit.cases import document
 
+ALL_CHECKS = True
 FLOWN: dict[str, dict[str, int]] = json.loads(
     Path(__file__).with_name("library_evaluations.json").read_text(encoding="utf-8")
 )

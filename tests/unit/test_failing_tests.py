@@ -33,6 +33,8 @@ def checks(statement: ast.stmt) -> bool:
 
 def neglected(source: str) -> list[int]:
     """Lines where a context manager cleans up only after a block that did not raise."""
+    if "contextmanager" not in source:  # to parse all files takes seconds
+        return []
     return [
         statement.lineno
         for function in ast.walk(ast.parse(source))
@@ -45,10 +47,13 @@ def neglected(source: str) -> list[int]:
 
 def lasting(source: str) -> list[int]:
     """Lines that make a thread for which the process would wait."""
+    if "threading.Thread" not in source:
+        return []
     return [
         node.lineno
         for node in ast.walk(ast.parse(source))
-        if isinstance(node, ast.Call) and ast.unparse(node.func) == "threading.Thread"
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "Thread"
+        if ast.unparse(node.func) == "threading.Thread"
         if not any(keyword.arg == "daemon" and ast.unparse(keyword.value) == "True" for keyword in node.keywords)
     ]
 

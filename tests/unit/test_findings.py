@@ -28,8 +28,8 @@ BUDGETS = {"turbo": 1000, "lq_cma_es": 1000}
 """Of methods whose own time is milliseconds per evaluation."""
 WELL = 0.005
 """Squared width of a well: 5 % of the box is below half its depth."""
-SLOW = {"turbo", "lq_cma_es", "cma_es"}
-"""Methods that take a second and more here: at night."""
+SLOW = {"turbo", "lq_cma_es", "cma_es", "mlsl", "nlopt_global"}
+"""Methods that take most of a second and more here: at night."""
 OPTIONS: dict[str, dict[str, int]] = {"nlopt_global": {"population": 300}}
 """Controlled random search with NLopt's own population of 30 contracts on one well before it has seen the other."""
 

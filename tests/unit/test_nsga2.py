@@ -29,8 +29,12 @@ def fonseca(x: Floats) -> Floats:
 
 
 def front(costs: Floats) -> Floats:
-    """Which rows no other row betters: none is as low everywhere and lower somewhere."""
-    return np.array([not ((costs <= c).all(axis=1) & (costs < c).any(axis=1)).any() for c in costs])
+    """Which of these rows of two costs no other one betters: none is as low everywhere and lower somewhere."""
+    order = np.lexsort((costs[:, 1], costs[:, 0]))
+    before = np.minimum.accumulate(np.append(np.inf, costs[order[:-1], 1]))
+    found = np.zeros(len(costs), dtype=bool)
+    found[order] = costs[order, 1] < before
+    return found
 
 
 def run(

@@ -56,10 +56,12 @@ def commands() -> list[list[str]]:
 
 @pytest.mark.parametrize("horizon", [5.0, pytest.param(15.0, marks=pytest.mark.nightly)])
 def test_the_campaign_can_be_run(horizon: float) -> None:
-    """By day until the obstacle is passed."""
+    """By day until the obstacle is passed, with longer steps."""
     campaign = load_text(block("yaml", "first-campaign.md"), "first-campaign.md")
     assert check(campaign, catalogue()) == []
-    scenario = campaign.given_scenario.model_copy(update={"horizon": horizon})
+    scenario = campaign.given_scenario.model_copy(
+        update={"horizon": horizon, "step": 0.02 if horizon < 15.0 else 0.005}
+    )
     problem = Problem(campaign.model_copy(update={"scenario": scenario}), compiled=False)
     corners = np.zeros(problem.dimension), np.ones(problem.dimension)
     batch, reasons = problem.evaluate(np.array([problem.nominal_point, *corners]))

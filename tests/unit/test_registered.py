@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from backend.db.engine import connect, default_url, migrate, read
+from backend.db.engine import connect, default_url, read
 from backend.db.registered import Running, folder, registered, services
 from backend.db.tables import LoginLink
+from tests.migrated import migrated
 from worker.cli import WRONG_INPUT, invoke
 
 
@@ -25,9 +26,9 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def served(data: Path) -> str:
-    migrate(default_url(data))
+    url = migrated(data)
     (data / "service-address").write_text("http://127.0.0.1:8123\n")
-    return default_url(data)
+    return url
 
 
 def test_a_login_link_from_any_folder(elsewhere: Path, capsys: pytest.CaptureFixture[str]) -> None:

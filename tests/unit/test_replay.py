@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backend.db.engine import connect, default_url, migrate
+from backend.db.engine import connect
 from backend.db.queue import submit
 from campaigns.results.base import EXCLUDED
 from campaigns.versions import Processor, Versions
+from tests.migrated import migrated
 from tests.simulators.adversaries import adversary
 from tests.unit.records import CERTIFY, RUNS, Folder, write_called, written
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
@@ -141,9 +142,7 @@ def test_what_is_not_a_run_is_a_sentence(tmp_path: Path, capsys: pytest.CaptureF
 
 
 def test_a_run_that_has_not_begun_has_nothing_to_replay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    url = default_url(tmp_path)
-    migrate(url)
-    engine = connect(url)
+    engine = connect(migrated(tmp_path))
     with engine.begin() as connection:
         submit(connection, RUNS["violated"](), name="a", tags=[], owner="ada", planned=1)
     engine.dispose()

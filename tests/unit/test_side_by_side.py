@@ -40,9 +40,11 @@ def test_passes(number): assert os.getpid() != int(os.environ["PARENT"])
 
 
 def in_folder(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "pytest", "-p", "tests.side_by_side", "-c", "empty.ini", "-ra", *arguments]
+    plugins = ["-p", "pytest_timeout", "-p", "tests.side_by_side"]
+    command = [sys.executable, "-m", "pytest", *plugins, "-c", "empty.ini", "-ra", *arguments]
     (folder / "empty.ini").write_text("[pytest]\n", encoding="utf-8")
-    paths = {"PYTHONPATH": str(Path(__file__).parents[2]), "PYTEST_ADDOPTS": ""}
+    # To load all installed plugins takes longer than the tests.
+    paths = {"PYTHONPATH": str(Path(__file__).parents[2]), "PYTEST_ADDOPTS": "", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     return subprocess.run(command, cwd=folder, env=os.environ | paths, capture_output=True, text=True, timeout=120)
 
 

@@ -21,6 +21,7 @@ from worker.runs.store import MemoryStore
 from worker.stages.parts.streams import stream
 
 R = TypeVar("R", bound=Result)
+ALL_CHECKS = True
 
 SEARCHES = (
     {"method": "direct", "evaluations": 200},

@@ -7,7 +7,9 @@ Start reading at `Loop`, which the rest of the worker simulates with.
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
 from functools import cached_property
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,9 @@ Floats = NDArray[np.float64]
 LANES = 16
 """The lane width. Measured: 16 makes a full batch 1.3 times faster than 8 and a single simulation 1.5 times slower;
 searches evaluate batches (DECISIONS.md)."""
+
+SHARED = 16
+"""How many loops a process keeps for further runs."""
 
 LIBRARY: dict[Any, Function] = {
     maths.sincos: lambda x: (math.sin(x), math.cos(x)),
@@ -141,7 +146,7 @@ class Loop:
         parts = enumerate(self.parts.environment)
         return tuple((self.kernel(f"drawn_{i}"), part.draws) for i, part in parts if part.draw is not None)
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """Identifies the loop: everything that results depend on except the parameters, the step and the machine."""
         return digest(self.filled_template())
@@ -167,6 +172,28 @@ class Loop:
 
     def _filled(self, template: Function, names: tuple[str, ...]) -> Function:
         return filled(template, {name: self.kernel(name) for name in names} | _layout(self))
+
+
+_SHARED: OrderedDict[Any, Loop] = OrderedDict()
+_SHARING = Lock()
+
+
+def shared(parts: Parts, lanes: int = LANES, compiled: bool = True) -> Loop:
+    """The loop of these parts; of the last `SHARED` ones the same for all, so that a second run in a process neither
+    generates nor loads anything. Thread-safe."""
+    every = (parts.obstacles, parts.environment, parts.objectives)
+    one = (parts.vehicle, parts.controller, parts.avoider, parts.criterion)
+    faults = tuple((id(placed.fault), placed.on) for placed in parts.faults)
+    # By identity: it lasts while the loop is kept, which holds its parts.
+    groups = tuple(tuple(map(id, group)) for group in (one, *every))
+    key = groups, faults, parts.sampled, lanes, compiled
+    with _SHARING:
+        if key not in _SHARED:
+            _SHARED[key] = Loop(parts, lanes, compiled)
+        _SHARED.move_to_end(key)
+        if len(_SHARED) > SHARED:
+            _SHARED.popitem(last=False)
+        return _SHARED[key]
 
 
 def _layout(made: Loop) -> dict[str, object]:

@@ -20,7 +20,7 @@ from worker.catalogue.installed import catalogue
 from worker.kernels import loop as closed_loop
 from worker.search.base import Batch
 from worker.systems.base import CampaignUnusable, Floats, Reasons, Result, Seeds
-from worker.systems.closed_loop.assemble import LANES, Loop
+from worker.systems.closed_loop.assemble import LANES, shared
 from worker.systems.closed_loop.parts import nominal_of, parts_of, results_of
 from worker.systems.closed_loop.realisations import Realisations
 
@@ -34,7 +34,7 @@ class Flights:
             raise CampaignUnusable(problems)
         self.campaign = campaign
         self.parts = parts_of(campaign)
-        self.loop = Loop(self.parts, lanes=lanes, compiled=compiled)
+        self.loop = shared(self.parts, lanes, compiled)
         self.realisations = Realisations.of(campaign.given_scenario.realisations, self.loop.sections)
         self.threshold = campaign.criterion.threshold
         self.nominal = nominal_of(campaign, self.parts, self.loop.sections)

@@ -205,7 +205,7 @@ def shared(visit: Visit, path: str) -> None:
     page.get_by_role("button", name="Copy link to this instant").click()
     expect(page.get_by_text("Copied, at 12.50 s")).to_be_visible()
     assert page.evaluate("navigator.clipboard.readText()") == visit.address + path
-    page.get_by_role("group", name="Flight and its keys").focus()
+    page.get_by_role("group", name="Flight in 3D and its keys").focus()
     page.keyboard.press("Shift+ArrowRight")
     steered(page)
 

@@ -92,7 +92,7 @@ def test_the_list_is_narrowed_and_ordered_by_the_address(signed_in: Visit) -> No
     page.keyboard.press("Escape")
     expect(page.get_by_role("columnheader", name="Failed")).to_be_visible()
     expect(page).to_have_url(re.compile("cols=.*failed"))
-    signed_in.go("/runs?campaign=Pioneer+3-DX%2C+moving+intruder&days=1")
+    signed_in.go("/runs?campaign=UAV%2C+intruder&days=1")
     expect(page.locator("tr[data-run]")).to_have_count(1)
     expect(page.locator("tr[data-run]")).to_contain_text("Intruder")
 
@@ -205,7 +205,7 @@ def shared(visit: Visit, path: str) -> None:
     page.get_by_role("button", name="Copy link to this instant").click()
     expect(page.get_by_text("Copied, at 12.50 s")).to_be_visible()
     assert page.evaluate("navigator.clipboard.readText()") == visit.address + path
-    page.get_by_role("group", name="3D view").focus()
+    page.get_by_role("group", name="Flight in 3D and its keys").focus()
     page.keyboard.press("Shift+ArrowRight")
     steered(page)
 

@@ -19,7 +19,7 @@ from tests.api.catalogue import campaign
 from tests.api.joined import PASSWORD
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from tests.e2e.browser import Visit, visiting
+from tests.e2e.browser import Visit, undrawn, visiting
 from tests.e2e.stored import served
 from worker.cli import invoke
 
@@ -44,7 +44,8 @@ def test_a_colleague_reviews_what_an_engineer_may_not_sign(service: Service, bro
         signs_out(reviewer.page)
         launched(engineer, service)
         arrives_at_the_instant(reviewer)
-        may_not_sign(engineer)
+        with undrawn(engineer.page):
+            may_not_sign(engineer)
         signs_off(reviewer)
         takes_the_evidence_away(reviewer, tmp_path)
         engineer.go("/access/sessions")

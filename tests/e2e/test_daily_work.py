@@ -142,7 +142,7 @@ def test_a_file_brings_its_own_name(visit: Visit, tmp_path: Path) -> None:
     expect(page.locator(".mantine-TagsInput-pill")).to_have_text(["quadrotor"])
 
 
-@pytest.mark.parametrize("width", [1440, 390])
+@pytest.mark.parametrize("width", [pytest.param(1440, marks=pytest.mark.nightly), 390])
 def test_the_start_and_the_estimate_stay_in_sight(visit: Visit, width: int) -> None:
     page = visit.page
     page.set_viewport_size({"width": width, "height": 844})

@@ -26,7 +26,7 @@ from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.api.versions import CODE, OTHER
-from tests.e2e.browser import Visit, visiting
+from tests.e2e.browser import Visit, nightly_but, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
 
@@ -235,32 +235,36 @@ def test_two_runs_are_compared(visit: Visit) -> None:
 
 
 REFUSED = {"title": "Unprocessable Entity", "status": 422, "detail": "The disk is full."}
-LOADED = (
-    ("/runs", "The disk is full."),
-    ("/runs/R-0001", "The disk is full."),
-    ("/compare?runs=R-0001,R-0002", "R-0001, R-0002 could not be loaded and are not compared."),
-    ("/trends", "The disk is full."),
-    ("/reports", "The disk is full."),
-    ("/sweeps", "The disk is full."),
-    ("/help/components", "The disk is full."),
-    ("/launch", "The disk is full."),
-    ("/access/users", "The disk is full."),
-)
+SAID = {
+    "/runs": "The disk is full.",
+    "/runs/R-0001": "The disk is full.",
+    "/compare?runs=R-0001,R-0002": "R-0001, R-0002 could not be loaded and are not compared.",
+    "/trends": "The disk is full.",
+    "/reports": "The disk is full.",
+    "/sweeps": "The disk is full.",
+    "/help/components": "The disk is full.",
+    "/launch": "The disk is full.",
+    "/access/users": "The disk is full.",
+}
 """Pages, and what they say if nothing can be loaded."""
 
 
-def test_what_cannot_be_loaded_is_said_and_loaded_again(visit: Visit) -> None:
+BY_DAY = ("/runs", "/runs/R-0001", "/compare?runs=R-0001,R-0002", "/reports")
+"""A list, a run, the page with a sentence of its own, and one that only reads; the others are tested nightly."""
+
+
+@pytest.mark.parametrize("path", nightly_but(BY_DAY, SAID))
+def test_what_cannot_be_loaded_is_said_and_loaded_again(visit: Visit, path: str) -> None:
     """The page itself, its session and its events are there."""
     page = visit.page
-    for path, said in LOADED:
-        page.route(re.compile(r"/api/v1/(?!session|events|health|workers)"), refuse)
-        visit.go(path)
-        trouble = page.locator("main [role=alert]").filter(has_text=said)
-        expect(trouble).to_be_visible()
-        page.unroute(re.compile(r"/api/v1/(?!session|events|health|workers)"))
-        page.get_by_role("button", name="Try again").first.click()
-        expect(trouble).to_have_count(0)
-        expect(page.get_by_role("heading", level=1).first).to_be_visible()
+    page.route(re.compile(r"/api/v1/(?!session|events|health|workers)"), refuse)
+    visit.go(path)
+    trouble = page.locator("main [role=alert]").filter(has_text=SAID[path])
+    expect(trouble).to_be_visible()
+    page.unroute(re.compile(r"/api/v1/(?!session|events|health|workers)"))
+    page.get_by_role("button", name="Try again").first.click()
+    expect(trouble).to_have_count(0)
+    expect(page.get_by_role("heading", level=1).first).to_be_visible()
     visit.wrong[:] = [entry for entry in visit.wrong if "422" not in entry]  # the browser reports them all
 
 

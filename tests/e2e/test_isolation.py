@@ -12,7 +12,7 @@ from tests.api.finished import finish
 from tests.api.server import Service, until
 from tests.api.submitting import submit
 from tests.api.viewing import KEY
-from tests.e2e.browser import Visit, visiting
+from tests.e2e.browser import Visit, undrawn, visiting
 from tests.e2e.stored import served
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
@@ -102,6 +102,7 @@ def test_a_script_in_the_view_has_nothing_of_its_visitor(flown: Service, browser
         expect(page.locator("#caption")).to_contain_text("R-0001")
         isolated(visit, page, alone=True)
         # An address of the view alone leads to the page that has its controls, with the session.
-        visit.go("/view/R-0001/F1/t/1.25/cam/top")
-        expect(page).to_have_url(re.compile(r"/runs/R-0001/flight\?.*finding=F1.*t=1\.25.*cam=top"))
-        expect(page.get_by_role("button", name="Open the panel")).to_be_enabled()
+        with undrawn(page):
+            visit.go("/view/R-0001/F1/t/1.25/cam/top")
+            expect(page).to_have_url(re.compile(r"/runs/R-0001/flight\?.*finding=F1.*t=1\.25.*cam=top"))
+            expect(page.locator("#flight iframe")).to_have_attribute("src", re.compile("/view/R-0001/"))

@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, ViewportSize, expect
 
 from tests.api.server import Service
 from tests.e2e.browser import PATIENCE, Visit, draws, nightly_but, visiting
-from tests.e2e.flown import BASINS, CANCELLED, CLEARED, CRITERIA, INTRUDER
+from tests.e2e.flown import BASINS, BOX, CANCELLED, CLEARED, INTRUDER
 from tests.e2e.stored import VIEW
 from tests.faults.processes import until
 
@@ -26,8 +26,8 @@ RUN = ["#methods", "#space canvas", "#validation", "#provenance", "#notes"]
 FLOWN = ["#separation canvas", "#motion canvas", *RUN]
 PAGES: dict[str, tuple[str, list[str]]] = {
     "runs": ("/runs", [f"tr[data-run={BASINS}]"]),
-    "run": (f"/runs/{INTRUDER}", FLOWN),
-    "run-several-criteria": (f"/runs/{CRITERIA}", [*FLOWN, "#front table"]),
+    "run": (f"/runs/{BOX}", FLOWN),
+    "run-several-criteria": (f"/runs/{INTRUDER}", [*FLOWN, "#front table"]),
     "run-simulator": (f"/runs/{BASINS}", RUN),
     "run-cancelled": (f"/runs/{CANCELLED}", ["#provenance"]),
     "flight": (f"/runs/{INTRUDER}/flight?whatif=nominal", ["#what-if input[type=range]"]),
@@ -35,7 +35,7 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "launch": ("/launch", ["role=radio[name=/Unicycle, static/]", "role=region[name=Scenario]"]),
     "launch-text": ("/launch?tab=yaml", ["role=textbox[name='Campaign as YAML']"]),
     "launch-simulator": (f"/launch?from={BASINS}", ["role=combobox[name='Simulator']"]),
-    "compare": (f"/compare?runs={INTRUDER},{CRITERIA}", ["#separation canvas", "#convergence canvas", "#code"]),
+    "compare": (f"/compare?runs={INTRUDER},{BOX}", ["#separation canvas", "#convergence canvas", "#code"]),
     "compare-simulator": (f"/compare?runs={BASINS},{CLEARED}", ["#convergence canvas", "#ranges", "#code"]),
     "compare-nothing": ("/compare", ["text=Choose 2 to 4 runs here"]),
     "help": ("/help", ["role=heading[name=Verdicts]"]),
@@ -47,7 +47,7 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "audit": ("/access/audit", ["role=cell[name=session.opened]"]),
 }
 """Each with its address and what is drawn once it is scrolled to."""
-BY_DAY = ("runs", "run", "launch", "compare", "first-campaign")
+BY_DAY = ("runs", "run-several-criteria", "launch", "compare", "first-campaign")
 """One of each kind; the others are tested nightly."""
 GUIDES = (
     "first-campaign",

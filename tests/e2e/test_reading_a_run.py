@@ -128,7 +128,7 @@ def right(of: Locator) -> float:
     return box["x"] + box["width"]
 
 
-@pytest.mark.parametrize("run", ["R-0001", "R-0002", "R-0004"])
+@pytest.mark.parametrize("run", ["R-0001", "R-0002", pytest.param("R-0004", marks=pytest.mark.nightly)])
 def test_verdict_figures_and_view_share_the_first_screen(visit: Visit, run: str) -> None:
     visit.go(f"/runs/{run}")
     page = visit.page

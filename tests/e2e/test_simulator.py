@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from tests.api.server import Service
-from tests.e2e.browser import Visit, draws, visiting
+from tests.e2e.browser import Visit, draws, undrawn, visiting
 from tests.e2e.flown import BASINS, CLEARED, DRAWN, Flown, asked
 from tests.e2e.looking import api
 from tests.faults.processes import until
@@ -129,5 +129,6 @@ def test_a_declared_scene_is_drawn_and_another_case_evaluated(
     expect(page.locator("#motion").get_by_text("What-if")).to_be_visible()
     visit.shot("simulator-3d")
     assert page.request.get(run).json()["evaluations"] == evaluations, "a what-if is not stored"
-    visit.move(f"/runs/{DRAWN}/flight")
-    expect(page.locator("#flight iframe")).to_have_attribute("src", re.compile(f"/view/{DRAWN}/"))
+    with undrawn(page):
+        visit.move(f"/runs/{DRAWN}/flight")
+        expect(page.locator("#flight iframe")).to_have_attribute("src", re.compile(f"/view/{DRAWN}/"))

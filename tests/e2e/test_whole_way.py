@@ -17,7 +17,7 @@ from playwright.sync_api import Browser, FrameLocator, Page, expect
 
 from backend.db.engine import connect, default_url
 from tests.audited import audited
-from tests.e2e.browser import PATIENCE, Visit, draws, near, pictured, pixels, visiting
+from tests.e2e.browser import PATIENCE, Visit, draws, near, pictured, pixels, undrawn, visiting
 from tests.e2e.looking import api, looks
 from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import until
@@ -80,6 +80,11 @@ def test_a_new_user_has_a_report_within_three_minutes(service: Service, signed_i
     for field in fields.all():
         if field.is_enabled():
             field.fill("500")
+    with undrawn(page):
+        reported(service, page)
+
+
+def reported(service: Service, page: Page) -> None:
     page.get_by_role("button", name="Start run").click()
     page.wait_for_url(f"**/runs/{FIRST}")
     # So small a run may be over before its page is open.

@@ -232,6 +232,8 @@ def _writes(entry: str, number: str, pipes: set[str]) -> bool:
 
 def _carries(entry: str, sought: bytes) -> bool:
     try:
-        return sought in Path("/proc", entry, "environ").read_bytes().split(b"\0")
+        with open(f"/proc/{entry}/environ", "rb", buffering=0) as file:  # of every process, each time one is replaced
+            found = file.readall()
     except OSError:
         return False
+    return sought in found and sought in found.split(b"\0")

@@ -66,7 +66,7 @@ def with_source(folder: Path, module: str, text: bytes, change: Callable[[Docume
     return made
 
 
-@pytest.mark.parametrize("module", [OWN, FOREIGN])
+@pytest.mark.parametrize("module", [OWN, pytest.param(FOREIGN, marks=pytest.mark.nightly)])  # each compiles a loop
 def test_source_in_a_capsule_runs_only_if_permitted_and_gives_the_same_bits(
     module: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -94,7 +94,7 @@ def around(component: Component) -> dict[str, Any]:
 @cache
 def published() -> frozenset[str]:
     """The avoiders of the library's campaigns: tests of the cases compile them and compare published values; of those
-    that avoid nothing, tests/physics/test_avoiders.py compiles the kernel alone."""
+    that avoid nothing, ORCA and the right of way, tests/physics/test_avoiders.py compiles the kernels alone."""
     return frozenset(load_file(path).given_scenario.avoider.component for path in library().values())
 
 

@@ -16,7 +16,7 @@ from backend.scenes.base.palette import LIGHT, rgb
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
-from tests.e2e.browser import draws, near, pixels, undrawn, visiting
+from tests.e2e.browser import draws, near, pixels, visiting
 from tests.e2e.stored import served
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
@@ -65,7 +65,7 @@ def test_the_file_opens_from_disk_without_requests(
 
 
 def test_a_link_from_the_run_page_plays_without_a_viewer(recorded: Service, browser: Browser) -> None:
-    with visiting(browser, recorded.url, views=False) as visit, undrawn(visit.page):
+    with visiting(browser, recorded.url, views=False) as visit:
         visit.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
         visit.go(f"/login?code={recorded.login_code()}")
         visit.go("/runs/R-0001")

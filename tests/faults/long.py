@@ -9,10 +9,11 @@ SAMPLE = 40_000
 
 
 def case() -> Campaign:
-    """Case 1 with a short DIRECT and a long Monte Carlo search."""
+    """Case 1 with a short DIRECT and a long Monte Carlo search; the other stages are short."""
     document = load_file(library()["unicycle_static"]).document()
     document["stages"]["search"] = [
         {"method": "direct", "evaluations": 300},
         {"method": "monte_carlo", "evaluations": SAMPLE},
     ]
+    document["stages"] |= {"sensitivity": {"points": 5}, "certify": {"samples": 100}, "validate": {"neighbours": 20}}
     return Campaign.model_validate(document)

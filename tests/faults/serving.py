@@ -7,9 +7,15 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import httpx
+import sqlalchemy as sa
 
+from backend.db.engine import connect, default_url, read
+from backend.db.queue import submit
+from backend.db.tables import Run
+from tests.faults.long import case
 from tests.faults.processes import CLEARANCE, Started, command_of, started, until
 
 
@@ -51,3 +57,18 @@ def get(url: str) -> int:
         return httpx.get(url, timeout=10, trust_env=False).status_code
     except httpx.TransportError:
         return 0
+
+
+def long_run(data: Path) -> tuple[sa.Engine, int]:
+    """A run of the service that is well under way: the database of the folder, and its number."""
+    engine = connect(default_url(data))
+    with engine.begin() as connection:
+        run_id = submit(connection, case(), name="long", tags=[], owner="", planned=0)
+    until(lambda: state(engine, run_id).evaluations > 2000, "well under way")
+    return engine, run_id
+
+
+def state(engine: sa.Engine, run_id: int) -> Any:
+    """The row of a run."""
+    with read(engine) as connection:
+        return connection.execute(sa.select(Run).where(Run.id == run_id)).one()

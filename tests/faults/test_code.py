@@ -41,6 +41,8 @@ def body(t, o, q, p):
 
 component = Obstacle(name="post_here", title="Post", dimension=2, parameters=Post, body=body)
 '''
+WRONG = POST.replace("d = norm2(dx, dy)", "d = norm2(dx, dy) if dx > 0.0 else (dx, dy)")
+"""Which no compiler takes."""
 
 
 class Home(Stored):
@@ -104,7 +106,7 @@ def test_an_edit_applies_to_the_next_run_and_to_no_run_already_started(home: Hom
     assert first.flown["code"] != begun.flown["code"] == home.catalogue().code
     assert first.flown["loop"] != begun.flown["loop"]
 
-    home.edit(POST.replace("SHIFT = 0.0", "SHIFT = 2.0"))
+    home.edit(WRONG)  # what the next test runs, in the process that is started here
     kill(home.worker.child())
     ended = home.ended(run_id)
     assert (ended.state, ended.verdict, ended.fence, ended.flown) == ("failed", None, 2, begun.flown)
@@ -115,9 +117,8 @@ def test_an_edit_applies_to_the_next_run_and_to_no_run_already_started(home: Hom
 
 
 def test_what_the_compiler_refuses_fails_the_run_with_file_and_line_and_not_the_worker(home: Home) -> None:
-    wrong = POST.replace("d = norm2(dx, dy)", "d = norm2(dx, dy) if dx > 0.0 else (dx, dy)")
-    home.edit(wrong)
-    line = next(n for n, text in enumerate(wrong.splitlines(), 1) if "else (dx, dy)" in text)
+    home.edit(WRONG)
+    line = next(n for n, text in enumerate(WRONG.splitlines(), 1) if "else (dx, dy)" in text)
     ended = home.ended(home.submit("none compiled"))
     assert (ended.state, ended.verdict, ended.attempts) == ("failed", None, 1)
     assert f"{home.file}, line {line}: the branches have different types (number and tuple of 2)" in ended.error
@@ -127,9 +128,8 @@ def test_what_the_compiler_refuses_fails_the_run_with_file_and_line_and_not_the_
 
 @pytest.mark.nightly  # every edit costs the start of a process; by day the refusal above, which takes the same path
 def test_what_fails_in_plain_python_or_cannot_be_loaded_fails_the_run_with_its_sentence(home: Home) -> None:
-    wrong = POST.replace("d = norm2(dx, dy)", "d = norm2(dx, dy) if dx > 0.0 else (dx, dy)")
-    home.edit(wrong)
-    line = next(n for n, text in enumerate(wrong.splitlines(), 1) if "else (dx, dy)" in text)
+    home.edit(WRONG)
+    line = next(n for n, text in enumerate(WRONG.splitlines(), 1) if "else (dx, dy)" in text)
     ended = home.ended(home.submit())  # in plain Python, where the tuple is used
     assert (ended.state, ended.verdict, ended.attempts) == ("failed", None, 1)
     assert f"a component failed: {home.file}, line {line + 1}: TypeError: " in ended.error

@@ -7,17 +7,11 @@ import signal
 import socket
 import subprocess
 from pathlib import Path
-from typing import Any
 
 import pytest
-import sqlalchemy as sa
 
-from backend.db.engine import connect, default_url, read
-from backend.db.queue import submit
-from backend.db.tables import Run
-from tests.faults.long import case
 from tests.faults.processes import CLEARANCE, REPOSITORY, alive, kill, until
-from tests.faults.serving import get, serving
+from tests.faults.serving import get, long_run, serving, state
 from worker.cli import WRONG_INPUT, invoke
 
 
@@ -33,19 +27,6 @@ def here(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str,
         return invoke(arguments), *capsys.readouterr()
     finally:
         os.umask(umask)
-
-
-def long_run(data: Path) -> tuple[sa.Engine, int]:
-    engine = connect(default_url(data))
-    with engine.begin() as connection:
-        run_id = submit(connection, case(), name="long", tags=[], owner="", planned=0)
-    until(lambda: state(engine, run_id).evaluations > 2000, "well under way")
-    return engine, run_id
-
-
-def state(engine: sa.Engine, run_id: int) -> Any:
-    with read(engine) as connection:
-        return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
 
 
 def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -79,16 +60,6 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFi
         assert service.process.wait() == 130
         assert service.text().endswith("Stopped.\n")
         assert (state(engine, run_id).state, state(engine, run_id).error) == ("queued", None)
-        engine.dispose()
-
-
-def test_serve_killed_leaves_nothing_behind_and_gives_its_run_back(tmp_path: Path) -> None:
-    with serving(tmp_path, CLEARANCE_THREADS="1") as service:
-        engine, run_id = long_run(service.data)
-        family = service.family()
-        kill(service.pid)
-        until(lambda: not any(map(alive, family)), "nothing is left")
-        assert state(engine, run_id).state == "queued"
         engine.dispose()
 
 

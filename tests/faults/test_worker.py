@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import time
@@ -22,6 +23,7 @@ from tests.faults.cases import campaign, columns
 from tests.faults.jobs import SEARCH
 from tests.faults.processes import Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
+from worker.cli import INTERNAL, invoke
 
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 
@@ -153,12 +155,18 @@ def test_a_beat_between_the_last_write_and_the_answer_does_not_kill_the_child(be
     assert bench.worker.child() == child
 
 
-def test_a_child_that_cannot_start_ends_the_worker_with_its_reason(tmp_path: Path) -> None:
-    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    with worker(url, tmp_path, "broken", "--runner", "tests.faults.nowhere:execute") as broken:
-        assert broken.process.wait(60) == 4
-        assert "No module named 'tests.faults.nowhere'" in broken.text()
-        assert "ended with exit code 1 before it was ready, 3 times in a row" in broken.text()
+def test_a_child_that_cannot_start_ends_the_worker_with_its_reason(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    umask = os.umask(0o077)
+    try:  # the worker in this process, its children in their own
+        url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+        assert invoke(["worker", "--database", url, "--runner", "tests.faults.nowhere:execute"]) == INTERNAL
+    finally:
+        os.umask(umask)
+    said = capfd.readouterr().err
+    assert said.count("No module named 'tests.faults.nowhere'") == 3
+    assert "ended with exit code 1 before it was ready, 3 times in a row" in said
 
 
 def test_what_the_physics_prints_and_reads_never_reaches_the_supervisor(bench: Bench) -> None:

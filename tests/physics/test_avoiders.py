@@ -6,6 +6,7 @@ import itertools
 import math
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -18,6 +19,7 @@ from worker.components.avoiders import closest_approach, closest_approach_3d, ge
 from worker.components.obstacles import box, box_3d, circle, cylinder
 from worker.kernels.bind import plain
 from worker.kernels.component import Avoider, Controller, Vehicle
+from worker.kernels.maths import FLAGS
 from worker.kernels.views import Body, Body3
 from worker.physics.closest import NEVER, Rules, miss, resolve
 
@@ -230,16 +232,38 @@ def encounter(vehicle: Vehicle, avoider: Avoider, horizon: float = 20.0) -> Any:
     )
 
 
-@pytest.mark.parametrize("name", ["none", "none_3d", "cruise_3d"])
-def test_those_that_avoid_nothing_compile(name: str) -> None:
+def alone(avoider: Any) -> Any:
+    """What an avoider demands of two obstacles, as the loop calls it."""
+    first, weigh, steer = avoider.first, avoider.weigh, avoider.steer
+
+    def of_all(q: Any, v: Any, goal: Any, bodies: Any, memory: Any, p: Any) -> Any:
+        return steer(0.0, q, v, goal, bodies, memory, p)
+
+    def one_by_one(q: Any, v: Any, goal: Any, bodies: Any, memory: Any, p: Any) -> Any:
+        weighed = first(0.0, q, v, goal, memory, p)
+        weighed = weigh(weighed, 0.0, bodies[0], 0.0, q, v, goal, memory, p)
+        weighed = weigh(weighed, 1.0, bodies[1], 0.0, q, v, goal, memory, p)
+        return steer(0.0, q, v, goal, weighed, memory, p)
+
+    return of_all if weigh is None else one_by_one
+
+
+@pytest.mark.parametrize("name", ["none", "none_3d", "cruise_3d", "orca", "right_of_way_3d"])
+def test_compiled_alone_they_demand_what_they_do_in_plain_python(name: str) -> None:
     """The loops with them are compiled at night only: by day their simulations are in plain Python."""
     avoider: Any = components()["avoider", name]
-    at, moving = ((1.0, 2.0, 3.0)[: avoider.dimension], (0.5, -0.5, 0.2)[: avoider.dimension])
+    v = (0.5, -0.5, 0.2)[: avoider.dimension]
     goal = avoider.goal(*(4.0 + k for k in range(len(avoider.goal._fields))))
-    p = avoider.parameters()
-    compiled, plainly = (form(avoider.steer)(0.0, at, moving, goal, (), (), p) for form in (lambda f: f, plain))
-    assert compiled[0] == pytest.approx(plainly[0], rel=1e-12)
-    assert compiled[1] == plainly[1] == avoider.remember(p) == ()
+    p = type(avoider.parameters())(*map(float, avoider.parameters()))
+    memory = avoider.remember(p)
+    compiled, plainly = numba.njit(**FLAGS)(alone(avoider)), plain(alone(avoider))
+    for place in ((1.0, 2.0, 3.0), (3.2, 3.4, 1.0), (-2.0, 5.0, 0.0)):
+        q = place[: avoider.dimension]
+        given = q, v, goal, around(*q), memory, p
+        demand, kept = compiled(*given)
+        expected, remembered = plainly(*given)
+        assert demand == pytest.approx(expected, rel=1e-9, abs=1e-12)
+        assert kept == pytest.approx(remembered, rel=1e-9, abs=1e-12)
 
 
 class TestFlown:

@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import minimize
 
 from campaigns import library, load_file
-from tests.physics.scenes import cost
+from tests.physics.scenes import cost, uncompiled
 from tests.problems import Problem
 from worker.components.avoiders import orca
 from worker.kernels.bind import plain
@@ -121,10 +121,18 @@ class TestOrca:
 class TestCase2:
     """The encounter of case 2: a continuous demand, so that step and integrator do not matter."""
 
-    PROBLEM = Problem(load_file(library()["pioneer_orca"]))
+    CAMPAIGN = load_file(library()["pioneer_orca"])
+    PROBLEM = Problem(CAMPAIGN)
+    ANCHORS = pytest.mark.parametrize(("values", "d_min"), [({}, 7.8748), (CORNER, 5.7945)])
 
-    @pytest.mark.parametrize(("values", "d_min"), [({}, 7.8748), (CORNER, 5.7945)])
+    @ANCHORS
     def test_anchor(self, values: dict[str, float], d_min: float) -> None:
+        """In plain Python; compiled alone in test_avoiders.py."""
+        assert cost(uncompiled(self.CAMPAIGN), values) == pytest.approx(d_min, abs=1e-4)
+
+    @pytest.mark.nightly  # a loop and an integrator for two simulations
+    @ANCHORS
+    def test_step_and_integrator_do_not_matter(self, values: dict[str, float], d_min: float) -> None:
         found = cost(self.PROBLEM, values)
         assert found == pytest.approx(d_min, abs=1e-4)
         assert cost(self.PROBLEM, values, self.PROBLEM.system.step / 2) == pytest.approx(found, abs=3e-6)

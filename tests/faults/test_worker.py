@@ -21,7 +21,7 @@ from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.db.tables import Worker as WorkerRow
 from tests.faults.cases import campaign, columns
 from tests.faults.jobs import SEARCH
-from tests.faults.processes import Started, alive, descendants, kill, until, worker
+from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
 from worker.cli import INTERNAL, invoke
 
@@ -156,8 +156,9 @@ def test_a_beat_between_the_last_write_and_the_answer_does_not_kill_the_child(be
 
 
 def test_a_child_that_cannot_start_ends_the_worker_with_its_reason(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(REPOSITORY))
     umask = os.umask(0o077)
     try:  # the worker in this process, its children in their own
         url = f"sqlite:///{tmp_path}/clearance.sqlite3"

@@ -23,7 +23,7 @@ from campaigns.asked.load import load_document
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.trace import Realisation
 from tests.audited import audited
-from tests.contract.scenes import scene, together
+from tests.contract.scenes import FEW, scene, together
 from tests.physics.scenes import uncompiled
 from tests.problems import Problem
 from worker.catalogue.installed import catalogue, components
@@ -229,7 +229,7 @@ def together_in_plane(k: int) -> Problem:
     """Half of the faults and of the environment in a loop that tests/contract/test_compiled.py compiles too."""
     document = scene(*together()[k]).document
     document["scenario"]["horizon"] = 6.0
-    return Problem(load_document(document))
+    return Problem(load_document(document), lanes=FEW)
 
 
 LOOPS = {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
@@ -9,6 +11,8 @@ import pytest
 from tests.unit.cases import campaign, document
 from worker.systems.closed_loop import assemble
 from worker.systems.closed_loop.flights import Flights
+
+MASSES = (4.6, 4.8, 5.1, 5.3)
 
 NOISE = [{"component": "sensor_noise", "parameters": {"sigma": 0.01}}]
 
@@ -42,3 +46,21 @@ def test_no_more_than_the_last_ones_are_kept(monkeypatch: pytest.MonkeyPatch) ->
     assemble.shared(parts, 3, compiled=False)
     assert assemble.shared(parts, 1, compiled=False) is first
     assert assemble.shared(parts, 2, compiled=False) is not second, "it was used longest ago"
+
+
+def test_threads_that_ask_at_the_same_time_share_one_and_get_their_own_results(monkeypatch: pytest.MonkeyPatch) -> None:
+    alone = [plain(scenario__vehicle__parameters__m=m) for m in MASSES]
+    expected = [made.simulate_vectors(made.nominal[None])[0].costs for made in alone]
+    monkeypatch.setattr(assemble, "_SHARED", type(assemble._SHARED)())
+    ready = threading.Barrier(len(MASSES))
+
+    def fly(m: float) -> tuple[Flights, Any]:
+        ready.wait()
+        made = plain(scenario__vehicle__parameters__m=m)
+        return made, made.simulate_vectors(made.nominal[None])[0].costs
+
+    with ThreadPoolExecutor(len(MASSES)) as threads:
+        found = list(threads.map(fly, MASSES))
+    assert len({id(made.loop) for made, _ in found}) == 1
+    assert [costs.tolist() for _, costs in found] == [costs.tolist() for costs in expected]
+    assert len({costs.tobytes() for costs in expected}) == len(MASSES), "the mass changes the cost"

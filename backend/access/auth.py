@@ -151,7 +151,10 @@ def _from_our_pages(headers: Headers, required: bool) -> bool:
     origin = headers.get("origin")
     if origin is None:
         return not required
-    return bool(origin) and urllib.parse.urlsplit(origin).netloc == headers.get("host", "")
+    try:
+        return bool(origin) and urllib.parse.urlsplit(origin).netloc == headers.get("host", "")
+    except ValueError:  # no address at all, such as http://[
+        return False
 
 
 async def visitor(request: Request) -> Visitor:

@@ -29,7 +29,7 @@ from tests.api.conftest import Fresh
 from tests.api.document import DOCUMENT, JSON, OPERATIONS, held
 from tests.api.occupied import occupied
 from tests.api.server import Service
-from tests.api.strange import requests
+from tests.api.strange import HEADERS, requests
 
 PREFIX = "urn:clearance:problem:"
 
@@ -75,6 +75,21 @@ def test_whatever_is_sent_is_answered_as_described(
             answer.close()
 
     sent()
+
+
+@pytest.mark.parametrize("method", ["GET", "POST", "DELETE"])
+@pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in HEADERS.items() for value in values])
+def test_no_header_ends_in_an_internal_error(client: httpx.Client, method: str, name: str, value: bytes) -> None:
+    """Examples reach each header with some operation, but not with one that looks at it."""
+    path = {"GET": "/api/v1/runs/R-0001", "POST": "/api/v1/runs/cancel", "DELETE": "/api/v1/drafts/D-9999"}[method]
+    body = '{"runs": ["R-9999"]}' if method == "POST" else None
+    answer = client.request(method, path, content=body, headers=[(name.encode(), value)])
+    assert answer.status_code < 500, answer.text
+
+
+def test_an_origin_that_is_no_address_is_foreign(client: httpx.Client) -> None:
+    answer = client.post("/api/v1/runs/cancel", json={"runs": ["R-9999"]}, headers={"Origin": "http://["})
+    assert (answer.status_code, answer.json()["type"].rpartition(":")[2]) == (403, "foreign-origin")
 
 
 NAMED = {

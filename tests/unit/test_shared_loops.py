@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.unit.cases import campaign, document
+from worker.kernels import maths
 from worker.systems.closed_loop import assemble
 from worker.systems.closed_loop.flights import Flights
 
@@ -35,6 +36,17 @@ def test_only_the_same_parts_share_a_loop() -> None:
     assert len(loops) == 1 + len(others)
     assert assemble.shared(one.parts, 2, compiled=False) is not one.loop
     assert assemble.shared(one.parts, 1).compiled
+
+
+def test_a_loop_whose_code_uses_something_that_changed_is_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = plain()
+    before = one.loop.digest
+    assert plain().loop is one.loop
+    # As in a notebook, where a constant is changed and the component stays.
+    monkeypatch.setattr(maths, "PI", 3.0)
+    changed = plain()
+    assert changed.loop is not one.loop
+    assert changed.loop.digest != before == one.loop.digest
 
 
 def test_no_more_than_the_last_ones_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -180,7 +180,7 @@ _SHARING = Lock()
 
 def shared(parts: Parts, lanes: int = LANES, compiled: bool = True) -> Loop:
     """The loop of these parts; of the last `SHARED` ones the same for all, so that a second run in a process neither
-    generates nor loads anything. Thread-safe."""
+    generates nor loads anything, unless something that its code uses has changed meanwhile. Thread-safe."""
     every = (parts.obstacles, parts.environment, parts.objectives)
     one = (parts.vehicle, parts.controller, parts.avoider, parts.criterion)
     faults = tuple((id(placed.fault), placed.on) for placed in parts.faults)
@@ -188,8 +188,10 @@ def shared(parts: Parts, lanes: int = LANES, compiled: bool = True) -> Loop:
     groups = tuple(tuple(map(id, group)) for group in (one, *every))
     key = groups, faults, parts.sampled, lanes, compiled
     with _SHARING:
-        if key not in _SHARED:
-            _SHARED[key] = Loop(parts, lanes, compiled)
+        kept = _SHARED.get(key)
+        if kept is None or digest(kept.filled_template()) != kept.digest:
+            made = _SHARED[key] = Loop(parts, lanes, compiled)
+            assert made.digest  # as it is before anything is compiled
         _SHARED.move_to_end(key)
         if len(_SHARED) > SHARED:
             _SHARED.popitem(last=False)

@@ -31,7 +31,7 @@ from worker.systems.simulators.logs.rosbag import separation_of_mcap
 from worker.systems.simulators.logs.ulog import separation_of_ulog
 
 Read = Callable[[Path], object]
-COUNTS = [40, pytest.param(3_000, marks=[pytest.mark.nightly, pytest.mark.timeout(1800)])]
+COUNTS = [60, pytest.param(3_000, marks=[pytest.mark.nightly, pytest.mark.timeout(1800)])]
 BALL = Sphere(3.0, 1.0, -2.0, 0.5)
 TRACK = [(0.1 * k, 0.2 * k, 1.0, -2.0) for k in range(40)]
 

@@ -9,7 +9,7 @@ import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -146,24 +146,12 @@ def exists(name: str) -> bool:
     return path.with_suffix(".py").exists() or path.is_dir()
 
 
-IMPORT = re.compile(r"^[ \t]*((?:from [\w.]+ )?import (?:\([^)]*\)|[^(\n]+))", re.MULTILINE)
-
-
-def imports(text: str) -> Iterator[ast.stmt]:
-    """The import statements of a file, wherever in it: to parse all of all files takes seconds."""
-    for found in IMPORT.finditer(text):
-        try:
-            yield from ast.parse(found[1]).body
-        except SyntaxError:  # a line of a text that begins alike
-            continue
-
-
 @cache
 def imported(path: Path) -> frozenset[str]:
     """Every module that a file imports, wherever in it; `from a import b` is `a.b` where that is a module."""
     found: set[str] = set()
     package = name_of(path).split(".") if path.name == "__init__.py" else name_of(path).split(".")[:-1]
-    for node in imports(path.read_text(encoding="utf-8")):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

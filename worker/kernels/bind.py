@@ -45,7 +45,7 @@ def filled(template: Function, slots: Mapping[str, object]) -> types.FunctionTyp
 def plain(function: Function, instead: Mapping[Any, Any] | None = None) -> Any:
     """The function and every kernel that it reaches in plain Python: for debuggers, coverage and DOP853.
 
-    `instead` maps kernels to the functions to call in their place.
+    `instead` maps kernels to the functions to call in their place, and modules to modules.
     """
     return _plain(function, {identity(kernel): other for kernel, other in (instead or {}).items()})
 
@@ -103,6 +103,8 @@ def _plain_global(
     """The plain form of a global; for a module of this project, a copy with the attributes that the code may use."""
     if isinstance(value, (Dispatcher, types.FunctionType)):
         return _plain(value, done, make)
+    if id(value) in done:
+        return done[id(value)]
     if not isinstance(value, types.ModuleType) or _foreign(value.__name__):
         return value
     if id(value) not in modules:

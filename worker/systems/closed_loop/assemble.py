@@ -20,6 +20,7 @@ from worker.kernels.bind import Function, compile_loop, digest, filled, plain
 from worker.kernels.component import Signal
 from worker.kernels.lanes import LaneOps, lane_ops, plain_ops
 from worker.kernels.layout import Parts, channels, sections, spans, states
+from worker.kernels.scalars import quick
 from worker.kernels.text.module import loaded
 from worker.kernels.text.written import written
 
@@ -167,7 +168,7 @@ class Loop:
     def _made(self, template: Function, names: tuple[str, ...]) -> Any:
         bound = self._filled(template, names)
         if not self.compiled:
-            return plain(bound)
+            return quick(bound)
         return compile_loop(bound, f"{self.parts.vehicle.name}_{template.__name__}_{self.lanes}")
 
     def _filled(self, template: Function, names: tuple[str, ...]) -> Function:

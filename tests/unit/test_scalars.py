@@ -1,0 +1,62 @@
+"""The plain form on Python's numbers has every bit of the plain form on numpy's."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from campaigns import library, load_file
+from worker.kernels import maths, scalars
+from worker.kernels.bind import plain
+from worker.systems.base import Floats
+from worker.systems.closed_loop import assemble
+from worker.systems.closed_loop.assemble import Loop
+from worker.systems.closed_loop.flights import Flights
+
+ODD = (0.0, -0.0, 0.5, -0.5, 3.0, -3.0, -1e-300, 1e15 + 0.5, -(2.0**53), 1e299, 1e308, math.inf, -math.inf, math.nan)
+
+
+@pytest.mark.parametrize("x", [*ODD, *map(np.float64, ODD)])
+def test_floor_is_numpys(x: float) -> None:
+    assert np.float64(scalars.floor(x)).tobytes() == np.floor(x).tobytes()
+
+
+@np.errstate(over="ignore")  # random bits are products of whole numbers that wrap
+def test_samples_of_noise_are_the_same() -> None:
+    for asked in itertools.product((0.0, 7.0, 123456789.0), (0.0, 3.0), (-1.0, 0.0, 41.0)):
+        assert scalars.INSTEAD[maths.normals](*asked) == tuple(plain(maths.normals)(*asked))
+        assert scalars.INSTEAD[maths.uniform](*asked) == plain(maths.uniform)(*asked)
+
+
+@pytest.mark.parametrize("name", library())
+def test_a_shipped_loop_has_the_same_bits(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    flights = Flights(load_file(library()[name]), compiled=False, lanes=1)
+    given = flights.realisations.flights(flights.nominal[None])[:1]
+    quick = flown(Loop(flights.parts, 1, compiled=False), given)
+    monkeypatch.setattr(assemble, "quick", plain)
+    assert flown(Loop(flights.parts, 1, compiled=False), given) == quick
+
+
+def flown(loop: Loop, params: Floats) -> list[bytes]:
+    """Every bit that 60 steps and an observation give; a NaN is a NaN, whatever its sign."""
+    found = loop.simulate(params, 0.02, 60, 5, traced=1)
+    seen = loop.observe(found.trace[0], params[0], 0.02)
+    results = found.costs, found.status, found.when, found.trace, seen
+    return [np.where(np.isnan(result), np.nan, result).tobytes() for result in results]
+
+
+def divided(out):  # type: ignore[no-untyped-def]
+    out[0] = 1.0
+    out[1] = -1.0 / np.floor(0.5)
+
+
+def test_what_python_raises_is_infinite_as_in_compiled_code() -> None:
+    out = np.zeros(2)
+    with pytest.raises(ZeroDivisionError):
+        plain(divided, scalars.INSTEAD)(out)
+    with np.errstate(all="ignore"):
+        scalars.quick(divided)(out)
+    assert out.tolist() == [1.0, -math.inf]

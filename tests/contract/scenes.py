@@ -20,7 +20,7 @@ from worker.systems.base import Floats
 HORIZON, STEP = 0.32, 0.005
 """[s]"""
 
-FEW = 4
+FEW = 2
 """Lanes of the scenes that several components share."""
 
 ONE = {
@@ -137,7 +137,7 @@ def _covering(vehicles: list[Vehicle]) -> list[tuple[Vehicle, Controller]]:
 def problem(*chosen: Component, compiled: bool = True) -> Problem:
     """The compiled campaign of a scene, with half the horizon in plain Python; shared by its components.
 
-    Of several components in `FEW` lanes, which compile in three quarters of the time.
+    Of several components in `FEW` lanes, which compile in two thirds of the time.
     """
     document = scene(*chosen).document
     document["scenario"]["horizon"] = HORIZON if compiled else HORIZON / 2

@@ -16,9 +16,10 @@ import numpy as np
 from numba import config, njit
 from numba.core.registry import CPUDispatcher
 
-from worker.kernels import jit
+from worker.kernels import jit, resolved
 
 jit.refuse(bool(config.DISABLE_JIT))  # type: ignore[attr-defined]
+resolved.install()
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import gc
 import re
+from importlib import import_module
 
 import pytest
+from numba.core.registry import cpu_target
 
 from tests import statements
 from tests.side_by_side import pytest_addoption, pytest_runtestloop
@@ -74,12 +76,21 @@ def pytest_configure() -> None:
     statements.share()
 
 
-def pytest_collection_finish() -> None:
+def load() -> None:
+    """Once for all forks, what is imported when it is first needed, by most of them: a second for each."""
+    for name in ("cma", "SALib.sample.sobol", "SALib.analyze.sobol"):
+        import_module(name)
+    cpu_target.target_context.refresh()
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
     """From here on only what the tests make is searched for cycles.
 
     A process that has collected all tests holds 800,000 objects, none of which ends before it does. Searching them
     again and again took a third of the collection and a fifth of the tests' time.
     """
+    if session.config.getoption("processes"):
+        load()
     gc.collect()
     gc.freeze()
     gc.set_threshold(10_000, 10, 10)

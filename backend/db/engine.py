@@ -13,13 +13,16 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import sqlalchemy as sa
-from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy.dialects import sqlite
 
 from backend.db import revision
 from backend.db.private import create_private
+
+if TYPE_CHECKING:
+    from sqlalchemy.dialects import postgresql
 
 Result = TypeVar("Result")
 
@@ -69,7 +72,11 @@ def is_sqlite(bind: sa.Engine | sa.Connection) -> bool:
 
 def insert(connection: sa.Connection, table: Any) -> sqlite.Insert | postgresql.Insert:
     """The dialect's insert, which has `on_conflict_do_nothing` and `on_conflict_do_update`."""
-    return sqlite.insert(table) if is_sqlite(connection) else postgresql.insert(table)
+    if is_sqlite(connection):
+        return sqlite.insert(table)
+    from sqlalchemy.dialects import postgresql  # imported late: a twentieth of the time in which a process starts
+
+    return postgresql.insert(table)
 
 
 @contextmanager

@@ -3,25 +3,7 @@
 # Does nothing where it is done already. Needs Python >= 3.11 (PYTHON=... names another one).
 
 source "$(dirname "$0")/common.sh"
-
-suits() { "$1" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))' 2>/dev/null; }
-
-find_python() {
-    local candidate
-    if [ -n "${PYTHON:-}" ]; then
-        suits "$PYTHON" || fail "PYTHON=$PYTHON is not a Python 3.11 to 3.14"
-        command -v "$PYTHON"
-        return
-    fi
-    for candidate in python3 python3.14 python3.13 python3.12 python3.11; do
-        if suits "$candidate"; then
-            command -v "$candidate"
-            return
-        fi
-    done
-    fail "Python 3.11 to 3.14 is needed and none was found (python3 is $(python3 --version 2>&1 || true));" \
-        "install one, or name it: make install PYTHON=/path/to/python3.11"
-}
+source tools/python.sh
 
 create_venv() {
     local python

@@ -20,22 +20,13 @@ from worker.cli import invoke
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False
 
-MISTAKES = [
-    (
-        "my_robot",
-        '"kg", "Mass"',
-        '"kgs", "Mass"',
-        r"my_robot\.py, line \d+: MyRobot\.m: unknown unit 'kgs': did you mean",
-    ),
-    (
-        "my_pilot",
-        "(error,)\n",
-        "error\n",
-        r"my_pilot\.py, line \d+: command_force returns as its second result the number",
-    ),
-    ("my_way", "\n    return (x, y), ()", "\n    raise ValueError", r"my_way\.py, line \d+: steer contains `raise`"),
-]
-"""A file, an edit of it, and the sentence."""
+MISTAKE = (
+    "my_robot",
+    '"kg", "Mass"',
+    '"kgs", "Mass"',
+    r"my_robot\.py, line \d+: MyRobot\.m: unknown unit 'kgs': did you mean",
+)
+"""A file, an edit of it, and the sentence; others: tests/unit/mistakes.py."""
 
 
 def campaign() -> dict[str, Any]:
@@ -77,13 +68,13 @@ def test_from_an_empty_folder_to_two_verdicts(
     monkeypatch.setenv("CLEARANCE_COMPONENTS", str(folder))
     for words in (["vehicle", "my_robot"], ["controller", "my_pilot", "--for", "my_robot"], ["avoider", "my_way"]):
         assert invoke(["component", "new", *words]) == 0
-    for name, old, new, sentence in MISTAKES:
-        capsys.readouterr()
-        edited(folder / f"{name}.py", old, new)
-        assert invoke(["component", "check", f"{name}.py"]) == 1
-        [said] = capsys.readouterr().err.splitlines()
-        assert re.search(sentence, said), said
-        edited(folder / f"{name}.py", new, old)
+    name, old, new, sentence = MISTAKE
+    capsys.readouterr()
+    edited(folder / f"{name}.py", old, new)
+    assert invoke(["component", "check", f"{name}.py"]) == 1
+    [said] = capsys.readouterr().err.splitlines()
+    assert re.search(sentence, said), said
+    edited(folder / f"{name}.py", new, old)
     assert invoke(["component", "check", "my_way.py"]) == 0
     with (
         serving(tmp_path, CLEARANCE_COMPONENTS=str(folder)) as service,

@@ -41,8 +41,8 @@ def test_a_shipped_loop_has_the_same_bits(name: str, monkeypatch: pytest.MonkeyP
 
 
 def flown(loop: Loop, params: Floats) -> list[bytes]:
-    """Every bit that 60 steps and an observation give; a NaN is a NaN, whatever its sign."""
-    found = loop.simulate(params, 0.02, 60, 5, traced=1)
+    """Every bit that 25 steps and an observation give; a NaN is a NaN, whatever its sign."""
+    found = loop.simulate(params, 0.02, 25, 5, traced=1)
     seen = loop.observe(found.trace[0], params[0], 0.02)
     results = found.costs, found.status, found.when, found.trace, seen
     return [np.where(np.isnan(result), np.nan, result).tobytes() for result in results]

@@ -64,7 +64,7 @@ def main() -> None:
         large = page_data.flown(engine)
         page_data.copies(engine, large, RUNS - 1)
         with sync_playwright() as playwright:
-            browser = launch(playwright.chromium)
+            browser = launch(playwright.chromium, optimises=True)
             found = measured(running, address, Visitor(browser, address, running), engine, large)
             found |= verdicts(browser)
             browser.close()

@@ -47,9 +47,10 @@ ARGUMENTS = (
     # page scrolled. What a sandbox refuses, it refuses in one process as well.
     "--disable-site-isolation-trials",
     "--no-first-run",
-    # A page lives for seconds: optimising its code takes a tenth of its processor time, more than is gained.
-    "--js-flags=--no-opt --no-maglev",
 )
+
+HASTY = ("--js-flags=--no-opt --no-maglev",)
+"""A page of a test lives for seconds: optimising its code takes a tenth of its processor time, more than is gained."""
 
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 """The first has no windows, tabs and toolbars, which take a quarter of the processor time of the others."""
@@ -202,10 +203,11 @@ def visiting(browser: Browser, address: str, *, views: bool = True, moving: bool
     assert visit.wrong == [], "\n".join(visit.wrong)
 
 
-def launch(chromium: BrowserType, draws: bool = True) -> Browser:
-    """The system's chromium, which draws WebGL in software, or not at all."""
+def launch(chromium: BrowserType, draws: bool = True, optimises: bool = False) -> Browser:
+    """The system's chromium, which draws WebGL in software, or not at all. optimises: as users have it."""
     graphics = DRAWN_IN_SOFTWARE if draws else WITHOUT_3D
-    return chromium.launch(executable_path=executable(), args=[*ARGUMENTS, *graphics])
+    arguments = [*ARGUMENTS, *graphics, *(() if optimises else HASTY)]
+    return chromium.launch(executable_path=executable(), args=arguments)
 
 
 def pixels(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -60,3 +61,32 @@ def test_what_python_raises_is_infinite_as_in_compiled_code() -> None:
     with np.errstate(all="ignore"):
         scalars.quick(divided)(out)
     assert out.tolist() == [1.0, -math.inf]
+
+
+def rooted(out):  # type: ignore[no-untyped-def]
+    out[0] = abs((np.floor(0.5) - 2.0) ** 0.5)
+
+
+def nested(out):  # type: ignore[no-untyped-def]
+    out[0] = (lambda x: abs((x - 2.0) ** x))(np.floor(0.5) + 0.5)
+
+
+def squared(out):  # type: ignore[no-untyped-def]
+    out[0] = (np.floor(0.5) - 2.0) ** 2 + (np.floor(1.5) - 2.0) ** 3.0
+
+
+@pytest.mark.parametrize("function", [rooted, nested])
+def test_what_python_makes_complex_is_nan_as_in_compiled_code(function: Callable[..., None]) -> None:
+    out = np.zeros(1)
+    plain(function, scalars.INSTEAD)(out)
+    assert out[0] > 1.0, "the magnitude of a complex number"
+    with np.errstate(all="ignore"):
+        scalars.quick(function)(out)
+    assert math.isnan(out[0])
+
+
+def test_whole_powers_are_quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scalars, "plain", lambda function: pytest.fail("numpy's numbers are not needed"))
+    out = np.zeros(1)
+    scalars.quick(squared)(out)
+    assert out[0] == 3.0

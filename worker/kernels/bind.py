@@ -103,9 +103,11 @@ def _plain_global(
     """The plain form of a global; for a module of this project, a copy with the attributes that the code may use."""
     if isinstance(value, (Dispatcher, types.FunctionType)):
         return _plain(value, done, make)
+    if not isinstance(value, types.ModuleType):
+        return value
     if id(value) in done:
         return done[id(value)]
-    if not isinstance(value, types.ModuleType) or _foreign(value.__name__):
+    if _foreign(value.__name__):
         return value
     if id(value) not in modules:
         copy = modules[id(value)] = types.ModuleType(value.__name__)

@@ -36,17 +36,13 @@ def _one(drawn: Callable[..., Any]) -> Callable[..., Any]:
     return lambda seed, stream, count: float(drawn(seed, stream, count))
 
 
-def _kept(drawn: Callable[..., Any]) -> Callable[..., Any]:
-    return lru_cache(KEPT)(drawn)
-
-
 _NUMPY = types.ModuleType(np.__name__)
 vars(_NUMPY).update(vars(np) | {"floor": floor})
 
 INSTEAD: dict[Any, Any] = {
     np: _NUMPY,
-    maths.normals: _kept(_pair(plain(maths.normals))),
-    maths.uniform: _kept(_one(plain(maths.uniform))),
+    maths.normals: lru_cache(KEPT)(_pair(plain(maths.normals))),
+    maths.uniform: lru_cache(KEPT)(_one(plain(maths.uniform))),
 }
 """What the quick form uses in place of numpy and kernels."""
 
@@ -86,7 +82,7 @@ def _takes_roots(code: types.CodeType) -> bool:
         return True
     if not any(power in code.co_code for power in _POWERS):
         return False
-    before = None
+    before: dis.Instruction | None = None
     for step in dis.get_instructions(code):
         if step.opname == "BINARY_OP" and step.argrepr.startswith("**"):
             power = before.argval if before and before.opname.startswith("LOAD_") else None

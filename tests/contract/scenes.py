@@ -137,7 +137,7 @@ def _covering(vehicles: list[Vehicle]) -> list[tuple[Vehicle, Controller]]:
 def problem(*chosen: Component, compiled: bool = True) -> Problem:
     """The compiled campaign of a scene, with half the horizon in plain Python; shared by its components.
 
-    Of several components in `FEW` lanes, which compile in two thirds of the time.
+    Of several components in `FEW` lanes, which compile in three quarters of the time.
     """
     document = scene(*chosen).document
     document["scenario"]["horizon"] = HORIZON if compiled else HORIZON / 2

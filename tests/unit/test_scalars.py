@@ -27,9 +27,10 @@ def test_floor_is_numpys(x: float) -> None:
 
 @np.errstate(over="ignore")  # random bits are products of whole numbers that wrap
 def test_samples_of_noise_are_the_same() -> None:
+    kept = scalars.instead()
     for asked in itertools.product((0.0, 7.0, 123456789.0), (0.0, 3.0), (-1.0, 0.0, 41.0)):
-        assert scalars.INSTEAD[maths.normals](*asked) == tuple(plain(maths.normals)(*asked))
-        assert scalars.INSTEAD[maths.uniform](*asked) == plain(maths.uniform)(*asked)
+        assert kept[maths.normals](*asked) == tuple(plain(maths.normals)(*asked))
+        assert kept[maths.uniform](*asked) == plain(maths.uniform)(*asked)
 
 
 @pytest.mark.parametrize("name", library())
@@ -57,7 +58,7 @@ def divided(out):  # type: ignore[no-untyped-def]
 def test_what_python_raises_is_infinite_as_in_compiled_code() -> None:
     out = np.zeros(2)
     with pytest.raises(ZeroDivisionError):
-        plain(divided, scalars.INSTEAD)(out)
+        plain(divided, scalars.instead())(out)
     with np.errstate(all="ignore"):
         scalars.quick(divided)(out)
     assert out.tolist() == [1.0, -math.inf]
@@ -78,7 +79,7 @@ def squared(out):  # type: ignore[no-untyped-def]
 @pytest.mark.parametrize("function", [rooted, nested])
 def test_what_python_makes_complex_is_nan_as_in_compiled_code(function: Callable[..., None]) -> None:
     out = np.zeros(1)
-    plain(function, scalars.INSTEAD)(out)
+    plain(function, scalars.instead())(out)
     assert out[0] > 1.0, "the magnitude of a complex number"
     with np.errstate(all="ignore"):
         scalars.quick(function)(out)
@@ -86,7 +87,17 @@ def test_what_python_makes_complex_is_nan_as_in_compiled_code(function: Callable
 
 
 def test_whole_powers_are_quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(scalars, "plain", lambda function: pytest.fail("numpy's numbers are not needed"))
     out = np.zeros(1)
-    scalars.quick(squared)(out)
+    flown = scalars.quick(squared)
+    monkeypatch.setattr(scalars, "plain", lambda function: pytest.fail("numpy's numbers are not needed"))
+    flown(out)
+    assert flown.__code__ is not squared.__code__
     assert out[0] == 3.0
+
+
+def test_noise_follows_an_edit_of_the_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
+    with np.errstate(over="ignore"):
+        before = scalars.instead()[maths.normals](7.0, 3.0, 41.0)
+        monkeypatch.setattr(maths, "TWO_PI", 3.0)  # as in a notebook
+        after = scalars.instead()[maths.normals](7.0, 3.0, 41.0)
+        assert after == tuple(plain(maths.normals)(7.0, 3.0, 41.0)) != before

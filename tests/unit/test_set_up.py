@@ -28,10 +28,11 @@ def interpreter(file: Path, piece: bool, suits: bool = True) -> str:
 def found(folder: Path, **environment: str) -> str:
     script = f"source tools/common.sh; source tools/python.sh; system=({folder}/none {folder}/system); find_python"
     path = f"{folder}/first:{os.environ['PATH']}"
+    known = {name: value for name, value in os.environ.items() if name != "PYTHON"}  # make hands on what it was given
     done = subprocess.run(
         ["bash", "-c", script],
         cwd=REPOSITORY,
-        env=os.environ | {"PATH": path} | environment,
+        env=known | {"PATH": path} | environment,
         capture_output=True,
         text=True,
         check=True,

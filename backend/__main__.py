@@ -6,7 +6,7 @@ prints its own link.
 
 from __future__ import annotations
 
-from backend import heap  # first: loading is not interrupted
+from campaigns import heap  # first: loading is not interrupted
 
 # isort: split
 import asyncio
@@ -39,6 +39,11 @@ ADDRESS_FILE = "service-address"
 OLD_LINK_FILE = "login-link"
 """File with a login link, written by earlier versions; removed at start."""
 
+IDLE = 75
+"""Time after which an idle connection is closed [s]; whoever closes first can lose a request that is on its way.
+
+Proxies and clients close theirs within 60 s (nginx, load balancers). uvicorn has 5 s, as has httpx.
+"""
 GRACE = 1
 """Time limit of pending responses when the service stops [s]."""
 
@@ -98,6 +103,7 @@ def server_config(app: FastAPI) -> uvicorn.Config:
         http=bounded(settings.max_connections, settings.request_patience, headers(settings.encrypted)),
         server_header=False,
         proxy_headers=False,  # uvicorn would believe every process of this machine; see `backend.middleware.proxied`
+        timeout_keep_alive=IDLE,
         timeout_graceful_shutdown=GRACE,
     )
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from worker.processes import blas as blas  # before numpy is loaded
+
+# isort: split
 import gc
 import re
 from importlib import import_module
@@ -93,5 +96,5 @@ def pytest_collection_finish(session: pytest.Session) -> None:
         load()
     gc.collect()
     gc.freeze()
-    gc.set_threshold(10_000, 10, 10)
+    gc.set_threshold(50_000, 20, 20)
     gc.enable()

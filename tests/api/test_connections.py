@@ -199,18 +199,33 @@ def test_beyond_so_many_connections_there_is_a_refusal_and_one_gone_makes_room(s
         until(lambda: strict.app.state.hub.listeners == 0)
 
 
-def test_idle_clients_do_not_block_others(strict: Service) -> None:
+HEALTH = b"GET /api/v1/health HTTP/1.1\r\nHost: localhost\r\n"
+
+
+@pytest.mark.parametrize("sent", [HEALTH, HEALTH + b"\r\n"], ids=["half a request", "a request"])
+def test_idle_clients_do_not_block_others(strict: Service, sent: bytes) -> None:
     connections = strict.server.server_state.connections
     until(lambda: not connections)
-    halves = [opened(strict) for _ in range(3 * MOST)]
-    for half in halves:
+    idle = [opened(strict) for _ in range(3 * MOST)]
+    for one in idle:
         with contextlib.suppress(OSError):  # closed for a later one
-            half.sendall(b"GET /api/v1/health HTTP/1.1\r\nX-A:")
+            one.sendall(sent)
     with strict.visitor() as client:
         assert client.get("/api/v1/health").status_code == 200
     assert len(connections) <= MOST
-    for half in halves:
-        half.close()
+    for one in idle:
+        one.close()
+
+
+def test_proxies_and_clients_close_idle_connections_first(strict: Service) -> None:
+    """Or their next request could be lost: nginx and load balancers wait for 60 s."""
+    connections = strict.server.server_state.connections
+    until(lambda: not connections)
+    with strict.visitor() as client:
+        assert client.get("/api/v1/health").status_code == 200
+        (connection,) = connections
+        closes = until(lambda: connection.timeout_keep_alive_task)
+        assert closes.when() - connection.loop.time() > 60
 
 
 def test_a_view_outlives_that_time(strict: Service) -> None:

@@ -31,6 +31,7 @@ from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
 from worker.catalogue.installed import methods
 from worker.search.base import Floats, Method, Search
+from worker.systems.simulators.slots.given import THREADS
 
 
 @pytest.fixture(autouse=True)
@@ -161,7 +162,7 @@ def fingerprints(seed: int = 1) -> dict[str, str]:
 def test_the_same_seed_gives_the_same_points_in_every_process() -> None:
     here = fingerprints()
     code = "import json; from tests.contract.test_methods import fingerprints; print(json.dumps(fingerprints()))"
-    environment = {**os.environ, "PYTHONHASHSEED": "4711", "OMP_NUM_THREADS": "1"}
+    environment = {**os.environ, "PYTHONHASHSEED": "4711", THREADS: "4"}  # here: 1
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True, timeout=120)
     assert json.loads(done.stdout) == here
     random = [name for name, method in methods().items() if method.kind == "random"]

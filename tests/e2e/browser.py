@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import os
 import re
-import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -33,6 +32,7 @@ from playwright.sync_api import (
     expect,
 )
 
+from backend.reports import pdf
 from tests.faults.processes import REPOSITORY
 
 SCREENSHOTS = REPOSITORY / "build" / "screenshots"
@@ -52,9 +52,6 @@ ARGUMENTS = (
 HASTY = ("--js-flags=--no-opt --no-maglev",)
 """A page of a test lives for seconds: optimising its code takes a tenth of its processor time, more than is gained."""
 
-BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-"""The first has no windows, tabs and toolbars, which take a quarter of the processor time of the others."""
-
 DRAWN_IN_SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 WITHOUT_3D = ("--disable-3d-apis",)
 
@@ -73,7 +70,7 @@ def pictured() -> bool:
 
 def executable() -> str:
     """The path of the system's browser; fails if there is none."""
-    found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
+    found = pdf.browser()
     assert found is not None, "these tests need chromium; `make test` installs it"
     return found
 

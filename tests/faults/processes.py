@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import IO
 
 REPOSITORY = Path(__file__).parents[2]
-CLEARANCE = [sys.executable, "-m", "worker.cli"]
+CLEARANCE = [sys.executable, "-m", "worker"]
 
 
 class Started:

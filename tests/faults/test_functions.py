@@ -40,7 +40,7 @@ EXPECTED = [
 
 def command(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "worker.cli", *arguments], env=os.environ | environment, capture_output=True, text=True,
+        [sys.executable, "-m", "worker", *arguments], env=os.environ | environment, capture_output=True, text=True,
         check=False, cwd=REPOSITORY, timeout=250,
     )  # fmt: skip
 

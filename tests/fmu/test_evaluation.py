@@ -202,7 +202,7 @@ def example(tmp_path: Path, **stages: Any) -> tuple[int, Any, str]:
     campaign["stages"] |= stages
     (tmp_path / "campaign.yaml").write_text(yaml.safe_dump(campaign))
     done = subprocess.run(
-        [sys.executable, "-m", "worker.cli", "run", str(tmp_path / "campaign.yaml"), "--json"],
+        [sys.executable, "-m", "worker", "run", str(tmp_path / "campaign.yaml"), "--json"],
         env=os.environ | {"CLEARANCE_SIMULATORS": str(tmp_path)}, capture_output=True, text=True, check=False,
         cwd=REPOSITORY, timeout=280,
     )  # fmt: skip

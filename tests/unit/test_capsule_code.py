@@ -149,7 +149,7 @@ def test_a_run_of_an_own_component_is_replayed_where_it_is_not_installed(
     document["scenario"]["avoider"]["component"] = "my_field"
     campaign = tmp_path / "campaign.json"
     campaign.write_text(json.dumps(document))
-    command = [sys.executable, "-m", "worker.cli", "run", str(campaign), "--out", str(out)]
+    command = [sys.executable, "-m", "worker", "run", str(campaign), "--out", str(out)]
     ended = subprocess.run(
         command, env={**os.environ, "CLEARANCE_COMPONENTS": str(folder)}, capture_output=True, text=True, check=False
     )

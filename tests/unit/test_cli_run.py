@@ -278,7 +278,7 @@ def test_the_schema_and_the_whole_document(capsys: pytest.CaptureFixture[str], f
 
 
 def command(*arguments: str) -> list[str]:
-    return [sys.executable, "-m", "worker.cli", *arguments]
+    return [sys.executable, "-m", "worker", *arguments]
 
 
 @pytest.mark.nightly  # by day another one is interrupted, below, and one submits in tests/api/test_ci_guide.py

@@ -152,7 +152,7 @@ def test_an_installed_wheel_writes_them(tmp_path: Path) -> None:
     (site,) = prefix.glob("lib/python*/site-packages")
     (tmp_path / "empty").mkdir()
     subprocess.run(
-        [sys.executable, "-m", "worker.cli", "examples"],
+        [sys.executable, "-m", "worker", "examples"],
         cwd=tmp_path / "empty", env=os.environ | {"PYTHONPATH": str(site)}, check=True,
     )  # fmt: skip
     written = tmp_path / "empty" / WHERE

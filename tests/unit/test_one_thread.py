@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
 from worker.search.parts import one_thread as module
 from worker.search.parts.one_thread import one_thread
+
+
+@pytest.fixture(autouse=True)
+def several() -> Iterator[None]:
+    """More than one thread, which the processes of the tests have."""
+    for library in module._libraries():
+        library.set(2)
+    yield
+    for library in module._libraries():
+        library.set(1)
 
 
 def threads() -> list[int]:

@@ -1,4 +1,4 @@
-"""`python -m worker.cli`: the command `clearance` where its script is not on the path."""
+"""`python -m worker.cli`: the command `clearance` as earlier versions were started. See `worker.__main__`."""
 
 from worker.cli import main
 

@@ -73,7 +73,7 @@ def replayed_with_its_code(path: Path, arguments: Sequence[str]) -> int | None:
     _refuse_others(path, capsule, texts)
     with TemporaryDirectory(prefix="clearance-capsule-") as folder:
         environment = _written(Path(folder), capsule.sources, texts) | {INSIDE: capsule.digest}
-        command = [sys.executable, "-P", "-m", "worker.cli", "replay", *arguments]
+        command = [sys.executable, "-P", "-m", "worker", "replay", *arguments]
         ended = subprocess.run(
             command, env={**os.environ, **environment}, stdin=subprocess.DEVNULL, capture_output=True, check=False
         )

@@ -31,7 +31,7 @@ from campaigns.versions import Versions
 from worker.catalogue.installed import catalogue
 from worker.cli import WrongInputError
 from worker.cli._interrupt import explained
-from worker.cli._results import read_folder, versions_of
+from worker.cli._results import read_folder, refuse_other_campaign, versions_of
 from worker.cli._where import existing_url_of, stored_run
 from worker.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
 from worker.runs.runner import Cancelled, ReplayMismatch
@@ -85,6 +85,7 @@ def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
     campaign, store = read_folder(folder)
     earlier = _Earlier(str(folder), campaign, store, versions_of(folder), {})
     onward, columns = earlier.onward(budget)
+    refuse_other_campaign(folder, campaign)
     memory = preloaded(onward, columns)
     with explained(memory):
         return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)

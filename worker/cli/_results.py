@@ -14,12 +14,12 @@ import numpy as np
 from backend.db.rows import plain
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.cells import Writer
-from campaigns.checked.snapshot import snapshot
+from campaigns.checked.snapshot import snapshot, values_changed
 from campaigns.documents import JsonObject
 from campaigns.results.base import OK, STATUS
 from campaigns.stages.plan import plan
 from campaigns.unreadable import UNREADABLE
-from campaigns.versions import Versions
+from campaigns.versions import Versions, short
 from worker.catalogue.installed import catalogue
 from worker.opening import opened
 from worker.problem.criteria import criteria
@@ -63,7 +63,7 @@ def evidence(campaign: Campaign, store: MemoryStore, known: Catalogue | None = N
 
 def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     """The campaign and the evaluations that `write_results` left; raises `CannotContinue` if they are missing."""
-    for name in ("campaign.json", ARRAYS):
+    for name in ("campaign.json", "result.json", ARRAYS):
         if not (folder / name).is_file():
             raise CannotContinue(
                 f"it contains no {name}; give the folder of a `clearance run --out`, or a run such as R-0001"
@@ -83,6 +83,28 @@ def versions_of(folder: Path) -> Versions:
         return Versions.of(json.loads((folder / "result.json").read_text(encoding="utf-8"))["versions"])
     except UNREADABLE:
         return Versions()
+
+
+def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
+    """Raises `CannotContinue` if the results of a folder are of another campaign, or of other components.
+
+    Evaluations are points of the unit cube: with other bounds they would be points that were never simulated.
+    """
+    try:
+        stated = str(json.loads((folder / "result.json").read_text(encoding="utf-8"))["digest"])
+        file = folder / "evidence.json"  # earlier versions wrote none
+        held = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        components = Catalogue.model_validate(held["components"]) if "components" in held else None
+        others = [] if components is None else values_changed(campaign, components, catalogue())
+    except UNREADABLE as error:
+        raise CannotContinue(f"its results cannot be read ({error}); run the campaign again") from None
+    if stated != campaign.digest:
+        raise CannotContinue(
+            f"its campaign.json is not the campaign of its results: its digest is {short(campaign.digest)}, "
+            f"result.json states {short(stated)}; restore the file, or run the changed campaign as a new one"
+        )
+    if others:
+        raise CannotContinue(f"its evaluations used different components: {'; '.join(others)}")
 
 
 def _write_bits(path: Path, store: MemoryStore) -> None:

@@ -76,7 +76,7 @@ class _Serving:
         self.backend = Server("backend", [*python, "backend"], listen, logs / "backend.log", signal.SIGKILL)
         # A worker that loses its parent still returns its run to the queue; its child processes die with it.
         self.workers = [
-            Server(f"worker {i}", [*python, "worker.cli", "worker"], here, logs / f"worker-{i}.log", signal.SIGTERM)
+            Server(f"worker {i}", [*python, "worker", "worker"], here, logs / f"worker-{i}.log", signal.SIGTERM)
             for i in range(1, number + 1)
         ]
         self.servers = Servers([self.backend, *self.workers], wakeup, _say)

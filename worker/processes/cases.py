@@ -14,8 +14,13 @@ The simulator evaluates in one slot, which ends when nothing was requested for a
 
 from __future__ import annotations
 
-from campaigns.documents import JsonObject
 from worker.runs import sources  # first: it records the files before they are loaded
+
+# isort: split
+from worker.processes import blas as blas  # before numpy is loaded
+
+# isort: split
+from campaigns import heap  # next: loading is not interrupted
 
 # isort: split
 import json
@@ -34,6 +39,7 @@ from typing import Any
 from campaigns import Campaign, CampaignError, thin
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
+from campaigns.documents import JsonObject
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from worker.catalogue import installed
@@ -43,6 +49,8 @@ from worker.processes.live import finite, plain, send
 from worker.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace
 from worker.systems.simulators.called import Called
 from worker.systems.simulators.slotted import Slotted
+
+heap.loaded()
 
 IDLE = 60.0
 """Time without a request after which the processes of the simulators end [s]."""

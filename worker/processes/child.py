@@ -6,6 +6,15 @@ physics goes to standard error. Run as `python -m worker.processes.child`; start
 
 from __future__ import annotations
 
+from worker.runs import sources  # first: it records the files before they are loaded
+
+# isort: split
+from worker.processes import blas as blas  # before numpy is loaded
+
+# isort: split
+from campaigns import heap  # next: loading is not interrupted
+
+# isort: split
 import importlib
 import json
 import os
@@ -16,10 +25,6 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, TextIO
 
-from campaigns.documents import JsonObject
-from worker.runs import sources  # first: it records the files before they are loaded
-
-# isort: split
 import sqlalchemy as sa
 
 from backend.db import workers
@@ -28,6 +33,7 @@ from backend.db.queue import Claim, LostLease
 from backend.db.store import PATIENCE, OtherCode, OtherComponents, RunStore
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.asked.load import load_document
+from campaigns.documents import JsonObject
 from worker.stages.parts.store import Store
 
 Execute = Callable[[Campaign, Store], Any]
@@ -49,6 +55,7 @@ def main() -> None:
     from worker.processes import memory
 
     document, code = catalogue(), sources.code()
+    heap.loaded()
     memory.bound()
     fresh = not sources.stale()
     if fresh:

@@ -13,8 +13,13 @@ Run as `python -m worker.processes.live`; it ends when its input is closed. Star
 
 from __future__ import annotations
 
-from campaigns.documents import JsonObject
 from worker.runs import sources  # first: it records the files before they are loaded
+
+# isort: split
+from worker.processes import blas as blas  # before numpy is loaded
+
+# isort: split
+from campaigns import heap  # next: loading is not interrupted
 
 # isort: split
 import json
@@ -28,12 +33,15 @@ import numpy as np
 from campaigns import CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import MAX_SEED
+from campaigns.documents import JsonObject
 from worker.processes import memory
 from worker.stages.parts import seeds
 from worker.systems.base import CampaignUnusable
 from worker.systems.closed_loop.field import MOST, UNITS, field
 from worker.systems.closed_loop.flights import Flights
 from worker.systems.closed_loop.trace import simulate, trace
+
+heap.loaded()
 
 PROBLEMS = 16
 """Number of problems kept in memory; the least recently used one is dropped."""

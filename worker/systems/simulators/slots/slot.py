@@ -17,6 +17,7 @@ import time
 from collections import deque
 from pathlib import Path
 
+from worker.systems.simulators.slots.given import given
 from worker.systems.simulators.slots.outcome import Limits, Request
 from worker.systems.simulators.slots.program import Program, framed, identified, line, unframed, unlined
 
@@ -57,7 +58,7 @@ class Slot:
         self.reads, child_writes = os.pipe()
         self.logs, child_logs = os.pipe()
         self._begun: mmap.mmap | None = None
-        environment = {**os.environ, **program.environment, TAG: self.tag, "PYTHONUNBUFFERED": "1"}
+        environment = {**given(os.environ), **program.environment, TAG: self.tag, "PYTHONUNBUFFERED": "1"}
         Path(program.folder).mkdir(parents=True, exist_ok=True)
         prefix = [sys.executable, "-S", "-E", str(LAUNCH), str(self.limits.memory), str(os.getpid())]
         opened = [child_reads, child_writes, child_logs]

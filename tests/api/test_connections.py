@@ -206,15 +206,19 @@ HEALTH = b"GET /api/v1/health HTTP/1.1\r\nHost: localhost\r\n"
 def test_idle_clients_do_not_block_others(strict: Service, sent: bytes) -> None:
     connections = strict.server.server_state.connections
     until(lambda: not connections)
-    idle = [opened(strict) for _ in range(3 * MOST)]
-    for one in idle:
-        with contextlib.suppress(OSError):  # closed for a later one
-            one.sendall(sent)
-    with strict.visitor() as client:
-        assert client.get("/api/v1/health").status_code == 200
-    assert len(connections) <= MOST
-    for one in idle:
-        one.close()
+    with contextlib.ExitStack() as stack:
+        idle = [stack.enter_context(opened(strict)) for _ in range(3 * MOST)]
+        for one in idle:
+            with contextlib.suppress(OSError):  # closed for a later one
+                one.sendall(sent)
+        if sent != HEALTH:  # while all wait for their responses, one more is refused
+            for one in idle:
+                with contextlib.suppress(OSError):
+                    one.recv(65536)
+            until(lambda: all(c._idle_since is not None for c in list(connections)))
+        with strict.visitor() as client:
+            assert client.get("/api/v1/health").status_code == 200
+        assert len(connections) <= MOST
 
 
 def test_proxies_and_clients_close_idle_connections_first(strict: Service) -> None:

@@ -1,12 +1,14 @@
-"""FMUs and Python functions on a cluster: the results of local slots, to the bit, and the same files on every node."""
+"""FMUs, Python functions and signals on a cluster: as in local slots, to the bit, and the same files on every node."""
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from tests.fmu import made
 from worker.catalogue.descriptor import read
@@ -16,11 +18,16 @@ from worker.catalogue.simulator import Opening
 from worker.systems.base import Floats
 from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
 from worker.systems.simulators.cluster.connection import PROMPT, Connection, acquire, release
+from worker.systems.simulators.command import CommandSimulator
 from worker.systems.simulators.fmus.simulator import FmuSimulator, opened
 from worker.systems.simulators.functions import Isolated
 from worker.systems.simulators.slotted import Slotted
 
 LOCAL = "local:1"
+IGNORED = r"""while read -r line; do
+echo "{\"results\": {\"d\": $((0x$(sed -n s/SigIgn:.//p /proc/self/status)))}}"
+done"""
+"""A program whose result are the signals that it ignores, as bits."""
 FUNCTION = """
 import clearance
 
@@ -109,3 +116,30 @@ def test_a_function_whose_file_changed_ends_the_run_with_a_sentence(
             simulated.evaluate(np.array([[0.5, 0.5]]))
     finally:
         simulated.close()
+
+
+@pytest.mark.parametrize("address", ["", LOCAL])
+def test_a_program_ignores_no_signal(
+    there: Connection, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: str
+) -> None:
+    """A simulator that ends what it has started by SIGINT, as PX4 and ROS expect it, would wait in vain."""
+    document = {
+        "name": "ignored",
+        "command": ["sh", "-c", IGNORED],
+        "parameters": {"x": {"nominal": 0.5, "low": 0, "high": 1}},
+        "results": {"d": {"unit": "m"}},
+    }
+    (tmp_path / "simulator.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    monkeypatch.setenv(SETTING, address)
+    ignored = (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP)  # by a worker after `nohup` or `&`
+    before = [signal.signal(number, signal.SIG_IGN) for number in ignored]
+    try:
+        simulated = CommandSimulator(read(tmp_path), Opening({"simulator.x": 0.5}, "d"))
+        try:
+            batch, reasons = simulated.evaluate(np.array([[0.5]]))
+        finally:
+            simulated.close()
+    finally:
+        for number, handler in zip(ignored, before, strict=True):
+            signal.signal(number, handler)
+    assert (batch.costs.tolist(), reasons) == ([[0.0]], {})

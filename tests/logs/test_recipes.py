@@ -14,6 +14,7 @@ import pytest
 from tests.faults.processes import REPOSITORY
 from tests.logs.written import ODOMETRY, mcap, ulog
 from worker.catalogue.descriptor import read
+from worker.systems.simulators.slots.slot import LAUNCH
 
 EXAMPLES = REPOSITORY / "docs" / "examples"
 FLIGHT = [(0.2 * k, 0.5 * k, 0.0, -5.0) for k in range(121)]
@@ -31,8 +32,9 @@ def called(folder: Path, script: str, *arguments: str, parameters: dict[str, flo
     """The results that the script writes, or the end of its output."""
     (folder / "parameters.json").write_text(json.dumps(parameters))
     files = [str(folder / name) for name in ("parameters.json", "results.json")]
+    launched = [sys.executable, "-S", "-E", str(LAUNCH), "0", str(os.getpid())]  # as by a worker
     done = subprocess.run(
-        [sys.executable, str(EXAMPLES / script), *arguments, *files],
+        [*launched, sys.executable, str(EXAMPLES / script), *arguments, *files],
         env=os.environ | {"PYTHONPATH": str(REPOSITORY), **{k: str(v) for k, v in environment.items()}},
         capture_output=True, text=True, check=False, timeout=60,
     )  # fmt: skip

@@ -11,7 +11,7 @@ import sys
 
 PR_SET_PDEATHSIG = 1
 SIGKILL = 9  # the module signal takes a third of the time in which this program starts
-SIGNALS = range(1, 32)
+SIGNALS = range(1, 65)
 
 
 def main() -> None:

@@ -33,6 +33,7 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFi
     with serving(tmp_path, CLEARANCE_THREADS="1", CLEARANCE_MAX_VIEWER="3", CLEARANCE_PAGES=str(tmp_path)) as service:
         assert service.healthy()
         assert "Warning: CLEARANCE_MAX_VIEWER is not a setting and has no effect: is CLEARANCE_MAX" in service.text()
+        assert service.text().count("is not a setting") == 1, "what the processes set for each other is none of these"
         assert f"Warning: there are no built pages in {tmp_path}, only the API: run `make install`" in service.text()
         assert [get(service.link()) for _ in range(2)] == [303, 403], "the link is single-use"
         stored = [path for path in service.data.rglob("*") if path.is_file()]

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 
 THREADS = "OPENBLAS_NUM_THREADS"
 """Set by `worker.processes.blas`."""
-BEFORE = f"CLEARANCE_GIVEN_{THREADS}"
-"""What it was before; empty if it was not set."""
+BEFORE = f"GIVEN_{THREADS}"
+"""What it was before; empty if it was not set. Our own prefix is that of settings."""
 
 
 def given(environment: Mapping[str, str]) -> dict[str, str]:

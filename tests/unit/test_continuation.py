@@ -272,6 +272,18 @@ def test_a_folder_of_other_code_is_not_extended(
     assert "the code digest was eeeeeeeeeeee" in capsys.readouterr().err
 
 
+@pytest.fixture
+def folder(first: Path, tmp_path: Path) -> Path:
+    """A copy of the results, to be changed."""
+    return shutil.copytree(first, tmp_path / "copy")
+
+
+def refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    """What is said of a folder that is not extended."""
+    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
+    return capsys.readouterr().err
+
+
 def bounds(campaign: dict[str, Any]) -> None:
     campaign["uncertain"]["vehicle.m"] = {"low": 2.0, "high": 8.0}
 
@@ -287,50 +299,34 @@ def bounds(campaign: dict[str, Any]) -> None:
     ids=["bounds", "threshold", "horizon", "seed"],
 )
 def test_a_folder_whose_campaign_was_changed_is_not_extended(
-    first: Path, tmp_path: Path, change: Callable[[dict[str, Any]], None], capsys: pytest.CaptureFixture[str]
+    folder: Path, change: Callable[[dict[str, Any]], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Its evaluations would be points that were never simulated."""
-    folder = tmp_path / "changed"
-    shutil.copytree(first, folder)
     campaign = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
     change(campaign)
     (folder / "campaign.json").write_text(json.dumps(campaign), encoding="utf-8")
-    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
-    assert "its campaign.json is not the campaign of its results" in capsys.readouterr().err
+    assert "its campaign.json is not the campaign of its results" in refused(folder, capsys)
 
 
-def test_a_folder_of_other_components_is_not_extended(
-    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder = tmp_path / "flown"
-    shutil.copytree(first, folder)
+def test_a_folder_of_other_components_is_not_extended(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     evidence = json.loads((folder / "evidence.json").read_text(encoding="utf-8"))
     vehicle = next(c for c in evidence["components"]["components"] if c["role"] == "vehicle")
     vehicle["parameters"][0]["unit"] = "t"
     (folder / "evidence.json").write_text(json.dumps(evidence), encoding="utf-8")
-    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
-    assert "its evaluations used different components" in capsys.readouterr().err
+    assert "its evaluations used different components" in refused(folder, capsys)
 
 
 @pytest.mark.parametrize("file", ["result.json", "evidence.json"])
 def test_a_folder_with_unreadable_results_is_not_extended(
-    first: Path, tmp_path: Path, file: str, capsys: pytest.CaptureFixture[str]
+    folder: Path, file: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder = tmp_path / "damaged"
-    shutil.copytree(first, folder)
     (folder / file).write_text("{", encoding="utf-8")
-    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
-    assert "its results cannot be read" in capsys.readouterr().err
+    assert "its results cannot be read" in refused(folder, capsys)
 
 
-def test_a_folder_without_results_is_not_extended(
-    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder = tmp_path / "partly"
-    shutil.copytree(first, folder)
+def test_a_folder_without_results_is_not_extended(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "result.json").unlink()
-    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
-    assert "it contains no result.json" in capsys.readouterr().err
+    assert "it contains no result.json" in refused(folder, capsys)
 
 
 def test_only_a_run_that_has_ended_can_be_extended(data: Path, capsys: pytest.CaptureFixture[str]) -> None:

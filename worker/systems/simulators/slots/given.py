@@ -10,7 +10,7 @@ from collections.abc import Mapping
 THREADS = "OPENBLAS_NUM_THREADS"
 """Set by `worker.processes.blas`."""
 BEFORE = f"GIVEN_{THREADS}"
-"""What it was before; empty if it was not set. Our own prefix is that of settings."""
+"""What it was before; empty if it was not set. Names with CLEARANCE_ are settings."""
 
 
 def given(environment: Mapping[str, str]) -> dict[str, str]:

@@ -52,6 +52,27 @@ it('takes no answer that has become old, and lets its connection go', async () =
   expect(sent).toHaveLength(3)
 })
 
+it.each(['refused', 'lost'])('gives a request that was %s only to who waits for it', async (how) => {
+  let fails = true
+  const { fetch } = globalThis
+  vi.stubGlobal('fetch', (asked: string | Request) => {
+    if (!fails) return fetch(asked)
+    sent.push(typeof asked === 'string' ? asked : asked.url)
+    return how === 'lost' ? Promise.reject(new TypeError('no network')) : Promise.resolve(Response.json({}, { status: 422 }))
+  })
+  const { askAhead, fetchOnce } = await fresh()
+  askAhead({ pathname: '/runs/R-0001', search: '' })
+  const take = async (path: string) => (await fetchOnce(new Request(BASE + path))).status
+  const waiting = take(`${RUN}/findings`)
+  if (how === 'lost') await expect(waiting).rejects.toThrow('no network')
+  else expect(await waiting).toBe(422)
+  await new Promise((settled) => setTimeout(settled))
+  fails = false
+  const before = sent.length
+  for (const part of ['findings', 'traces', 'stages']) expect(await take(`${RUN}/${part}`)).toBe(200)
+  expect(sent).toHaveLength(before + 3)
+})
+
 it('asks for nothing more once the page asks for itself', async () => {
   const { askAhead, fetchOnce } = await fresh()
   await fetchOnce(new Request(`${BASE}${RUN}`))

@@ -41,9 +41,10 @@ function ask(...urls: string[]): void {
   for (const url of urls) {
     const end = new AbortController()
     const answer = fetch(at(url), { signal: end.signal })
-    // A failure is reported to the consumer; without one it is ignored.
-    answer.catch(() => undefined)
     asked.set(url, answer)
+    // A failure reaches only who already waits for it: a later request, such as after "Try again", is sent anew.
+    const drop = () => asked.delete(url)
+    answer.then((response) => response.ok || drop(), drop)
     // An unread response would block one of the browser's six connections.
     setTimeout(() => asked.delete(url) && end.abort(), FRESH)
   }

@@ -22,6 +22,7 @@ from playwright.sync_api import Browser, Download, Page, Route, expect
 
 from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
+from campaigns.catalogue import UnusableEntry
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
@@ -192,6 +193,21 @@ def test_later_changes_of_the_installation_are_shown(finished: Service, page: Pa
     card.get_by_role("button", name="Show").click()
     card.get_by_text("Vehicle: unicycle").click()
     expect(card.get_by_role("row", name=re.compile("^J"))).to_contain_text("0.05")
+
+
+def test_what_cannot_be_used_is_said_where_components_are_chosen(finished: Service, visit: Visit) -> None:
+    unusable = [
+        UnusableEntry(file="components/broken.py", line=1, name="broken", text="there is no `component = ...` in it"),
+        UnusableEntry(file="", line=None, name="far", text="the package far: it cannot be loaded"),
+    ]
+    document = CATALOGUE.model_copy(update={"unusable": unusable}).model_dump(mode="json")
+    with finished.engine.begin() as writer:
+        writer.execute(sa.update(CatalogueDocument).values(document=document, code=OTHER.digest))
+    for path in ("/launch", "/help/components"):
+        visit.go(path)
+        said = visit.page.get_by_test_id("skipped")
+        expect(said).to_contain_text("2 components cannot be used.")
+        expect(said.get_by_role("listitem")).to_have_text([str(entry) for entry in unusable])
 
 
 def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit, page: Page) -> None:

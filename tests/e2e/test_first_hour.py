@@ -17,7 +17,13 @@ from tests.faults.processes import until
 from tests.faults.serving import serving
 from worker.cli import invoke
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+pytestmark = [
+    pytest.mark.e2e,
+    pytest.mark.timeout(300),
+    # It compiles two robots. By day every step has a test of its own: tests/unit/test_own_components.py and
+    # test_examination.py, tests/faults/test_code.py, and in this folder test_evidence.py and test_reading_a_run.py.
+    pytest.mark.nightly,
+]
 DRAWS = False
 
 MISTAKE = (

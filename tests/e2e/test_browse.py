@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 import sqlalchemy as sa
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Response, expect
 
 from backend.db.tables import Run
 from campaigns import library, load_file
@@ -210,6 +210,12 @@ def shared(visit: Visit, path: str) -> None:
     steered(page)
 
 
+def shows_layers(answer: Response) -> bool:
+    """Whether it answers the request to show other layers in a view."""
+    asked = answer.request
+    return "/views/" in answer.url and asked.method == "PATCH" and "layers" in (asked.post_data or "")
+
+
 def steered(page: Page) -> None:
     """The bar below the view has it show another instant and other things, and goes along with it."""
     bar = page.get_by_role("group", name="Time of the flight")
@@ -228,7 +234,7 @@ def steered(page: Page) -> None:
     box = page.get_by_role("checkbox", name="Velocity", exact=True)
     for _ in range(2):
         before = box.is_checked()
-        with page.expect_response(lambda answer: "/views/" in answer.url and answer.request.method == "PATCH") as told:
+        with page.expect_response(shows_layers) as told:  # not what paused the flight, which may be answered later
             box.click()  # final state once confirmed by the view
         assert told.value.json()["layers"]["velocity"] is not before
         expect(box).to_be_checked(checked=not before)

@@ -254,6 +254,24 @@ def test_the_text_editor_needs_no_inline_styles(visit: Visit) -> None:
     page.unroute("**/launch?tab=yaml")
 
 
+def test_completions_are_offered_as_soon_as_the_schema_is_there(visit: Visit) -> None:
+    page = visit.page
+    held: list[Route] = []
+    page.route("**/api/v1/campaigns/schema", lambda route: held.append(route))
+    visit.go("/launch?tab=yaml")
+    editor(page).focus()
+    page.keyboard.press("Control+End")
+    with page.expect_request("**/api/v1/campaigns/check"):  # the editor has had the time to answer
+        page.keyboard.type("c")
+    expect(page.get_by_role("option", name="correlations")).to_have_count(0)
+    assert len(held) == 1, "the schema is asked for once"
+    held[0].continue_()
+    expect(page.get_by_role("option", name="correlations")).to_be_visible()
+    page.get_by_role("option", name="correlations").click()
+    expect(page.locator("[data-editor] .cm-activeLine")).to_have_text("correlations: ")
+    page.unroute("**/api/v1/campaigns/schema")
+
+
 @pytest.mark.parametrize("path", ["/runs", "/login?code=wrong"])
 def test_the_sign_in_pages_are_accessible(service: Service, browser: Browser, path: str) -> None:
     with visiting(browser, service.url) as stranger:

@@ -263,7 +263,7 @@ SAID = {
     "/sweeps": ("The disk is full.", "There are no sweeps yet."),
     "/help/components": ("The disk is full.", "The components of scenarios in this installation"),
     "/launch": ("The disk is full.", "Unicycle, static obstacle"),
-    "/access/users": ("The disk is full.", "local"),
+    "/access/users": ("The disk is full.", "Names stay in the records"),
 }
 """Pages, what they say if nothing can be loaded, and what they show once it is."""
 
@@ -286,6 +286,7 @@ def test_what_cannot_be_loaded_is_said_and_loaded_again(visit: Visit, path: str)
     expect(page.get_by_role("main").get_by_text(shown).first).to_be_visible()
     expect(page.get_by_role("main").get_by_role("alert").filter(has_text="could not be loaded")).to_have_count(0)
     expect(trouble).to_have_count(0)
+    expect(page.get_by_role("heading", level=1).first).to_be_visible()
     visit.wrong[:] = [entry for entry in visit.wrong if "422" not in entry]  # the browser reports them all
 
 

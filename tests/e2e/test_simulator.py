@@ -36,6 +36,8 @@ def test_the_launch_page_proposes_searches(visit: Visit) -> None:
     time.fill("soon")
     expect(card).to_contain_text("Give the time as a number above 0")
     expect(use).to_be_disabled()
+    time.fill("0.5")
+    expect(card).to_contain_text("In 30 s on 1 slot: about")
     time.fill("30")  # time for as many as are ever proposed, also on a busy machine
     expect(card).to_contain_text("In 30 min on 1 slot: about")
     use.click()

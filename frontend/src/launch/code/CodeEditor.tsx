@@ -2,7 +2,7 @@
 // is described below. Loaded as a separate bundle.
 import { setDiagnostics } from '@codemirror/lint'
 import { EditorView } from '@codemirror/view'
-import { useQuery } from '@tanstack/react-query'
+import { useQuery, useQueryClient } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { type RefObject, useEffect, useMemo, useRef, useState } from 'react'
 import type { Campaign } from '../../api/campaign'
@@ -42,7 +42,7 @@ export default function CodeEditor(props: CodeEditorProps) {
   const [cursor, setCursor] = useState<number | null>(null)
   const { data } = useQuery(schemaQuery)
   const schema = data as Rule | undefined
-  const view = useView(host, props, schema, setCursor)
+  const view = useView(host, props, setCursor)
   const lines = unified(props.text)
   const placed = useMemo(() => placedIn(lines, problems), [lines, problems])
   useEffect(() => {
@@ -74,29 +74,31 @@ export default function CodeEditor(props: CodeEditorProps) {
 function useView(
   host: RefObject<HTMLDivElement | null>,
   props: CodeEditorProps,
-  schema: Rule | undefined,
   onCursor: (at: number) => void,
 ): RefObject<EditorView | null> {
   const view = useRef<EditorView | null>(null)
-  const latest = useRef({ ...props, schema })
+  const cache = useQueryClient()
+  const latest = useRef(props)
   useEffect(() => {
-    latest.current = { ...props, schema }
+    latest.current = props
   })
   useEffect(() => {
     if (!host.current) return
     const now = () => latest.current
+    const schema = (): Rule | undefined => cache.getQueryData(schemaQuery.queryKey)
     const hands: Hands = {
       // The line ends of the file are kept.
       onChange: (text) => now().onChange(now().text.includes('\r\n') ? text.replaceAll('\n', '\r\n') : text),
       onCursor,
       onUndo: () => now().onUndo(),
       onRedo: () => now().onRedo(),
-      known: (text): Known => ({ ...now(), document: plain(tolerant(text)) }),
+      known: (text): Known => ({ ...now(), schema: schema(), document: plain(tolerant(text)) }),
+      loading: () => (schema() ? null : cache.fetchQuery(schemaQuery).catch(() => null)),
     }
     const made = opened(host.current, now().text, now().readOnly, hands)
     view.current = made
     return () => made.destroy()
-  }, [host, onCursor])
+  }, [host, cache, onCursor])
   const { text, readOnly } = props
   useEffect(() => {
     const shown = view.current?.state.doc.toString() ?? ''

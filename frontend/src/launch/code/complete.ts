@@ -39,22 +39,29 @@ export function choicesIn(
   return standing?.on === 'value' ? { from, keys: false, choices: valuesAt(known, standing.at) } : null
 }
 
+/** The schema is loaded with the editor: what only it can tell is waited for. */
 export const completed =
-  (known: (text: string) => Known) =>
-  (context: CompletionContext): CompletionResult | null => {
+  (known: (text: string) => Known, loading: () => Promise<unknown> | null) =>
+  (context: CompletionContext): CompletionResult | null | Promise<CompletionResult | null> => {
     const text = context.state.doc.toString()
     const found = choicesIn(text, context.pos, known(text))
-    if (!found || found.choices.length === 0 || (found.from === context.pos && !context.explicit)) return null
-    const options = found.choices.map((choice, i): Completion => {
-      const { name, title, detail = '', text: words = '' } = choice
-      return {
-        label: name,
-        detail: title,
-        // The catalogue's order is meaningful: it breaks ties.
-        boost: -Math.min(90, i),
-        apply: found.keys ? `${name}: ` : name,
-        info: detail || words ? () => hintElement({ title: title ?? name, detail, text: words }) : undefined,
-      }
-    })
-    return { from: found.from, options, validFor: /^[\w.]*$/ }
+    const coming = found?.choices.length === 0 ? loading() : null
+    if (!coming) return resultOf(found, context)
+    return coming.then(() => resultOf(choicesIn(text, context.pos, known(text)), context))
   }
+
+function resultOf(found: ReturnType<typeof choicesIn>, context: CompletionContext): CompletionResult | null {
+  if (!found || found.choices.length === 0 || (found.from === context.pos && !context.explicit)) return null
+  const options = found.choices.map((choice, i): Completion => {
+    const { name, title, detail = '', text: words = '' } = choice
+    return {
+      label: name,
+      detail: title,
+      // The catalogue's order is meaningful: it breaks ties.
+      boost: -Math.min(90, i),
+      apply: found.keys ? `${name}: ` : name,
+      info: detail || words ? () => hintElement({ title: title ?? name, detail, text: words }) : undefined,
+    }
+  })
+  return { from: found.from, options, validFor: /^[\w.]*$/ }
+}

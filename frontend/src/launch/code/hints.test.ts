@@ -1,11 +1,13 @@
 // Completions and descriptions of the editor, with the real catalogue, schema and campaigns.
+import { CompletionContext } from '@codemirror/autocomplete'
+import { EditorState } from '@codemirror/state'
 import { beforeAll, expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { shipped } from '../campaign/repository'
 import { fieldAt, placeOf, tolerant } from '../text/places'
 import { plain } from '../text/tree'
-import { choicesIn } from './complete'
+import { choicesIn, completed } from './complete'
 import { hintOf, type Known } from './hints'
 import type { Rule } from './schema'
 
@@ -48,6 +50,26 @@ it('offers keys, components, parameters and methods where they may stand', () =>
   expect(offered('\nagreement', '\n|\nagreement')).toContain('correlations')
   expect(offered('\nagreement', '\n# sea|\nagreement')).toEqual([])
   expect(offered('Unicycle, static', 'Uni|')).toEqual([])
+})
+
+it('waits for the schema where only the schema knows the choices', async () => {
+  let there: Rule | undefined
+  let arrive = () => {}
+  const arriving = new Promise<void>((resolve) => (arrive = resolve))
+  const source = completed(
+    (said) => ({ ...known(said), schema: there }),
+    () => (there ? null : arriving),
+  )
+  const ask = (doc: string) => source(new CompletionContext(EditorState.create({ doc }), doc.length, true))
+  const waited = ask(`${text}\n`)
+  expect(waited).toBeInstanceOf(Promise)
+  there = schema
+  arrive()
+  const labels = (await waited)?.options.map(({ label }) => label)
+  expect(labels).toContain('correlations')
+  expect(ask(`${text}\n`)).toMatchObject({ from: text.length + 1 })
+  there = undefined
+  expect(ask('scenario:\n  vehicle: {component: ')).toMatchObject({ from: 33 })
 })
 
 it('describes a field from the catalogue, with unit and bounds', () => {

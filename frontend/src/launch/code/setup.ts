@@ -30,6 +30,8 @@ export interface Hands {
   onUndo: () => void
   onRedo: () => void
   known: (text: string) => Known
+  /** Until the schema is there; null if it is. */
+  loading: () => Promise<unknown> | null
 }
 
 /** Marks a change made by the page. */
@@ -88,7 +90,7 @@ export function opened(host: HTMLElement, text: string, readOnly: boolean, hands
     indentUnit.of('  '),
     bracketMatching(),
     closeBrackets(),
-    autocompletion({ override: [completed(hands.known)], icons: false, maxRenderedOptions: 200 }),
+    autocompletion({ override: [completed(hands.known, hands.loading)], icons: false, maxRenderedOptions: 200 }),
     highlightActiveLine(),
     search({ top: true }),
     EditorState.phrases.of(WORDS),

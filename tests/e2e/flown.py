@@ -35,16 +35,20 @@ FULL = {
     "search": [
         {"method": "direct", "evaluations": 100},
         {"method": "sqp", "evaluations": 60},
-        {"method": "nsga2", "evaluations": 100},
         {"method": "monte_carlo", "evaluations": 60},
     ],
     "certify": {"samples": 100},
     "findings": FEW,
     "validate": {"neighbours": 5},
 }
-BOX, AGAIN, INTRUDER, CANCELLED, BASINS, CLEARED, DROP, DRAWN = (f"R-{i:04}" for i in range(1, 9))
-"""Case 1; a simulator without a trace; an intruder, with two criteria; a cancelled run; the simulator, violated and
-cleared; the simulator with a trace; and the one with a 3D view, too."""
+BOX, AGAIN, INTRUDER, CANCELLED, BASINS, CLEARED, SEVERAL, DROP, DRAWN = (f"R-{i:04}" for i in range(1, 10))
+"""Case 1; a simulator without a trace; an intruder; a cancelled run; the simulator, violated and cleared; case 1 with
+several criteria; a simulator with a trace; and one with a 3D view, too."""
+CRITERIA = [
+    {"component": "goal_miss"},
+    {"component": "time_to_goal", "parameters": {"radius": 0.5}},
+    {"component": "peak_command"},
+]
 OPEN = {"queued", "running", "cancelling"}
 
 
@@ -59,14 +63,16 @@ class Flown:
 def asked() -> list[dict[str, Any]]:
     """The runs in their order, as they are submitted."""
     long = "with a name that is too long for its place"
-    intruder = case("uav_moving", FULL) | {"objectives": [{"component": "goal_miss"}]}
+    nsga2 = QUICK | {"search": [{"method": "nsga2", "evaluations": 100}]}
+    several = case("unicycle_static", nsga2) | {"objectives": CRITERIA}
     return [
         {"campaign": case("unicycle_static", QUICK), "name": "Full box", "tags": ["release-2.4", "baseline"]},
         {"campaign": package.campaign(), "name": "Once more", "tags": ["baseline"]},
-        {"campaign": intruder, "name": f"Intruder, {long}", "tags": ["a-long-tag", "b"]},
+        {"campaign": case("uav_moving", FULL), "name": f"Intruder, {long}", "tags": ["a-long-tag", "b"]},
         {"campaign": case("unicycle_static", QUICK), "name": "Cancelled"},
         {"campaign": package.campaign(), "name": "Basins"},
         {"campaign": package.campaign(2.0), "name": "Basins, another threshold"},
+        {"campaign": several, "name": "Several criteria"},  # a loop that tests/unit/test_front.py compiles
         *(dropping() if dropped.compiler() else []),
     ]
 

@@ -165,6 +165,7 @@ def test_every_part_of_a_long_page_is_accessible(visit: Visit, filled: Service, 
     clean(visit.page)
 
 
+@pytest.mark.nightly  # by day the pages below; what opens is used in test_browse.py and test_evidence.py
 def test_what_opens_over_a_page_is_accessible(visit: Visit, filled: Service) -> None:
     page = visit.page
     seen(visit, *PAGES["run"])

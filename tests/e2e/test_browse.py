@@ -250,6 +250,32 @@ def filled(page: Page) -> None:
     until(lambda: page.evaluate("document.fullscreenElement === null"), "back from the full screen", 10)
 
 
+@pytest.mark.nightly  # by day the flight's page in tests/e2e/test_narrow.py and its controls on the page of a run
+def test_the_view_in_a_window_of_its_own_has_the_same_controls(drawing: Visit) -> None:
+    drawing.go(f"/runs/{BOX}")
+    with drawing.page.context.expect_page() as opened:
+        drawing.page.get_by_role("link", name="Own window").click()
+    window = Visit(opened.value, drawing.address)
+    page = window.page
+    expect(page).to_have_url(re.compile(rf"/runs/{BOX}/flight\?.*finding=F1"))
+    bar = page.get_by_role("group", name="Time of the flight")
+    bar.get_by_role("button", name="Closest approach").click()
+    page.get_by_role("combobox", name="Flight shown").select_option("nominal")
+    expect(page).to_have_url(re.compile("finding=nominal"))
+    page.get_by_role("button", name="What-if", exact=True).click()
+    expect(page.get_by_test_id("what-if-cost")).to_have_text("0.9436")
+    bar.get_by_role("button", name="Shown").click()
+    expect(page.get_by_role("checkbox", name="What-if flight")).to_be_checked()
+    page.keyboard.press("Escape")
+    window.shot("flight-window-1440-light", full=False)
+    # An address of the view itself, as earlier links have it, leads here.
+    window.go(f"/view/{BOX}/F1/t/3.25/cam/top/dark")
+    expect(page).to_have_url(re.compile(rf"/runs/{BOX}/flight\?.*finding=F1.*t=3\.25.*cam=top"))
+    expect(bar.get_by_role("slider", name="Time")).to_have_value("3.25")
+    page.close()
+    assert window.wrong == []
+
+
 def test_selected_runs_are_cancelled_together(signed_in: Visit) -> None:
     page = signed_in.page
     queued = [waiting(signed_in, f"Waiting {i}") for i in range(2)]

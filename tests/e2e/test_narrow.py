@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, ViewportSize, expect
 
 from tests.api.server import Service
 from tests.e2e.browser import PATIENCE, Visit, draws, nightly_but, visiting
-from tests.e2e.flown import BASINS, BOX, CANCELLED, CLEARED, INTRUDER
+from tests.e2e.flown import BASINS, BOX, CANCELLED, CLEARED, INTRUDER, SEVERAL
 from tests.e2e.stored import VIEW
 from tests.faults.processes import until
 
@@ -28,7 +28,7 @@ FLOWN = ["#separation canvas", "#motion canvas", *RUN]
 PAGES: dict[str, tuple[str, list[str]]] = {
     "runs": ("/runs", [f"tr[data-run={BASINS}]"]),
     "run": (f"/runs/{BOX}", FLOWN),
-    "run-several-criteria": (f"/runs/{INTRUDER}", [*FLOWN, "#front table"]),
+    "run-several-criteria": (f"/runs/{SEVERAL}", [*FLOWN, "#front table"]),
     "run-simulator": (f"/runs/{BASINS}", RUN),
     "run-cancelled": (f"/runs/{CANCELLED}", ["#provenance"]),
     "flight": (f"/runs/{INTRUDER}/flight?whatif=nominal", ["#what-if input[type=range]"]),

@@ -380,32 +380,6 @@ def test_a_slider_simulates_the_case_again(signed_in: Visit) -> None:
     expect(page).not_to_have_url(re.compile("whatif"))
 
 
-def test_the_view_in_a_window_of_its_own_has_the_same_controls(signed_in: Visit) -> None:
-    with signed_in.page.context.expect_page() as opened:
-        signed_in.page.get_by_role("link", name="Own window").click()
-    window = Visit(opened.value, signed_in.address)
-    page = window.page
-    expect(page).to_have_url(re.compile(r"/runs/R-\d+/flight\?.*finding=F1"))
-    until(lambda: draws(page.frame_locator("#flight iframe")), "something drawn")
-    bar = page.get_by_role("group", name="Time of the flight")
-    bar.get_by_role("button", name="Closest approach").click()
-    page.get_by_role("combobox", name="Flight shown").select_option("nominal")
-    expect(page).to_have_url(re.compile("finding=nominal"))
-    page.get_by_role("button", name="What-if", exact=True).click()
-    expect(page.get_by_test_id("what-if-cost")).to_have_text("0.9436", timeout=PATIENCE)
-    bar.get_by_role("button", name="Shown").click()
-    expect(page.get_by_role("checkbox", name="What-if flight")).to_be_checked()
-    page.keyboard.press("Escape")
-    window.shot("flight-window-1440-light", full=False)
-    # An address of the view itself, as earlier links have it, leads here.
-    run = re.findall(r"R-\d+", page.url)[0]
-    window.go(f"/view/{run}/F1/t/3.25/cam/top/dark")
-    expect(page).to_have_url(re.compile(rf"/runs/{run}/flight\?.*finding=F1.*t=3\.25.*cam=top"))
-    expect(bar.get_by_role("slider", name="Time")).to_have_value("3.25")
-    page.close()
-    assert window.wrong == []
-
-
 def test_the_list_shows_it_and_finds_it(signed_in: Visit) -> None:
     page = signed_in.page
     page.get_by_role("navigation", name="Main").get_by_role("link", name="Runs").click()

@@ -74,10 +74,14 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
     >
       {criteria.length > 2 && (
         <div className={runStyles.tools} data-control>
-          <span className="small mut">Vertical</span>
-          <Seg label="Vertical axis" options={choices} value={y.name} onChange={setUp} />
-          <span className="small mut">Horizontal</span>
-          <Seg label="Horizontal axis" options={choices} value={x.name} onChange={setAcross} />
+          <div className={runStyles.tool}>
+            <span className="small mut">Vertical</span>
+            <Seg label="Vertical axis" options={choices} value={y.name} onChange={setUp} />
+          </div>
+          <div className={runStyles.tool}>
+            <span className="small mut">Horizontal</span>
+            <Seg label="Horizontal axis" options={choices} value={x.name} onChange={setAcross} />
+          </div>
         </div>
       )}
       <Plot spec={spec} hidden={hidden} />

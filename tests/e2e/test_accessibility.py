@@ -273,6 +273,19 @@ def test_completions_are_offered_as_soon_as_the_schema_is_there(visit: Visit) ->
     page.unroute("**/api/v1/campaigns/schema")
 
 
+def test_a_schema_that_could_not_be_loaded_is_asked_for_with_the_next_completions(visit: Visit) -> None:
+    page = visit.page
+    page.route("**/api/v1/campaigns/schema", lambda route: route.fulfill(status=422))
+    with page.expect_response("**/api/v1/campaigns/schema"):
+        visit.go("/launch?tab=yaml")
+    editor(page).focus()
+    page.unroute("**/api/v1/campaigns/schema")
+    page.keyboard.press("Control+End")
+    page.keyboard.press("Control+Space")
+    expect(page.get_by_role("option", name="correlations")).to_be_visible()
+    visit.wrong[:] = [entry for entry in visit.wrong if "422" not in entry]  # the browser reports it
+
+
 @pytest.mark.parametrize("path", ["/runs", "/login?code=wrong"])
 def test_the_sign_in_pages_are_accessible(service: Service, browser: Browser, path: str) -> None:
     with visiting(browser, service.url) as stranger:

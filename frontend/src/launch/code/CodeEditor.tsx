@@ -93,7 +93,10 @@ function useView(
       onUndo: () => now().onUndo(),
       onRedo: () => now().onRedo(),
       known: (text): Known => ({ ...now(), schema: schema(), document: plain(tolerant(text)) }),
-      loading: () => (schema() ? null : cache.fetchQuery(schemaQuery).catch(() => null)),
+      loading: (asked) =>
+        schema() || (!asked && cache.getQueryState(schemaQuery.queryKey)?.status === 'error')
+          ? null
+          : cache.fetchQuery(schemaQuery).catch(() => null),
     }
     const made = opened(host.current, now().text, now().readOnly, hands)
     view.current = made

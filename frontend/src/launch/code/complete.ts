@@ -41,11 +41,11 @@ export function choicesIn(
 
 /** The schema is loaded with the editor: what only it can tell is waited for. */
 export const completed =
-  (known: (text: string) => Known, loading: () => Promise<unknown> | null) =>
+  (known: (text: string) => Known, loading: (asked: boolean) => Promise<unknown> | null) =>
   (context: CompletionContext): CompletionResult | null | Promise<CompletionResult | null> => {
     const text = context.state.doc.toString()
     const found = choicesIn(text, context.pos, known(text))
-    const coming = found?.choices.length === 0 ? loading() : null
+    const coming = found?.choices.length === 0 ? loading(context.explicit) : null
     if (!coming) return resultOf(found, context)
     return coming.then(() => resultOf(choicesIn(text, context.pos, known(text)), context))
   }

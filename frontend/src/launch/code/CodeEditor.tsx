@@ -40,7 +40,7 @@ export default function CodeEditor(props: CodeEditorProps) {
   const { problems, checking, jump, onForm } = props
   const host = useRef<HTMLDivElement>(null)
   const [cursor, setCursor] = useState<number | null>(null)
-  const { data } = useQuery(schemaQuery)
+  const { data, isError } = useQuery(schemaQuery)
   const schema = data as Rule | undefined
   const view = useView(host, props, setCursor)
   const lines = unified(props.text)
@@ -64,6 +64,11 @@ export default function CodeEditor(props: CodeEditorProps) {
   return (
     <>
       <div data-editor ref={host} />
+      {isError && (
+        <p className={clsx(styles.codefoot, 'small')} role="status">
+          The schema of campaigns could not be loaded, so completions and descriptions are incomplete. Ctrl Space tries again.
+        </p>
+      )}
       <Standing {...props} text={lines} cursor={cursor} schema={schema} />
       <ProblemList placed={placed} onGo={go} onForm={onForm} />
     </>

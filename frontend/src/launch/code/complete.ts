@@ -45,8 +45,8 @@ export const completed =
   (context: CompletionContext): CompletionResult | null | Promise<CompletionResult | null> => {
     const text = context.state.doc.toString()
     const found = choicesIn(text, context.pos, known(text))
-    const coming = found?.choices.length === 0 ? loading(context.explicit) : null
-    if (!coming) return resultOf(found, context)
+    const coming = context.explicit || found?.choices.length === 0 ? loading(context.explicit) : null
+    if (!coming || found?.choices.length) return resultOf(found, context)
     return coming.then(() => resultOf(choicesIn(text, context.pos, known(text)), context))
   }
 

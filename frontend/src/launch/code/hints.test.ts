@@ -56,11 +56,15 @@ it('waits for the schema where only the schema knows the choices', async () => {
   let there: Rule | undefined
   let arrive = () => {}
   const arriving = new Promise<void>((resolve) => (arrive = resolve))
+  const requests: boolean[] = []
   const source = completed(
     (said) => ({ ...known(said), schema: there }),
-    () => (there ? null : arriving),
+    (asked) => {
+      requests.push(asked)
+      return there ? null : arriving
+    },
   )
-  const ask = (doc: string) => source(new CompletionContext(EditorState.create({ doc }), doc.length, true))
+  const ask = (doc: string, explicit = true) => source(new CompletionContext(EditorState.create({ doc }), doc.length, explicit))
   const waited = ask(`${text}\n`)
   expect(waited).toBeInstanceOf(Promise)
   there = schema
@@ -69,7 +73,11 @@ it('waits for the schema where only the schema knows the choices', async () => {
   expect(labels).toContain('correlations')
   expect(ask(`${text}\n`)).toMatchObject({ from: text.length + 1 })
   there = undefined
+  requests.length = 0
   expect(ask('scenario:\n  vehicle: {component: ')).toMatchObject({ from: 33 })
+  expect(requests, 'it is requested, but not waited for').toEqual([true])
+  expect(ask('scenario:\n  vehicle: {component: u', false)).toMatchObject({ from: 33 })
+  expect(requests, 'not at every key').toEqual([true])
 })
 
 it('describes a field from the catalogue, with unit and bounds', () => {

@@ -28,6 +28,7 @@ FLOWN = ["#separation canvas", "#motion canvas", *RUN]
 PAGES: dict[str, tuple[str, list[str]]] = {
     "runs": ("/runs", [f"tr[data-run={BASINS}]"]),
     "run": (f"/runs/{BOX}", FLOWN),
+    "run-intruder": (f"/runs/{INTRUDER}", FLOWN),
     "run-several-criteria": (f"/runs/{SEVERAL}", [*FLOWN, "#front table"]),
     "run-simulator": (f"/runs/{BASINS}", RUN),
     "run-cancelled": (f"/runs/{CANCELLED}", ["#provenance"]),
@@ -48,7 +49,7 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "audit": ("/access/audit", ["role=cell[name=/session.opened/]"]),
 }
 """Each with its address and what is drawn once it is scrolled to."""
-BY_DAY = ("runs", "run-several-criteria", "launch", "compare", "first-campaign")
+BY_DAY = ("runs", "run-intruder", "run-several-criteria", "launch", "compare", "first-campaign")
 """One of each kind; the others are tested nightly."""
 GUIDES = (
     "first-campaign",

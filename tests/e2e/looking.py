@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 
 from tests.e2e.browser import Visit, pictured
 from tests.faults.processes import until
@@ -20,6 +20,11 @@ def api(visit: Visit, path: str) -> Any:
     return answer.json()
 
 
+def within(page: Page, width: int) -> None:
+    """Nothing is wider than the window, once charts have its width."""
+    until(lambda: page.evaluate("document.documentElement.scrollWidth") <= width, f"a page of {width} px", 10)
+
+
 def looks(visit: Visit, name: str, settled: Callable[[Visit], object] = lambda visit: None) -> None:
     """Nothing may be wider than the window, in the narrower width and the dark theme.
 
@@ -31,7 +36,7 @@ def looks(visit: Visit, name: str, settled: Callable[[Visit], object] = lambda v
         expect(visit.page.locator("html")).to_have_attribute("data-theme", theme)
         # Not by `wait_for_function`: it evaluates text in the page, which the page's policy refuses.
         until(lambda: visit.page.evaluate("document.fonts.status") == "loaded", "fonts loaded", 30)
-        assert visit.page.evaluate("document.documentElement.scrollWidth") <= width
+        within(visit.page, width)
         if pictured():
             settled(visit)
         visit.shot(f"{name}-{width}-{theme}")

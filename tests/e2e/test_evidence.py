@@ -25,7 +25,7 @@ from backend.db.tables import CatalogueDocument
 from campaigns.catalogue import UnusableEntry
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.reported import finish_fully
-from tests.api.server import Service
+from tests.api.server import Service, until
 from tests.api.versions import CODE, OTHER
 from tests.e2e.browser import Visit, nightly_but, visiting
 from tests.e2e.looking import looks
@@ -169,7 +169,7 @@ def test_the_report_is_read_and_printed(page: Page) -> None:
     report.reload()
     expect(report.get_by_role("heading", name="Mass 5", exact=True)).to_be_visible()
     expect(report.get_by_text("No sign-off is recorded")).to_be_visible()
-    assert report.evaluate("document.fonts.check('12px \"Inter Variable\"')")
+    until(lambda: report.evaluate("document.fonts.check('12px \"Inter Variable\"')"))
     assert wrong == []
     report.close()
     page.keyboard.press("Escape")
@@ -247,7 +247,7 @@ def test_two_runs_are_compared(visit: Visit) -> None:
     looks(visit, "compare")
     page.get_by_role("button", name="All", exact=True).click()
     expect(page).to_have_url(re.compile("all=true"))
-    assert settings.count() > 20
+    expect(settings.nth(20)).to_be_attached()
 
 
 REFUSED = {"title": "Unprocessable Entity", "status": 422, "detail": "The disk is full."}

@@ -229,7 +229,8 @@ def test_a_comparison_begins_with_the_older_run_and_can_be_swapped(visit: Visit)
     page.get_by_role("link", name="Compare 2 runs").click()
     runs = page.locator("[data-run]")
     expect(runs).to_have_count(2)
-    assert [one.get_attribute("data-run") for one in runs.all()] == ["R-0001", "R-0004"]
+    expect(runs.first).to_have_attribute("data-run", "R-0001")
+    expect(runs.last).to_have_attribute("data-run", "R-0004")
     expect(page.get_by_test_id("other-code").first).to_have_text(
         "Same campaign, different code: source files whose names are not stored."
     )

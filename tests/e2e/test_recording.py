@@ -58,7 +58,7 @@ def test_the_file_opens_from_disk_without_requests(
         visit.page.context.set_offline(True)
         visit.go(str(file))
         playing(visit.page, LIGHT.worst if drawn else None)
-        assert drawn or draws(visit.page)
+        until(lambda: drawn or draws(visit.page))
         expect(visit.page.locator("#caption")).to_contain_text("R-0001 · F1")
         assert visit.page.title() == "R-0001 F1: Recorded"
         visit.shot("recording-file", full=False)
@@ -83,7 +83,7 @@ def test_a_link_from_the_run_page_plays_without_a_viewer(recorded: Service, brow
         expect(visit.page.get_by_role("button", name="Recording")).to_be_visible()
         visit.page.goto(f"{link}dark/")
         playing(visit.page)
-        assert draws(visit.page)
+        until(lambda: draws(visit.page))
         visit.shot("recording-page-dark", full=False)
         until(lambda: recorded.app.state.viewers.open == 0)
 

@@ -13,6 +13,7 @@ from tests.api.reported import finish_fully
 from tests.api.submitting import submit
 from tests.e2e.axe import AXE, violations
 from tests.e2e.browser import visiting
+from tests.e2e.looking import within
 from tests.e2e.stored import served
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
@@ -70,7 +71,7 @@ def test_from_a_file_of_requirements_to_suspect_evidence(tmp_path: Path, browser
             expect(page.locator("html")).to_have_attribute("data-theme", theme)
             assert violations(page) == [], theme
         page.set_viewport_size({"width": 390, "height": 844})
-        assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
+        within(page, 390)
         with page.expect_download() as saved:
             page.get_by_role("link", name="Download written.reqif").click()
         assert Path(saved.value.path()).read_bytes() == WRITTEN.read_bytes()

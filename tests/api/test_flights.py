@@ -18,7 +18,7 @@ from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from tests import results
 from tests.api.answers import problem
-from tests.api.catalogue import CATALOGUE, campaign, component, published_by_workers
+from tests.api.catalogue import CATALOGUE, campaign, component
 from tests.api.document import DOCUMENT, conforms
 from tests.api.finished import Work
 from tests.api.lost import INSIDE, SPINNING, lose, values
@@ -107,16 +107,16 @@ def test_at_the_parameters_of_a_finding_the_cost_is_the_findings(simulating: Ser
 
 
 def test_a_finding_keeps_its_noise_and_another_seed_is_another_flight(simulating: Service) -> None:
+    guidance = {"period": 0.1}  # a loop that the adversaries compile, too
     document = load_file(library()["unicycle_noise"]).document()
-    document["scenario"]["guidance"] = {"period": 0.1}  # a loop that the adversaries compile, too
+    document["scenario"] |= {"guidance": guidance}
     physics = Problem(load_document(document))
     point = np.array([[0.1, 0.2, 0.4]])
     seed = int(of_draws(physics.campaign.seed, 0, 1)[0])
     own, _ = physics.evaluate(point, seeds=of_draws(physics.campaign.seed, 0, 1))
     cost, worst = float(own.costs[0, 0]), physics.named(point[0])
     with simulating.signed_in() as client:
-        simulating.publish(published_by_workers())
-        run = client.post("/api/v1/runs", json={"campaign": document}).json()["id"]
+        run = shipped(simulating, client, "unicycle_noise", guidance=guidance)
         work = Work(simulating)
         work.nominal()
         work.store.begin(2)

@@ -17,7 +17,7 @@ from backend.db.tables import Run
 from campaigns import library, load_file
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from tests.e2e.browser import PATIENCE, Visit, pictured, visiting
+from tests.e2e.browser import PATIENCE, Visit, draws, pictured, visiting
 from tests.e2e.conftest import Browsers
 from tests.e2e.flown import AGAIN, BOX, INTRUDER, asked
 from tests.e2e.looking import api, looks
@@ -258,6 +258,7 @@ def test_the_view_in_a_window_of_its_own_has_the_same_controls(drawing: Visit) -
     window = Visit(opened.value, drawing.address)
     page = window.page
     expect(page).to_have_url(re.compile(rf"/runs/{BOX}/flight\?.*finding=F1"))
+    until(lambda: draws(page.frame_locator("#flight iframe")), "something drawn")
     bar = page.get_by_role("group", name="Time of the flight")
     bar.get_by_role("button", name="Closest approach").click()
     page.get_by_role("combobox", name="Flight shown").select_option("nominal")

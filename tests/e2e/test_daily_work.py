@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 import yaml
-from playwright.sync_api import Browser, Error, Locator, Page, Route, expect
+from playwright.sync_api import Browser, Error, Locator, Route, expect
 
 from backend.db import workers
 from backend.db.queue import Queue
@@ -24,6 +24,7 @@ from tests.api.catalogue import campaign
 from tests.api.server import Service
 from tests.api.submitting import submit
 from tests.e2e.browser import Visit, visiting
+from tests.e2e.looking import within
 from tests.e2e.stored import served
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
@@ -60,10 +61,6 @@ def box(part: Locator) -> dict[str, float]:
     found = part.bounding_box()
     assert found is not None
     return dict(found)
-
-
-def sideways(page: Page) -> int:
-    return int(page.evaluate("document.documentElement.scrollWidth - innerWidth"))
 
 
 def test_the_header_says_whether_anybody_works(working: Service, visit: Visit) -> None:
@@ -118,7 +115,7 @@ def test_removal_never_takes_the_place_of_cancelling(working: Service, visit: Vi
         expect(page.get_by_text("Compiling your closed loop, about 14 s, once")).to_be_visible()
         cancel = page.get_by_role("button", name="Cancel run")
         place = box(cancel)
-        assert sideways(page) == 0
+        within(page, width)
         with working.engine.begin() as connection:
             connection.execute(sa.update(Run).values(state="cancelled", finished=1e9))
         expect(page.get_by_role("button", name="Remove", exact=True)).to_be_visible()
@@ -162,7 +159,7 @@ def test_the_start_and_the_estimate_stay_in_sight(visit: Visit, width: int) -> N
     assert box(effort)["x"] + box(effort)["width"] <= box(start)["x"]
     assert effort.evaluate("e => e.scrollWidth <= e.clientWidth"), "it is not cut off"
     visit.shot(f"launch-scrolled-{width}", full=False)
-    assert sideways(page) == 0
+    within(page, width)
 
 
 def hrefs(links: Locator) -> list[str]:

@@ -16,11 +16,11 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from clearance.asked import search
     from clearance.client import AsyncClient, Client
-    from clearance.result import Evaluations, Finding, Interrupted, Nominal, Result, Verdict
-    from worker.catalogue.columns import Column
-    from worker.catalogue.function import Output, Parameter, simulator
+    from clearance.function.request import search
+    from clearance.function.result import Evaluations, Finding, Interrupted, Nominal, Result, Verdict
+    from worker.engine.systems.simulators.declared.columns import Column
+    from worker.engine.systems.simulators.declared.function import Output, Parameter, simulator
 
 __all__ = [
     "AsyncClient",
@@ -40,20 +40,20 @@ __all__ = [
 _HOMES = {
     "AsyncClient": "clearance.client",
     "Client": "clearance.client",
-    "Column": "worker.catalogue.columns",
-    "Output": "worker.catalogue.function",
-    "Parameter": "worker.catalogue.function",
-    "search": "clearance.asked",
-    "simulator": "worker.catalogue.function",
+    "Column": "worker.engine.systems.simulators.declared.columns",
+    "Output": "worker.engine.systems.simulators.declared.function",
+    "Parameter": "worker.engine.systems.simulators.declared.function",
+    "search": "clearance.function.request",
+    "simulator": "worker.engine.systems.simulators.declared.function",
 }
-"""The module of each name that is not in `clearance.result`."""
+"""The module of each name that is not in `clearance.function.result`."""
 
 
 def __getattr__(name: str) -> Any:
     """Load a name with its module when it is first used."""
     if name not in __all__:
         raise AttributeError(f"module 'clearance' has no attribute {name!r}; it has {', '.join(__all__)}")
-    return getattr(importlib.import_module(_HOMES.get(name, "clearance.result")), name)
+    return getattr(importlib.import_module(_HOMES.get(name, "clearance.function.result")), name)
 
 
 def __dir__() -> list[str]:

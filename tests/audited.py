@@ -13,15 +13,15 @@ from backend.db.rows import plain
 from campaigns import Campaign
 from campaigns.checked.snapshot import snapshot
 from campaigns.results import Verdict
-from worker.audit.judge import Item, audit, closing
-from worker.audit.record import Record, flaky, of_database, of_folder
-from worker.audit.verify import Run, verify
-from worker.catalogue.installed import catalogue
-from worker.cli import verify as verified
-from worker.cli._results import evidence
-from worker.cli.run import summary
-from worker.runs.store import MemoryStore
-from worker.stages.parts import offered
+from clearance.cli import verify as verified
+from clearance.local.results import evidence
+from clearance.local.summary import summary
+from worker.engine.stages.parts import offered
+from worker.evidence.audit.judge import Item, audit, closing
+from worker.evidence.audit.record import Record, flaky, of_database, of_folder
+from worker.evidence.audit.verify import Run, verify
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs.store import MemoryStore
 
 
 def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> list[Item]:

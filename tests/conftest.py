@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from worker.processes import blas as blas  # before numpy is loaded
+from worker.running.processes import blas as blas  # before numpy is loaded
 
 # isort: split
 import gc

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from campaigns import Campaign
-from worker.opening.opened import closed_loop
-from worker.problem import problem
-from worker.systems.closed_loop.assemble import LANES
-from worker.systems.closed_loop.system import ClosedLoop
+from worker.engine.problem import problem
+from worker.engine.systems.closed_loop.assemble import LANES
+from worker.engine.systems.closed_loop.system import ClosedLoop
+from worker.running.opening.opened import closed_loop
 
 
 class Problem(problem.Problem):

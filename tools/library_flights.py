@@ -8,7 +8,7 @@ Start reading at `drawn`.
 
 from __future__ import annotations
 
-from worker.runs import sources  # first: it records the files before they are loaded
+from worker.running.runs import sources  # first: it records the files before they are loaded
 
 # isort: split
 import ast
@@ -24,10 +24,11 @@ import numpy as np
 from campaigns import Campaign, library, load_file, thin
 from campaigns.results.drawn import FILE, DrawnClosest, DrawnFlight, DrawnTrack
 from campaigns.results.trace import Closest
-from worker.kernels.bind import rebuilt
-from worker.systems.base import Floats
-from worker.systems.closed_loop.flights import Flights
-from worker.systems.closed_loop.trace import trace
+from worker.engine.kernels.bind import rebuilt
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.flights import Flights
+from worker.engine.systems.closed_loop.trace import trace
+from worker.running.opening import opened
 
 ROWS = 96
 """Rows of a stored flight: a card is 300 pixels wide."""
@@ -35,8 +36,8 @@ ROWS = 96
 DIGITS = 4
 """Coordinates are rounded to about 1e-4 of the flight's extent, less than a tenth of a pixel."""
 
-LOOP = "worker.systems.closed_loop"
-PARTS = ("worker.components.", "worker.physics.", "worker.kernels.", f"{LOOP}.")
+LOOP = "worker.engine.systems.closed_loop"
+PARTS = ("worker.engine.components.", "worker.engine.physics.", "worker.engine.kernels.", f"{LOOP}.")
 """The code that a flight may depend on, as far as its loop imports it."""
 
 
@@ -60,7 +61,7 @@ def written(flights: Mapping[str, DrawnFlight]) -> str:
 
 def drawn(campaign: Campaign) -> DrawnFlight:
     """The nominal flight of a campaign, simulated now."""
-    flights = Flights(campaign, compiled=False, lanes=1)
+    flights = opened.flights(campaign, compiled=False, lanes=1)
     flown = trace(flights, "nominal", {})
     head, columns = flown.meta, {column.name: flown.data[:, k] for k, column in enumerate(flown.columns)}
     rows = np.union1d(thin.even(len(flown.data), ROWS), [head.closest.row] if head.closest else [0])

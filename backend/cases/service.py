@@ -26,7 +26,7 @@ from campaigns import Campaign
 from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
-COMMAND = (sys.executable, "-P", "-m", "worker.processes.cases")
+COMMAND = (sys.executable, "-P", "-m", "worker.running.processes.cases")
 LIMIT = 60.0
 """Time limit of an evaluation [s]."""
 FIRST_LIMIT = 120.0

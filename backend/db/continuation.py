@@ -14,7 +14,6 @@ import sqlalchemy as sa
 from backend.db import labels, sizes
 from backend.db.engine import now
 from backend.db.queue import Claim, submit
-from backend.db.records import Columns, StagePlan, StageRecord, Trace, join
 from backend.db.rows import as_columns, as_finding, as_result, blobs, lowest
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import EvaluationChunk, Run, RunBaseline, Stage
@@ -26,6 +25,7 @@ from campaigns.documents import JsonObject
 from campaigns.results import Finding, TraceHead
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from campaigns.results.trace import TraceColumn
+from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace, join
 from campaigns.versions import Versions
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db.records import Ahead, Columns
 from backend.db.tables import EvaluationAhead
+from campaigns.stored.records import Ahead, Columns
 
 
 def read(connection: sa.Connection, run_id: int, position: int) -> Ahead | None:

@@ -10,11 +10,11 @@ import numpy as np
 import sqlalchemy as sa
 from pydantic import BaseModel
 
-from backend.db.records import Columns, Trace
 from campaigns.documents import JsonObject
 from campaigns.results import Finding, StageResult
 from campaigns.results.base import OK
 from campaigns.stages.found import stage_result
+from campaigns.stored.records import Columns, Trace
 
 
 def as_columns(row: Any) -> Columns:

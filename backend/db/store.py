@@ -1,4 +1,4 @@
-"""The tables as a runner's store: satisfies `worker.runs.store.Store` for one claim, every write under its fence.
+"""The tables as a runner's store: the `Store` of `worker.engine.stages` for one claim, every write under its fence.
 
 Each method is one transaction that first touches the run's row under the claim's fence: a worker that has lost its
 lease writes nothing. Start reading at `RunStore.append`.
@@ -16,7 +16,6 @@ from backend.db import codes, evaluations_ahead, sizes, snapshots, sources
 from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
-from backend.db.records import Ahead, Columns, StagePlan, StageRecord, Trace, join
 from backend.db.rows import as_columns, as_finding, as_result, blobs, finding_row, lowest, plain, trace_row
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
@@ -29,6 +28,7 @@ from campaigns.documents import JsonObject
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.runs import run_name
+from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord, Trace, join
 from campaigns.versions import Code, Versions, other_code
 
 PATIENCE = 120.0

@@ -103,7 +103,7 @@ class Run(Base):
     reason: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
     """The verdict's sentence."""
     summary: orm.Mapped[JsonObject] = orm.mapped_column(default=dict)
-    """The verdict's parts and provenance; see `worker.stages.verdict`."""
+    """The verdict's parts and provenance; see `worker.engine.stages.verdict`."""
     threshold: orm.Mapped[float | None]
     nominal_cost: orm.Mapped[float | None]
     worst_cost: orm.Mapped[float | None]

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
-from backend.db.records import Columns, join
 from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results.schemas import EvaluationFailure, Evaluations, EvaluationSeries
 from backend.runs.service import campaign
 from campaigns import cube, thin
 from campaigns.results.base import EXCLUDED, OK, STATUS, TIMEOUT
+from campaigns.stored.records import Columns, join
 
 MOST_FAILURES = 200
 

@@ -235,7 +235,7 @@ class ChangedFile(Schema):
     """A source file that is not the same in the code of two runs."""
 
     file: str
-    """worker/components/avoiders/ge_cui.py"""
+    """worker/engine/components/avoiders/ge_cui.py"""
     change: Literal["changed", "added", "removed"]
     component: str | None
     """The component or search method of the campaign that it is; None for all others."""

@@ -12,7 +12,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-OWN = "worker.components.own"
+OWN = "worker.engine.components.own"
 """The package whose modules are the files of the operator's folders."""
 MOST_FILES, LARGEST, LARGEST_OF_ALL = 60, 2 * 2**20, 8 * 2**20
 """Of the sources of a run: number of files, and size of each and of all [bytes]."""

@@ -194,7 +194,7 @@ def _larger_sample(check: Check, ran: Ran) -> Iterator[Remedy]:
         wanted = needed(0, 0, goal, ran.campaign.confidence)
     else:
         beyond = max(0.0, stated.upper_bound - bound(stated.violations, stated.samples, stated.confidence))
-        # A bound that the distributions' tails add to the sample's: see `worker.stages.parts.sample`.
+        # A bound that the distributions' tails add to the sample's: see `worker.engine.stages.parts.sample`.
         goal -= beyond if beyond > 1e-9 else 0.0
         wanted = needed(stated.violations, stated.samples, goal, stated.confidence)
     if wanted is None:

@@ -12,10 +12,10 @@ from campaigns.results.base import OK
 from tests.adversary.classes import CLASSES, Attack
 from tests.audited import audited
 from tests.problems import Problem
-from worker.catalogue.installed import catalogue
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.systems.base import CampaignUnusable
+from worker.engine.systems.base import CampaignUnusable
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 
 @dataclass(frozen=True)

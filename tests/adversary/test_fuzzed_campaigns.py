@@ -17,7 +17,7 @@ from backend.runs import submission
 from backend.runs.asked import Asked
 from campaigns import CampaignError
 from tests.adversary.mutations import GROWING, document
-from worker.catalogue.installed import catalogue
+from worker.running.catalogue.installed import catalogue
 
 LONGEST = 1.0
 """Processor time of one document at one door [s]."""

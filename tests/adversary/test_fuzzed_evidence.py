@@ -18,17 +18,17 @@ import pytest
 from backend.db.chain import COVERED, FIRST, digest
 from campaigns.capsules.capsule import digest_of
 from campaigns.capsules.packing import CapsuleError, unpacked
+from clearance.cli import WrongInputError
+from clearance.cli._trail import _of_file
 from tests.adversary.mutations import GROWING, mutated
 from tests.fmu import made
 from tests.logs import written
 from tests.unit import capsules
 from tests.unit.capsules import few_checks, files_of, zipped
-from worker.catalogue import fmu_model
-from worker.cli import WrongInputError
-from worker.cli._trail import _of_file
-from worker.systems.simulators.logs.approach import Sphere, Unreadable
-from worker.systems.simulators.logs.rosbag import separation_of_mcap
-from worker.systems.simulators.logs.ulog import separation_of_ulog
+from worker.engine.systems.simulators.declared import fmu_model
+from worker.engine.systems.simulators.logs.approach import Sphere, Unreadable
+from worker.engine.systems.simulators.logs.rosbag import separation_of_mcap
+from worker.engine.systems.simulators.logs.ulog import separation_of_ulog
 
 Read = Callable[[Path], object]
 COUNTS = [60, pytest.param(3_000, marks=[pytest.mark.nightly, pytest.mark.timeout(1800)])]

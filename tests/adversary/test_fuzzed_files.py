@@ -22,11 +22,11 @@ from backend.requirements.reqif import write
 from backend.scenes.base.address import parse
 from campaigns import labels
 from tests.adversary.mutations import GROWING, mutated
-from worker.catalogue import descriptor
-from worker.catalogue.described import BadDescriptor
-from worker.examination import reading
-from worker.examination.mistake import Mistake
-from worker.systems.simulators.slots.program import unframed, unlined
+from worker.engine.systems.simulators.declared import descriptor
+from worker.engine.systems.simulators.declared.described import BadDescriptor
+from worker.engine.systems.simulators.slots.program import unframed, unlined
+from worker.running.examination import reading
+from worker.running.examination.mistake import Mistake
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 DESCRIPTORS = sorted(EXAMPLES.glob("*/simulator.yaml"))

@@ -14,8 +14,8 @@ import pytest
 import yaml
 
 from campaigns import library
+from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from tests.adversary.mutations import mutated
-from worker.cli import INTERNAL, WRONG_INPUT, invoke
 
 FILES = ("result.json", "evidence.json", "campaign.json", "evaluations.npz")
 READING = ("verify", "audit", "replay")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from campaigns import Catalogue
-from worker.catalogue import installed
+from worker.running.catalogue import installed
 
 
 def parameter(name: str, unit: str = "", low: float = -1e3, high: float = 1e3, default: float | None = 0.0) -> Any:

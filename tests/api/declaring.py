@@ -8,8 +8,8 @@ from typing import Any
 import httpx
 import numpy as np
 
-from backend.db.records import Columns, StagePlan, Trace
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from campaigns.stored.records import Columns, StagePlan, Trace
 from tests import results
 from tests.api.catalogue import CATALOGUE
 from tests.api.finished import PLAN, Work, search

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from backend.db.queue import Queue
-from backend.db.records import Columns, StagePlan, Trace
 from backend.db.store import RunStore
 from campaigns.results.finding import FoundBy
+from campaigns.stored.records import Columns, StagePlan, Trace
 from tests import results
 from tests.api.server import Service
 

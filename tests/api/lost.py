@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import httpx
 import numpy as np
 
-from backend.db.records import Columns
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from campaigns.results.search import Best
+from campaigns.stored.records import Columns
 from tests import results
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from backend.db.queue import Queue
-from backend.db.records import StagePlan, Trace
 from backend.db.store import RunStore
 from campaigns.results import CertifyResult, Finding, SensitivityResult, ValidateResult
 from campaigns.results.finding import FoundBy
@@ -16,6 +15,7 @@ from campaigns.results.sample import Histogram, QuantileBound, Sample
 from campaigns.results.sensitivity import Curve, Slices
 from campaigns.results.validate import Compared
 from campaigns.results.verdict import Check, Provenance, Statistics
+from campaigns.stored.records import StagePlan, Trace
 from campaigns.versions import Processor
 from tests import results
 from tests.api.finished import flight, search

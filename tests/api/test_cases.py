@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from backend.cases.service import process
-from backend.db.records import Columns, StagePlan
 from backend.scenes.live.live import Live
+from campaigns.stored.records import Columns, StagePlan
 from tests.api.answers import problem
 from tests.api.declaring import SCENE, declared
 from tests.api.document import conforms

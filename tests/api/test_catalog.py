@@ -8,11 +8,11 @@ import yaml
 
 from backend.catalog import service as catalog
 from backend.db.queue import Queue
-from backend.db.records import StagePlan
 from backend.db.store import RunStore
 from campaigns import Campaign, library, load_text
 from campaigns.asked.text import to_yaml
 from campaigns.results.drawn import library_flights
+from campaigns.stored.records import StagePlan
 from tests import results
 from tests.api.answers import problem
 from tests.api.catalogue import CATALOGUE, campaign, published_by_workers

@@ -13,11 +13,11 @@ import pytest
 import yaml
 
 from campaigns.asked.regression import Policy
+from clearance.cli import WRONG_INPUT, invoke
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
 from tests.faults.processes import REPOSITORY
-from worker.cli import WRONG_INPUT, invoke
 
 PAGE = (REPOSITORY / "docs" / "ci.md").read_text(encoding="utf-8")
 POLICY, HOOK, ACTION, GITLAB = (yaml.safe_load(text) for text in re.findall(r"^```yaml\n(.*?)^```$", PAGE, re.M | re.S))

@@ -46,7 +46,7 @@ def versions(service: Service) -> Versions:
 OTHERWISE = [
     (
         {"code": OTHER.digest},
-        "the code digest was c0dec0dec0de, here it is beefbeefbeef (modules: worker.components.vehicles.",
+        "the code digest was c0dec0dec0de, here it is beefbeefbeef (modules: worker.engine.components.vehicles.",
     ),
     ({"loop": "fedcba9876543210"}, "the loop digest was 0123456789ab, here it is fedcba987654"),
     ({"packages": {"numpy": "2.5.0", "scipy": "1.17.1"}}, "numpy was 2.4.6, here it is 2.5.0"),
@@ -111,7 +111,7 @@ def test_page_report_and_files_state_the_code_and_whether_it_is_installed(
         workers.publish(writer, CATALOGUE, OTHER)
     told = client.get(f"{run}/components").json()
     assert (told["code"], told["code_installed"]) == (CODE.digest, OTHER.digest)
-    assert (told["changes"], told["code_changes"]) == ([], ["worker.components.vehicles.unicycle"])
+    assert (told["changes"], told["code_changes"]) == ([], ["worker.engine.components.vehicles.unicycle"])
     export = client.get(f"{run}/exports/run.json").json()
     assert (export["run"]["flown"]["code"], export["components"]["code_installed"]) == (CODE.digest, OTHER.digest)
     assert f"sha256 {CODE.digest}" in client.get(f"{run}/report.html").text
@@ -129,10 +129,10 @@ def test_two_runs_of_one_campaign_name_the_files_of_their_code_that_differ(
     other = Code(
         "feed" * 16,
         {
-            "worker.components.vehicles.unicycle": "9" * 16,
-            "worker.problem": "1" * 16,
-            "worker.problem.problem": "0" * 16,
-            "worker.problem.more": "0" * 16,
+            "worker.engine.components.vehicles.unicycle": "9" * 16,
+            "worker.engine.problem": "1" * 16,
+            "worker.engine.problem.problem": "0" * 16,
+            "worker.engine.problem.more": "0" * 16,
         },
     )
     store.record_versions(VERSIONS.model_copy(update={"code": other.digest}), other)
@@ -145,9 +145,9 @@ def test_two_runs_of_one_campaign_name_the_files_of_their_code_that_differ(
     found = told(runs[1], runs[0])
     assert (found["code"], found["against"]) == (other.digest, CODE.digest)
     assert found["files"] == [
-        {"file": "worker/components/vehicles/unicycle.py", "change": "changed", "component": "unicycle"},
-        {"file": "worker/problem/__init__.py", "change": "added", "component": None},
-        {"file": "worker/problem/more.py", "change": "added", "component": None},
+        {"file": "worker/engine/components/vehicles/unicycle.py", "change": "changed", "component": "unicycle"},
+        {"file": "worker/engine/problem/__init__.py", "change": "added", "component": None},
+        {"file": "worker/engine/problem/more.py", "change": "added", "component": None},
     ]
     assert [file["change"] for file in told(runs[0], runs[1])["files"]] == ["changed", "removed", "removed"]  # type: ignore[attr-defined]
     assert told(runs[0], runs[0])["files"] == []

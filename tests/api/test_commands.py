@@ -10,11 +10,11 @@ from xml.etree import ElementTree as Xml
 import pytest
 import yaml
 
+from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.api.submitting import submit
-from worker.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
 
 Command = Callable[..., int]
 

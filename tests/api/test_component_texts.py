@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from tests.api.server import Service
-from worker.catalogue.installed import catalogue
+from worker.running.catalogue.installed import catalogue
 
 
 def test_components_with_their_equations(bare: Service) -> None:

@@ -23,16 +23,16 @@ from backend.db.queue import Queue
 from backend.db.store import RunStore
 from campaigns import Campaign
 from campaigns.results import Verdict
+from clearance.cli._report import print_report
+from clearance.local.summary import summary
 from tests.api.conftest import Fresh, running
 from tests.api.server import Service
 from tests.audited import audited
 from tests.unit.cases import campaign
-from worker.catalogue.installed import catalogue
-from worker.cli._report import print_report
-from worker.cli.run import summary
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.stages.parts import offered
+from worker.engine.stages.parts import offered
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 FAILING = {"vehicle.J": {"low": 0.0004, "high": 0.06}}
 EXCLUDED = {"obstacles.0.position.x": {"low": -0.8, "high": 4.2}}
@@ -219,7 +219,7 @@ def test_absence_of_violations_is_not_claimed_where_evaluations_failed(ran: Ran)
 
 
 def test_a_run_without_a_verdict_counts_its_stages(service: Service, client: httpx.Client) -> None:
-    from backend.db.records import Columns, StagePlan
+    from campaigns.stored.records import Columns, StagePlan
     from tests.api.finished import Work, search
     from tests.api.submitting import submit
 

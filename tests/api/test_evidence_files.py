@@ -20,26 +20,26 @@ from mcap.reader import make_reader
 from backend.db import queue
 from backend.db import sources as stored
 from backend.db.engine import read as read_of
-from backend.db.records import Trace
 from backend.db.store import RunStore
 from backend.exports import mcap, parquet
 from backend.scenes.recordings import recording as recorder
 from campaigns.capsules.packing import read, read_sources
 from campaigns.capsules.sources import SourceFile, Sources
+from campaigns.stored.records import Trace
+from clearance.cli import WRONG_INPUT, invoke
 from tests.api.answers import problem
 from tests.api.databases import BOTH
 from tests.api.finished import Work, encounter, finish, flight
 from tests.api.server import Service
 from tests.api.submitting import submit
 from tests.unit.records import ran
-from worker.catalogue.installed import catalogue
-from worker.cli import WRONG_INPUT, invoke
-from worker.runs import sources
-from worker.stages.parts import offered
+from worker.engine.stages.parts import offered
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs import sources
 
 Messages = dict[str, list[dict[str, Any]]]
 
-OWN = "worker.components.own.my_robot"
+OWN = "worker.engine.components.own.my_robot"
 
 
 @pytest.fixture(autouse=True)

@@ -14,10 +14,10 @@ import pytest
 import sqlalchemy as sa
 from scipy.io import loadmat
 
-from backend.db.records import Columns
 from backend.db.tables import CatalogueDocument, Run
 from backend.exports import service as exports
 from backend.scenes.recordings import recording
+from campaigns.stored.records import Columns
 from tests.api.answers import problem
 from tests.api.conftest import running
 from tests.api.databases import AT_NIGHT, KINDS, Fresh

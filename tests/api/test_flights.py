@@ -27,7 +27,7 @@ from tests.api.shipped import shipped
 from tests.api.submitting import submit
 from tests.api.viewing import KEY, frames_until, steer, viewing
 from tests.problems import Problem
-from worker.stages.parts.seeds import of_draws
+from worker.engine.stages.parts.seeds import of_draws
 
 OTHER = "ffffffff-ffff-4fff-bfff-ffffffffffff"
 STAND_IN = """

@@ -11,9 +11,9 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
+from clearance.cli import INTERNAL, invoke
 from tests.api.answers import problem
 from tests.api.server import Service
-from worker.cli import INTERNAL, invoke
 
 FILES = "/api/v1/requirements/files"
 LARGE = b"id,text\n" + b"".join(b"R%d,%s\n" % (i, b"x" * 900) for i in range(500))

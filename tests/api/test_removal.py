@@ -12,13 +12,13 @@ import sqlalchemy as sa
 from backend.db.purge import due, purge
 from backend.db.queue import Queue
 from backend.db.tables import Run, RunText
+from clearance.cli import invoke
 from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.databases import AT_NIGHT, BOTH, POSTGRESQL
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
 from tests.api.submitting import submit
-from worker.cli import invoke
 
 WHY = {"reason": "The bounds were those of another vehicle."}
 

@@ -10,7 +10,6 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db.queue import Queue
-from backend.db.records import StagePlan
 from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
@@ -18,6 +17,7 @@ from backend.runs.texts import with_schema
 from campaigns import Campaign
 from campaigns.asked.load import load_text
 from campaigns.stages.plan import plan
+from campaigns.stored.records import StagePlan
 from tests import results
 from tests.api.answers import problem
 from tests.api.catalogue import campaign

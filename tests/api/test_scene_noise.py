@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from backend.db.engine import read
-from backend.db.records import Columns, StagePlan
 from backend.runs.service import number
 from backend.scenes.base.flight import from_live
 from backend.scenes.base.noise import STATED, WHOLE, Noise, draws
@@ -14,12 +13,13 @@ from backend.scenes.base.setting import load
 from backend.scenes.cloud.evaluations import load as cloud_of
 from backend.scenes.panel.sampled import _sample
 from campaigns import library, load_file
+from campaigns.stored.records import Columns, StagePlan
 from tests import results
 from tests.api.finished import Work
 from tests.api.server import Service
 from tests.api.shipped import shipped
 from tests.problems import Problem
-from worker.stages.parts.seeds import of_draws
+from worker.engine.stages.parts.seeds import of_draws
 
 PLAN = [StagePlan("nominal", None, 1), StagePlan("certify", None, 3)]
 POINTS = np.array([[0.1, 0.2, 0.4], [0.5, 0.5, 0.5], [0.9, 0.3, 0.7]])

@@ -13,16 +13,16 @@ import numpy as np
 import pytest
 
 from backend.catalog.criteria import criteria
-from backend.db.records import Columns
 from backend.db.rows import as_columns, blobs, lowest
 from backend.exports.sheet import Sheet, headings
 from backend.results.improvements import Improvements
+from campaigns.stored.records import Columns
 from tests.api.catalogue import campaign as small
 from tests.api.finished import search
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.unit.cases import campaign
-from worker.catalogue.installed import catalogue
+from worker.running.catalogue.installed import catalogue
 
 COLUMNS = Columns(
     np.array([[0.0, 1.0], [0.5, 0.5], [1.0, 0.0]]),

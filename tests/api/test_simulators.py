@@ -15,11 +15,11 @@ import pytest
 import websockets
 from websockets.sync.client import connect
 
+from clearance.cli import invoke
 from tests.api.viewing import PROTOCOL
 from tests.faults.serving import serving
 from tests.simulators import package
-from worker.catalogue.installed import forget_simulators
-from worker.cli import invoke
+from worker.running.catalogue.installed import forget_simulators
 
 pytestmark = pytest.mark.timeout(300)
 

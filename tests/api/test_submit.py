@@ -11,10 +11,10 @@ import pytest
 import yaml
 
 from backend.db.queue import Queue
+from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
-from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
 
 Command = Callable[..., "Future[int]"]
 

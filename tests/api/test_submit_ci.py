@@ -13,11 +13,11 @@ from xml.etree import ElementTree as Xml
 import pytest
 import yaml
 
+from clearance.cli import INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
 from tests.faults.processes import CLEARANCE, REPOSITORY
-from worker.cli import INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
 
 Command = Callable[..., "Future[int]"]
 

@@ -13,11 +13,11 @@ import pytest
 import yaml
 
 from backend.db.queue import Queue
+from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
 from clearance.client import drivers
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, invoke
 
 Submit = Callable[..., int]
 

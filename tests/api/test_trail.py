@@ -15,12 +15,12 @@ from backend.db import audit
 from backend.db.access import Visitor
 from backend.db.chain import digest
 from backend.db.engine import read
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.api.answers import problem
 from tests.api.conftest import Fresh, running
 from tests.api.databases import BOTH
 from tests.api.server import Service
 from tests.api.submitting import submit
-from worker.cli import VIOLATED, WRONG_INPUT, invoke
 
 AUDIT = "/api/v1/audit"
 ADA = Visitor("ada", "password", account="ada", role="admin")

@@ -14,8 +14,8 @@ from websockets.sync.client import connect
 
 from backend.access.frames import Voucher
 from backend.db.access import Visitor
-from backend.db.records import StagePlan
 from backend.scenes.control import relay
+from campaigns.stored.records import StagePlan
 from tests.api.answers import problem
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work, finish

@@ -13,13 +13,13 @@ import pytest
 from websockets.sync.client import ClientConnection
 
 from backend.db.engine import read
-from backend.db.records import Columns
 from backend.scenes.base import setting
 from backend.scenes.base.palette import DARK, LIGHT
 from backend.scenes.control.relay import open_server
 from backend.scenes.drawing.world import ROOTS, World
 from campaigns import library, load_file
 from campaigns.results.base import FAILED, OK
+from campaigns.stored.records import Columns
 from tests.api.declaring import declared
 from tests.api.finished import Work, encounter, finish, straight
 from tests.api.lost import lose

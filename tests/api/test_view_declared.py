@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backend.db.records import Trace
 from backend.scenes.base.flight import Flight, from_live
+from campaigns.stored.records import Trace
 from tests.api.answers import problem
 from tests.api.declaring import SCENE, declared, trace
 from tests.api.finished import turned

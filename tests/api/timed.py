@@ -6,11 +6,11 @@ from typing import Any
 
 from backend.db import queue, workers
 from backend.db.queue import Queue
-from backend.db.records import StagePlan
 from backend.db.store import RunStore
 from campaigns.asked.load import load_document
 from campaigns.catalogue import Catalogue
 from campaigns.results.nominal import Measured
+from campaigns.stored.records import StagePlan
 from campaigns.versions import Code, Versions
 from tests import results
 from tests.api.server import Service

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from campaigns.versions import Code, Processor, Versions
 
-CODE = Code("c0de" * 16, {"worker.problem.problem": "0" * 16, "worker.components.vehicles.unicycle": "1" * 16})
-OTHER = Code("beef" * 16, {"worker.problem.problem": "0" * 16, "worker.components.vehicles.unicycle": "2" * 16})
+CODE = Code(
+    "c0de" * 16, {"worker.engine.problem.problem": "0" * 16, "worker.engine.components.vehicles.unicycle": "1" * 16}
+)
+OTHER = Code(
+    "beef" * 16, {"worker.engine.problem.problem": "0" * 16, "worker.engine.components.vehicles.unicycle": "2" * 16}
+)
 VERSIONS = Versions(
     code=CODE.digest,
     loop="0123456789abcdef",

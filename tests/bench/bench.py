@@ -23,9 +23,9 @@ import numpy as np
 from campaigns import library, load_file
 from tests.bench import functions, methods, reference_pioneer, reference_uav, slots
 from tests.problems import Problem
-from worker.runs.provenance import versions
-from worker.systems.base import Floats
-from worker.systems.closed_loop.assemble import Loop
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.running.runs.provenance import versions
 
 BUILD = Path("build")
 FULL = 4096

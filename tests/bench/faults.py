@@ -19,8 +19,8 @@ from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
 from tests.bench.bench import BUILD, interleaved
 from tests.problems import Problem
-from worker.catalogue.installed import components
-from worker.kernels.component import Environment, Fault
+from worker.engine.kernels.component import Environment, Fault
+from worker.running.catalogue.installed import components
 
 BATCH = 128
 FLYING = {

@@ -10,10 +10,10 @@ import numpy as np
 
 import clearance
 from campaigns.asked.load import load_document
-from worker.catalogue.files import PythonFunction
-from worker.catalogue.installed import catalogue
-from worker.opening import opened
-from worker.problem.problem import Problem
+from worker.engine.problem.problem import Problem
+from worker.running.catalogue.files import PythonFunction
+from worker.running.catalogue.installed import catalogue
+from worker.running.opening import opened
 
 FULL = 4096
 PARAMETERS = {"mass": (1.5, 2.3), "drag": (0.1, 0.2)}

@@ -19,10 +19,10 @@ from campaigns import library, load_file
 from tests.problems import Problem
 from tests.unit.functions import PUBLISHED, OnUnitCube, on_unit_cube
 from tests.unit.searching import batch, run, space
-from worker.catalogue.installed import methods
-from worker.search.base import Floats, Method
-from worker.search.methods import direct
-from worker.systems.closed_loop.assemble import Loop
+from worker.engine.search.base import Floats, Method
+from worker.engine.search.methods import direct
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.running.catalogue.installed import methods
 
 EVALUATIONS = 10_000
 DIMENSION = 8

@@ -14,13 +14,13 @@ import sqlalchemy as sa
 
 from backend.db.engine import now
 from backend.db.queue import Claim, Queue, submit
-from backend.db.records import Columns, StagePlan
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run
 from campaigns import Campaign, library, load_file
+from campaigns.stored.records import Columns, StagePlan
 from tests import results
-from worker.catalogue.installed import catalogue
-from worker.runs.runner import execute
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs.runner import execute
 
 LARGE = "uav_aca"
 """Case 5: six uncertain parameters, four searches."""

@@ -13,7 +13,7 @@ from numba import njit
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from tests.problems import Problem
-from worker.systems.base import Floats
+from worker.engine.systems.base import Floats
 
 NAMES = (
     "m", "I_z", "R_t", "r", "k_a", "R_a", "I_e", "B_e", "k_b", "d", "a", "b", "k_PT", "k_PR", "k_DT", "k_DR",

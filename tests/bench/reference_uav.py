@@ -14,9 +14,9 @@ import numpy as np
 from numba import njit
 
 from tests.problems import Problem
-from worker.components.controllers.autopilot_wings_level import WingsLevel
-from worker.physics.aerodynamics import Airframe
-from worker.systems.base import Floats
+from worker.engine.components.controllers.autopilot_wings_level import WingsLevel
+from worker.engine.physics.aerodynamics import Airframe
+from worker.engine.systems.base import Floats
 
 AIR = Airframe()
 PILOT: Any = WingsLevel()

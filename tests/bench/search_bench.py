@@ -24,8 +24,8 @@ from campaigns.results.base import EXCLUDED
 from tests.bench import small_budgets
 from tests.unit.functions import FUNCTIONS, on_unit_cube
 from tests.unit.searching import batch, space
-from worker.catalogue.installed import methods
-from worker.search.base import Floats
+from worker.engine.search.base import Floats
+from worker.running.catalogue.installed import methods
 
 BUILD = Path("build")
 BUDGET, SEEDS, WITHIN = 5_000, 30, 0.01

@@ -11,13 +11,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from worker.catalogue.folder import digest_of
-from worker.systems.simulators.cluster.address import evaluator
-from worker.systems.simulators.cluster.pool import DaskPool
-from worker.systems.simulators.cluster.work import WORK, Files
-from worker.systems.simulators.slots.outcome import Limits, Request
-from worker.systems.simulators.slots.pool import SlotPool
-from worker.systems.simulators.slots.program import Program
+from worker.engine.systems.simulators.cluster.address import evaluator
+from worker.engine.systems.simulators.cluster.pool import DaskPool
+from worker.engine.systems.simulators.cluster.work import WORK, Files
+from worker.engine.systems.simulators.declared.folder import digest_of
+from worker.engine.systems.simulators.slots.outcome import Limits, Request
+from worker.engine.systems.simulators.slots.pool import SlotPool
+from worker.engine.systems.simulators.slots.program import Program
 
 SLEEP = 0.2
 """[s]"""

@@ -27,8 +27,8 @@ from tests.unit.searching import batch, space
 from tests.unit.small_budgets import JUDGED, Judged
 from tests.unit.small_budgets_tuning import TUNING
 from tests.unit.small_budgets_valleys import VALLEYS, Landscape
-from worker.catalogue.installed import methods
-from worker.search.base import Floats
+from worker.engine.search.base import Floats
+from worker.running.catalogue.installed import methods
 
 BUDGETS, SEEDS = (20, 50, 100), 15
 """Evaluations per parameter. With three seeds, the mean of ten problems varies by 0.1, as much as methods differ."""

@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 from campaigns import library
-from worker.systems.closed_loop.assemble import LANES
+from worker.engine.systems.closed_loop.assemble import LANES
 
 COUNT = """
 import json, re, sys

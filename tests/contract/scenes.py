@@ -13,9 +13,9 @@ from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.catalogue import ComponentEntry, ParameterEntry
 from tests.problems import Problem
-from worker.catalogue.installed import catalogue, components
-from worker.kernels.component import Avoider, Component, Controller, Criterion, Vehicle
-from worker.systems.base import Floats
+from worker.engine.kernels.component import Avoider, Component, Controller, Criterion, Vehicle
+from worker.engine.systems.base import Floats
+from worker.running.catalogue.installed import catalogue, components
 
 HORIZON, STEP = 0.32, 0.005
 """[s]"""

@@ -14,11 +14,11 @@ import pytest
 
 from tests.unit.cases import campaign, case1
 from tests.unit.searching import Function, batch, space
-from worker.catalogue.installed import methods
-from worker.runs.store import MemoryStore
-from worker.search.base import Batch, Floats, Method, Minimum
-from worker.stages.parts.base import Context, Driven, drive
-from worker.stages.parts.store import StagePlan
+from worker.engine.search.base import Batch, Floats, Method, Minimum
+from worker.engine.stages.parts.base import Context, Driven, drive
+from worker.engine.stages.parts.store import StagePlan
+from worker.running.catalogue.installed import methods
+from worker.running.runs.store import MemoryStore
 
 EACH = pytest.mark.parametrize("method", methods().values(), ids=lambda m: m.name)
 

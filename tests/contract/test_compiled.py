@@ -13,8 +13,8 @@ from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from tests.contract.flights import as_in_plain_python, in_any_order, no_number_shows, unbreakable
 from tests.contract.scenes import own, problem, published, scene, together
-from worker.catalogue.installed import catalogue, components
-from worker.kernels.component import Component
+from worker.engine.kernels.component import Component
+from worker.running.catalogue.installed import catalogue, components
 
 Components = tuple[Component, ...]
 

@@ -16,8 +16,8 @@ from campaigns.results.base import OK
 from tests.contract.flights import no_number_shows, unbreakable
 from tests.contract.scenes import around, entry, own, problem
 from tests.problems import Problem
-from worker.catalogue.installed import catalogue, components, source_of
-from worker.kernels.component import Component, Criterion, Vehicle, declared
+from worker.engine.kernels.component import Component, Criterion, Vehicle, declared
+from worker.running.catalogue.installed import catalogue, components, source_of
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
 

@@ -19,10 +19,10 @@ from campaigns import Catalogue, check
 from campaigns.asked.load import load_document
 from campaigns.checked.check import simulation_problems
 from tests.contract.scenes import around, entry, own
-from worker.catalogue.installed import catalogue, components
-from worker.kernels.component import Component, Controller, Parameter, Signal, Vehicle
-from worker.kernels.layout import Parts, Placed
-from worker.systems.closed_loop.assemble import Loop
+from worker.engine.kernels.component import Component, Controller, Parameter, Signal, Vehicle
+from worker.engine.kernels.layout import Parts, Placed
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.running.catalogue.installed import catalogue, components
 
 ROLES = ("avoider", "obstacle", "environment", "fault", "criterion")
 MIRRORS = ("z", "xy")

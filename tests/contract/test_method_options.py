@@ -12,8 +12,8 @@ from campaigns import check
 from tests.contract.searches import EACH, at_most, rough
 from tests.unit.cases import searching
 from tests.unit.searching import run
-from worker.catalogue.installed import catalogue, source_of
-from worker.search.base import Method
+from worker.engine.search.base import Method
+from worker.running.catalogue.installed import catalogue, source_of
 
 
 @EACH

@@ -14,8 +14,8 @@ from tests.contract.searches import BUDGET, EACH, Answer, answering, at_most, dr
 from tests.unit.functions import FUNCTIONS as TABLE
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch
-from worker.catalogue.installed import methods
-from worker.search.base import Batch, Floats, Method, Minimum
+from worker.engine.search.base import Batch, Floats, Method, Minimum
+from worker.running.catalogue.installed import methods
 
 
 def some_by_day() -> list[Any]:

@@ -29,9 +29,9 @@ from tests.contract.searches import (
 )
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
-from worker.catalogue.installed import methods
-from worker.search.base import Floats, Method, Search
-from worker.systems.simulators.slots.given import THREADS
+from worker.engine.search.base import Floats, Method, Search
+from worker.engine.systems.simulators.slots.given import THREADS
+from worker.running.catalogue.installed import methods
 
 
 @pytest.fixture(autouse=True)

@@ -15,8 +15,8 @@ from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from tests.contract.scenes import around
 from tests.problems import Problem
-from worker.catalogue.installed import catalogue, components
-from worker.kernels.component import Avoider, Controller, Vehicle
+from worker.engine.kernels.component import Avoider, Controller, Vehicle
+from worker.running.catalogue.installed import catalogue, components
 
 STEPS = 12
 

@@ -19,7 +19,7 @@ from campaigns.stages.plan import plan
 from tests.faults.processes import REPOSITORY
 from tests.simulators import package
 from tests.unit.cases import campaign
-from worker.stages.found import stages
+from worker.engine.stages.found import stages
 
 ASKED: dict[str, Any] = {
     "sensitivity": {"points": 3},
@@ -84,8 +84,8 @@ RUN = """
 import itertools
 import numpy as np
 from campaigns.stages.corners import CornerResult
-from worker.stages.parts.base import drive, once
-from worker.stages.parts.outcome import Outcome, Stage
+from worker.engine.stages.parts.base import drive, once
+from worker.engine.stages.parts.outcome import Outcome, Stage
 
 def run(context, position):
     corners = np.array(list(itertools.product((0.0, 1.0), repeat=context.problem.dimension)))
@@ -100,7 +100,7 @@ ALL = """
 import sys
 from pathlib import Path
 from backend import openapi
-from worker.cli import invoke
+from clearance.cli import invoke
 
 file, out, described = sys.argv[1:]
 assert invoke(["run", file, "--out", out]) == 1
@@ -115,7 +115,7 @@ def test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api(tmp
     for folder in ("backend", "campaigns", "worker"):
         shutil.copytree(REPOSITORY / folder, source / folder)
     (source / "campaigns" / "stages" / "corners.py").write_text(DECLARED, encoding="utf-8")
-    (source / "worker" / "stages" / "corners.py").write_text(RUN, encoding="utf-8")
+    (source / "worker" / "engine" / "stages" / "corners.py").write_text(RUN, encoding="utf-8")
     file, out = tmp_path / "basins.json", tmp_path / "out"
     file.write_text(json.dumps(package.campaign()), encoding="utf-8")
     installed = package.install(tmp_path / "package")

@@ -16,14 +16,14 @@ from campaigns.checked.snapshot import changes, snapshot
 from campaigns.claims.spans import words
 from campaigns.results.base import FAILED, OK
 from tests.simulators import functions, isolated, package, two_basins
-from worker.catalogue.files import PythonFunction
-from worker.catalogue.installed import catalogue
-from worker.catalogue.simulator import Opening
-from worker.opening import opened
-from worker.problem.problem import Problem
-from worker.search.base import Batch
-from worker.systems.base import System
-from worker.systems.simulators.called import Called
+from worker.engine.problem.problem import Problem
+from worker.engine.search.base import Batch
+from worker.engine.systems.base import System
+from worker.engine.systems.simulators.called import Called
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.running.catalogue.files import PythonFunction
+from worker.running.catalogue.installed import catalogue
+from worker.running.opening import opened
 
 BASINS = Opening({"simulator.x": 0.5, "simulator.y": 0.45}, "separation")
 

@@ -15,13 +15,13 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
+from clearance.cli import invoke
 from tests.api.catalogue import campaign
 from tests.api.joined import PASSWORD
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import Visit, undrawn, visiting
 from tests.e2e.stored import served
-from worker.cli import invoke
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(180)]
 

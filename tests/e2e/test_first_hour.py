@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, expect
 
+from clearance.cli import invoke
 from tests.e2e.browser import Visit, visiting
 from tests.faults.processes import until
 from tests.faults.serving import serving
-from worker.cli import invoke
 
 pytestmark = [
     pytest.mark.e2e,
@@ -94,7 +94,7 @@ def in_the_browser(visit: Visit, folder: Path) -> None:
     page = visit.page
     first = submitted(visit, 1)
     edited(folder / "my_way.py", "= 30.0", "= 3.0")
-    (folder / "broken.py").write_text("from worker.kernels.maths import kernel\n", encoding="utf-8")
+    (folder / "broken.py").write_text("from worker.engine.kernels.maths import kernel\n", encoding="utf-8")
     until(lambda: catalogue(visit).get("unusable"), "the catalogue is published again", 60)
     default = next(
         p["default"]

@@ -15,12 +15,12 @@ import pytest
 import sqlalchemy as sa
 from playwright.sync_api import Browser, Locator, Page, expect
 
-from backend.db.records import Trace
 from backend.db.rows import plain
 from backend.db.tables import Run
 from campaigns.claims.say import say
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.verdict import Check
+from campaigns.stored.records import Trace
 from tests import results
 from tests.api.catalogue import campaign
 from tests.api.finished import COLUMNS, flight

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, expect
 
+from clearance.cli import invoke
 from tests.api.server import Service
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.flown import DROP, asked
@@ -20,7 +21,6 @@ from tests.e2e.looking import api
 from tests.faults.processes import until
 from tests.faults.serving import serving
 from tests.simulators import dropped
-from worker.cli import invoke
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from backend.db.records import Columns, StagePlan, Trace
 from campaigns import Campaign
 from campaigns.results import Finding
 from campaigns.results.base import OK
+from campaigns.stored.records import Columns, StagePlan, Trace
 from tests import results
 
 PLAN = [StagePlan("nominal", None, 1), StagePlan("search", "direct", 100), StagePlan("validate", None, 10)]

@@ -16,17 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from backend.db.records import StagePlan
 from campaigns import Campaign
 from campaigns import Problem as Wrong
 from campaigns.results import Verdict
+from campaigns.stored.records import StagePlan
 from tests import results
 from tests.faults.cases import columns
-from worker.opening import opened
-from worker.problem.problem import Problem
-from worker.runs import provenance
-from worker.stages.parts.store import Store
-from worker.systems.base import CampaignUnusable
+from worker.engine.problem.problem import Problem
+from worker.engine.stages.parts.store import Store
+from worker.engine.systems.base import CampaignUnusable
+from worker.running.opening import opened
+from worker.running.runs import provenance
 
 SEARCH = 400
 CHUNK = 20

@@ -15,7 +15,7 @@ from tests.faults.processes import REPOSITORY
 def run(folder: Path, campaign: Path, timeout: float = 250) -> tuple[int, Any, str]:
     """Exit code, result and what it wrote to standard error; folder: where the simulators are."""
     done = subprocess.run(
-        [sys.executable, "-m", "worker", "run", str(campaign), "--json"],
+        [sys.executable, "-m", "clearance", "run", str(campaign), "--json"],
         env=os.environ | {"CLEARANCE_SIMULATORS": str(folder)}, capture_output=True, text=True, check=False,
         cwd=REPOSITORY, timeout=timeout,
     )  # fmt: skip

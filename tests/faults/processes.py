@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import IO
 
 REPOSITORY = Path(__file__).parents[2]
-CLEARANCE = [sys.executable, "-m", "worker"]
+CLEARANCE = [sys.executable, "-m", "clearance"]
 
 
 class Started:
@@ -49,7 +49,7 @@ class Started:
     def child(self) -> int:
         """The process of a worker that does the work: its direct child (a fork of that has the same command line)."""
         [child] = [pid for pid, parent in parents().items() if parent == self.pid and alive(pid)]
-        assert "worker.processes.child" in command_of(child)
+        assert "worker.running.processes.child" in command_of(child)
         return child
 
 

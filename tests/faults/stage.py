@@ -16,14 +16,14 @@ from backend.db.queue import Claim
 from backend.db.store import RunStore
 from campaigns.asked.load import load_document
 from tests.simulators import package
-from worker.catalogue.descriptor import read
-from worker.catalogue.simulator import Opening
-from worker.problem.evaluate import InProcess
-from worker.problem.problem import Problem
-from worker.stages.parts.base import Context, drive, once
-from worker.stages.parts.store import StagePlan
-from worker.systems.base import Floats
-from worker.systems.simulators.command import CommandSimulator
+from worker.engine.problem.evaluate import InProcess
+from worker.engine.problem.problem import Problem
+from worker.engine.stages.parts.base import Context, drive, once
+from worker.engine.stages.parts.store import StagePlan
+from worker.engine.systems.base import Floats
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.simulator import Opening
 
 OPENING = Opening({"simulator.x": 0.5, "simulator.y": 0.45}, "separation")
 

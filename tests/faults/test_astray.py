@@ -18,13 +18,13 @@ import yaml
 
 from campaigns.results.base import FAILED, OK
 from tests.faults.processes import until
-from worker.catalogue.descriptor import read
-from worker.catalogue.simulator import Opening
-from worker.systems.simulators import unchanged
-from worker.systems.simulators.command import CommandSimulator
-from worker.systems.simulators.slots.outcome import Limits, Outcome
-from worker.systems.simulators.slots.pool import SlotPool
-from worker.systems.simulators.slots.program import Program, identified, line, misidentified
+from worker.engine.systems.simulators import unchanged
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
+from worker.engine.systems.simulators.slots.pool import SlotPool
+from worker.engine.systems.simulators.slots.program import Program, identified, line, misidentified
 
 BEGIN = """
 import json, os, subprocess, sys, threading, time

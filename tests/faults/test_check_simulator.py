@@ -13,11 +13,11 @@ from backend.db.engine import connect, default_url, read
 from backend.db.measurements import Stored
 from campaigns.asked.load import load_file
 from campaigns.results.base import FAILED, OK
+from clearance.cli import WRONG_INPUT, invoke
+from clearance.cli._announce import announce
+from clearance.cli.check_simulator import NOT_AS_IT_IS
 from tests.simulators.adversaries import Call, adversary, never
-from worker.catalogue.installed import catalogue, forget_simulators
-from worker.cli import WRONG_INPUT, invoke
-from worker.cli._announce import announce
-from worker.cli.check_simulator import NOT_AS_IT_IS
+from worker.running.catalogue.installed import catalogue, forget_simulators
 
 CAMPAIGN = {
     "name": "Adversary",

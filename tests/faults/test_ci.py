@@ -15,9 +15,9 @@ import httpx
 import pytest
 
 from campaigns import library, load_file
+from clearance.cli import invoke
 from tests.faults.processes import alive, kill, until
 from tests.faults.serving import Service, long_run, serving, state
-from worker.cli import invoke
 
 STAGES = {
     "sensitivity": None,

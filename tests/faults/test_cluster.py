@@ -22,16 +22,16 @@ from tests.faults import stage
 from tests.faults.nodes import Cluster, cluster
 from tests.faults.processes import command_of, kill, started, until
 from tests.simulators import gated, misbehaving
-from worker.catalogue.descriptor import Described, read
-from worker.catalogue.simulator import Opening
-from worker.runs.provenance import versions
-from worker.systems.base import Floats
-from worker.systems.simulators.cluster import pool as pool_module
-from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
-from worker.systems.simulators.cluster.pool import DaskPool
-from worker.systems.simulators.command import CommandSimulator
-from worker.systems.simulators.slots.outcome import Request
-from worker.systems.simulators.slots.pool import NEVER
+from worker.engine.systems.base import Floats
+from worker.engine.systems.simulators.cluster import pool as pool_module
+from worker.engine.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
+from worker.engine.systems.simulators.cluster.pool import DaskPool
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import Described, read
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.slots.outcome import Request
+from worker.engine.systems.simulators.slots.pool import NEVER
+from worker.running.runs.provenance import versions
 
 OPENING = Opening({"simulator.x": 0.5, "simulator.y": 0.5}, "separation")
 

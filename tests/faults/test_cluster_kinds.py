@@ -11,17 +11,17 @@ import pytest
 import yaml
 
 from tests.fmu import made
-from worker.catalogue.descriptor import read
-from worker.catalogue.files import digest_of, entry_of, read_file
-from worker.catalogue.fmu import DescribedFmu
-from worker.catalogue.simulator import Opening
-from worker.systems.base import Floats
-from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
-from worker.systems.simulators.cluster.connection import PROMPT, Connection, acquire, release
-from worker.systems.simulators.command import CommandSimulator
-from worker.systems.simulators.fmus.simulator import FmuSimulator, opened
-from worker.systems.simulators.functions import Isolated
-from worker.systems.simulators.slotted import Slotted
+from worker.engine.systems.base import Floats
+from worker.engine.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
+from worker.engine.systems.simulators.cluster.connection import PROMPT, Connection, acquire, release
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.fmu import DescribedFmu
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, opened
+from worker.engine.systems.simulators.functions import Isolated
+from worker.engine.systems.simulators.slotted import Slotted
+from worker.running.catalogue.files import digest_of, entry_of, read_file
 
 LOCAL = "local:1"
 IGNORED = r"""while read -r line; do

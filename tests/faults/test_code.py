@@ -20,9 +20,9 @@ POST = '''"""Post: a point in the plane."""
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Obstacle, Parameter
-from worker.kernels.maths import kernel, norm2
-from worker.kernels.views import Body
+from worker.engine.kernels.component import Obstacle, Parameter
+from worker.engine.kernels.maths import kernel, norm2
+from worker.engine.kernels.views import Body
 
 SHIFT = 0.0
 

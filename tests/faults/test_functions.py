@@ -15,15 +15,15 @@ import pytest
 
 import clearance
 from campaigns.results.base import FAILED, OK, TIMEOUT
+from clearance.cli import invoke
 from tests.faults.processes import REPOSITORY
 from tests.simulators import isolated, two_basins
-from worker.audit import judge
-from worker.audit.record import of_folder
-from worker.catalogue.files import entry_of
-from worker.catalogue.installed import forget_simulators
-from worker.catalogue.simulator import Opening
-from worker.cli import invoke
-from worker.systems.simulators.functions import Isolated
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.functions import Isolated
+from worker.evidence.audit import judge
+from worker.evidence.audit.record import of_folder
+from worker.running.catalogue.files import entry_of
+from worker.running.catalogue.installed import forget_simulators
 
 EXPECTED = [
     (OK, ""),
@@ -40,7 +40,7 @@ EXPECTED = [
 
 def command(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "worker", *arguments], env=os.environ | environment, capture_output=True, text=True,
+        [sys.executable, "-m", "clearance", *arguments], env=os.environ | environment, capture_output=True, text=True,
         check=False, cwd=REPOSITORY, timeout=250,
     )  # fmt: skip
 

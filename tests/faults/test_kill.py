@@ -21,8 +21,8 @@ from tests.audited import audited
 from tests.faults import postgres
 from tests.faults.long import SAMPLE, case
 from tests.faults.processes import alive, kill, until, worker
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 SEARCH = 3
 """The position of the random search."""

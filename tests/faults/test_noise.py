@@ -13,8 +13,8 @@ from campaigns.results.base import FAILED, FLAKY, OK, TIMEOUT
 from campaigns.results.nominal import Measured
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
 from tests.simulators.noisy import REPEATS, campaign, ran
-from worker.runs.runner import CampaignUnusable, Cancelled, execute
-from worker.runs.store import MemoryStore
+from worker.running.runs.runner import CampaignUnusable, Cancelled, execute
+from worker.running.runs.store import MemoryStore
 
 
 def measured(store: MemoryStore) -> Measured:

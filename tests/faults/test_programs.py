@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 import yaml
 
+from clearance.cli import WRONG_INPUT, invoke
 from tests.faults.launched import run
 from tests.faults.processes import REPOSITORY
 from tests.simulators import unrepeatable
-from worker.catalogue.descriptor import read
-from worker.catalogue.installed import forget_simulators
-from worker.catalogue.simulator import Opening
-from worker.cli import WRONG_INPUT, invoke
-from worker.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.running.catalogue.installed import forget_simulators
 
 EXAMPLES = REPOSITORY / "docs" / "examples"
 

@@ -18,9 +18,9 @@ import pytest
 from campaigns.results.base import FAILED, OK
 from tests.faults.launched import run
 from tests.faults.processes import REPOSITORY
-from worker.catalogue.descriptor import read
-from worker.catalogue.simulator import Opening
-from worker.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.simulator import Opening
 
 EXAMPLES = REPOSITORY / "docs" / "examples"
 needs_jsbsim = pytest.mark.skipif(find_spec("jsbsim") is None, reason="the package jsbsim is not installed")

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from clearance.cli import WRONG_INPUT, invoke
 from tests.faults.processes import CLEARANCE, REPOSITORY, alive, kill, until
 from tests.faults.serving import get, long_run, serving, state
-from worker.cli import WRONG_INPUT, invoke
 
 
 def clearance(*arguments: str) -> subprocess.CompletedProcess[str]:

@@ -20,14 +20,14 @@ import yaml
 from campaigns.results.base import FAILED, OK, TIMEOUT
 from tests.faults.processes import REPOSITORY, until
 from tests.simulators import misbehaving
-from worker.catalogue.descriptor import read
-from worker.catalogue.simulator import Opening
-from worker.systems.simulators.command import CommandSimulator
-from worker.systems.simulators.slots import files
-from worker.systems.simulators.slots import pool as pool_module
-from worker.systems.simulators.slots.outcome import Limits
-from worker.systems.simulators.slots.pool import SlotPool
-from worker.systems.simulators.slots.program import Program
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.slots import files
+from worker.engine.systems.simulators.slots import pool as pool_module
+from worker.engine.systems.simulators.slots.outcome import Limits
+from worker.engine.systems.simulators.slots.pool import SlotPool
+from worker.engine.systems.simulators.slots.program import Program
 
 MARK = "86399.125"
 """How long the grandchild sleeps [s]; found by it."""
@@ -223,8 +223,8 @@ def test_closing_answers_what_waits() -> None:
 
 def test_no_process_outlives_the_one_that_owns_the_slots(tmp_path: Path) -> None:
     text = (
-        "import json,sys,time\nfrom worker.systems.simulators.slots.pool import SlotPool\n"
-        "from worker.systems.simulators.slots.program import Program\n"
+        "import json,sys,time\nfrom worker.engine.systems.simulators.slots.pool import SlotPool\n"
+        "from worker.engine.systems.simulators.slots.program import Program\n"
         f"p=SlotPool(Program([sys.executable,'-c','import time; time.sleep({MARK})'],'lines'),2)\n"
         "p.submit({}); print('up',flush=True); time.sleep(1e6)\n"
     )

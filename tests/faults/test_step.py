@@ -12,10 +12,10 @@ import yaml
 
 from tests.simulators.adversaries import adversary
 from tests.simulators.noisy import campaign, ran
-from worker.catalogue import installed
-from worker.catalogue.descriptor import BadDescriptor, read
-from worker.catalogue.simulator import Opening
-from worker.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import BadDescriptor, read
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.running.catalogue import installed
 
 PROGRAM = """import json, sys
 for line in sys.stdin:

@@ -13,16 +13,16 @@ from alembic import command
 from backend.db.engine import migration_lock
 from backend.db.migrate import config
 from backend.db.queue import Claim, Queue, submit
-from backend.db.records import Ahead, Columns, StagePlan, StageRecord
 from backend.db.rows import plain
 from backend.db.store import RunStore
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
+from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord
 from tests import results
 from tests.api.sized import stored_size
 from tests.faults.cases import PLAN, campaign, columns, finding, trace
-from worker.stages.parts.store import Store
+from worker.engine.stages.parts.store import Store
 
 
 @pytest.fixture

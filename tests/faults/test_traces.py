@@ -13,17 +13,17 @@ import numpy as np
 import pytest
 import yaml
 
-from backend.db.records import Trace
 from campaigns.results import NominalResult, TraceHead, ValidateResult
 from campaigns.results.trace import TraceColumn
+from campaigns.stored.records import Trace
 from tests.simulators.adversaries import adversary
 from tests.simulators.noisy import REPEATS, campaign, ran
-from worker.catalogue.descriptor import BadDescriptor, DescribedColumn, read
-from worker.catalogue.simulator import Opening
-from worker.runs.store import MemoryStore
-from worker.systems.base import NoTrace
-from worker.systems.simulators import traced
-from worker.systems.simulators.command import CommandSimulator
+from worker.engine.systems.base import NoTrace
+from worker.engine.systems.simulators import traced
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import BadDescriptor, DescribedColumn, read
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.running.runs.store import MemoryStore
 
 LINES = """import json, os, sys, time
 for line in sys.stdin:

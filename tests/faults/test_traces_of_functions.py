@@ -11,12 +11,12 @@ import pytest
 
 import clearance
 from tests.simulators import tracing
-from worker.catalogue.columns import Column, columns
-from worker.catalogue.files import PythonFunction, entry_of, read_file
-from worker.catalogue.function import Function
-from worker.catalogue.simulator import Opening
-from worker.systems.base import NoTrace
-from worker.systems.simulators.functions import InProcess, Isolated
+from worker.engine.systems.base import NoTrace
+from worker.engine.systems.simulators.declared.columns import Column, columns
+from worker.engine.systems.simulators.declared.function import Function
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.functions import InProcess, Isolated
+from worker.running.catalogue.files import PythonFunction, entry_of, read_file
 
 
 def opened(function: Function[..., Any]) -> InProcess | Isolated:

@@ -19,11 +19,11 @@ from backend.db.queue import Claim, request_cancel, submit
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.db.tables import Worker as WorkerRow
+from clearance.cli import INTERNAL, invoke
 from tests.faults.cases import campaign, columns
 from tests.faults.jobs import SEARCH
 from tests.faults.processes import REPOSITORY, Started, alive, descendants, kill, until, worker
 from tests.faults.stored import Stored
-from worker.cli import INTERNAL, invoke
 
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 

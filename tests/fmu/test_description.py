@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from tests.fmu import made
-from worker.catalogue.described import BadDescriptor
-from worker.catalogue.descriptor import listed, read, unusable
-from worker.catalogue.fmu import DescribedFmu, identifier
+from worker.engine.systems.simulators.declared.described import BadDescriptor
+from worker.engine.systems.simulators.declared.descriptor import listed, read, unusable
+from worker.engine.systems.simulators.declared.fmu import DescribedFmu, identifier
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -19,14 +19,14 @@ from campaigns import Campaign
 from campaigns.results.base import FAILED, OK, TIMEOUT
 from tests.faults.processes import REPOSITORY
 from tests.fmu import made
-from worker.catalogue.descriptor import read
-from worker.catalogue.fmu import DescribedFmu
-from worker.catalogue.installed import forget_simulators
-from worker.catalogue.simulator import Opening
-from worker.opening.opened import system
-from worker.systems.base import CampaignUnusable
-from worker.systems.simulators.fmus.simulator import FmuSimulator, FmuUnusable, opened
-from worker.systems.simulators.fmus.taken import NotTaken, Taken
+from worker.engine.systems.base import CampaignUnusable
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.fmu import DescribedFmu
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, FmuUnusable, opened
+from worker.engine.systems.simulators.fmus.taken import NotTaken, Taken
+from worker.running.catalogue.installed import forget_simulators
+from worker.running.opening.opened import system
 
 
 def simulator(folder: Path, result: str = "separation") -> FmuSimulator:
@@ -202,7 +202,7 @@ def example(tmp_path: Path, **stages: Any) -> tuple[int, Any, str]:
     campaign["stages"] |= stages
     (tmp_path / "campaign.yaml").write_text(yaml.safe_dump(campaign))
     done = subprocess.run(
-        [sys.executable, "-m", "worker", "run", str(tmp_path / "campaign.yaml"), "--json"],
+        [sys.executable, "-m", "clearance", "run", str(tmp_path / "campaign.yaml"), "--json"],
         env=os.environ | {"CLEARANCE_SIMULATORS": str(tmp_path)}, capture_output=True, text=True, check=False,
         cwd=REPOSITORY, timeout=280,
     )  # fmt: skip

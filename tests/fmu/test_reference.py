@@ -17,10 +17,10 @@ import pytest
 import yaml
 from scipy.integrate import solve_ivp
 
-from worker.catalogue.descriptor import BadDescriptor, read
-from worker.catalogue.fmu import DescribedFmu
-from worker.catalogue.simulator import Opening
-from worker.systems.simulators.fmus.simulator import FmuSimulator, opened
+from worker.engine.systems.simulators.declared.descriptor import BadDescriptor, read
+from worker.engine.systems.simulators.declared.fmu import DescribedFmu
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, opened
 
 FOLDER = os.environ.get("CLEARANCE_REFERENCE_FMUS", "")
 pytestmark = [

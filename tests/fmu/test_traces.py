@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.fmu import made
-from worker.catalogue import fmu
-from worker.catalogue.descriptor import BadDescriptor, read
-from worker.catalogue.simulator import Opening
-from worker.systems.base import NoTrace
-from worker.systems.simulators.fmus.simulator import FmuSimulator, opened
+from worker.engine.systems.base import NoTrace
+from worker.engine.systems.simulators.declared import fmu
+from worker.engine.systems.simulators.declared.descriptor import BadDescriptor, read
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, opened
 
 TRACE: dict[str, Any] = {"height": {"variable": "z", "text": "Height", "symbol": "z_1"}, "x": None}
 

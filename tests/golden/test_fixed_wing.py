@@ -10,7 +10,7 @@ import pytest
 
 from campaigns import library, load_file
 from tests.problems import Problem
-from worker.systems.closed_loop.trace import trace
+from worker.engine.systems.closed_loop.trace import trace
 
 SHOWN = ("x", "y", "z", "yaw", "u", "separation")
 

@@ -11,8 +11,8 @@ import pytest
 
 from campaigns import library, load_file
 from tests.problems import Problem
-from worker.systems.base import Floats
-from worker.systems.closed_loop.trace import trace
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.trace import trace
 
 PROBLEM = Problem(load_file(library()["pioneer_moving"]))
 CORNER = {

@@ -12,9 +12,9 @@ from campaigns import library, load_file
 from campaigns.results import SearchResult
 from tests.audited import audited
 from tests.problems import Problem
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.systems.closed_loop.trace import trace
+from worker.engine.systems.closed_loop.trace import trace
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 CASE = load_file(library()["unicycle_static"])
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from tests.logs.written import FIELDS, ODOMETRY, POSE, TEXT, Row, mcap, ulog
-from worker.systems.simulators.logs.approach import Column, Sphere, Track, Unreadable, closest
-from worker.systems.simulators.logs.rosbag import separation_of_mcap
-from worker.systems.simulators.logs.ulog import TOPIC, separation_of_ulog
+from worker.engine.systems.simulators.logs.approach import Column, Sphere, Track, Unreadable, closest
+from worker.engine.systems.simulators.logs.rosbag import separation_of_mcap
+from worker.engine.systems.simulators.logs.ulog import TOPIC, separation_of_ulog
 
 STRAIGHT = [(0.1 * k, 2.0 * k, 0.0, -5.0) for k in range(11)]
 """North at 20 m/s and 5 m up, a sample each 2 m."""

@@ -13,8 +13,8 @@ import pytest
 
 from tests.faults.processes import REPOSITORY
 from tests.logs.written import ODOMETRY, mcap, ulog
-from worker.catalogue.descriptor import read
-from worker.systems.simulators.slots.slot import LAUNCH
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.slots.slot import LAUNCH
 
 EXAMPLES = REPOSITORY / "docs" / "examples"
 FLIGHT = [(0.2 * k, 0.5 * k, 0.0, -5.0) for k in range(121)]

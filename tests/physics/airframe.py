@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from worker.components.vehicles import fixed_wing, fixed_wing_linear
-from worker.kernels.bind import plain
-from worker.kernels.views import Surroundings
-from worker.physics import aerodynamics, trim
-from worker.physics.aerodynamics import Airframe, Constants
-from worker.systems.base import Floats
+from worker.engine.components.vehicles import fixed_wing, fixed_wing_linear
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.views import Surroundings
+from worker.engine.physics import aerodynamics, trim
+from worker.engine.physics.aerodynamics import Airframe, Constants
+from worker.engine.systems.base import Floats
 
 CALM = Surroundings(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

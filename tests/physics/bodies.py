@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from worker.catalogue.installed import components
-from worker.kernels.bind import plain
-from worker.kernels.component import Obstacle, declared
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.component import Obstacle, declared
+from worker.running.catalogue.installed import components
 
 OBSTACLES = [c for c in components().values() if isinstance(c, Obstacle)]
 

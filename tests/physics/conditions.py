@@ -7,9 +7,9 @@ from typing import Any
 from campaigns import Campaign, library, load_file
 from tests.physics.scenes import changed, uncompiled
 from tests.problems import Problem
-from worker.catalogue.installed import components
-from worker.kernels.bind import plain
-from worker.kernels.component import Environment, Fault
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.component import Environment, Fault
+from worker.running.catalogue.installed import components
 
 CASE = load_file(library()["unicycle_static"])
 FAULTS = {name: part for (role, name), part in components().items() if isinstance(part, Fault)}

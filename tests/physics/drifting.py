@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, NamedTuple
 
-from worker.kernels.component import Avoider, Controller, Parameter, Signal, Vehicle
-from worker.kernels.maths import sincos
+from worker.engine.kernels.component import Avoider, Controller, Parameter, Signal, Vehicle
+from worker.engine.kernels.maths import sincos
 
 
 class Drift(NamedTuple):

@@ -12,7 +12,7 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from tests.problems import Problem
-from worker.systems.base import Floats
+from worker.engine.systems.base import Floats
 
 AT_NIGHT = frozenset(f"uav_{case}_{kind}" for case in ("static", "moving", "aca") for kind in ("linear", "bank"))
 """Variants of cases 3 to 5 that are compiled at night. By day one with each model and autopilot is simulated in plain

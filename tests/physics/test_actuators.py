@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from tests.physics.conditions import FAULTS, loop_with, parameters
 from tests.physics.scenes import flight
 from tests.problems import Problem
-from worker.kernels.bind import plain
+from worker.engine.kernels.bind import plain
 
 
 class Linear:

@@ -14,14 +14,14 @@ from campaigns import library, load_file
 from tests.physics.in_space import OBSTACLES
 from tests.physics.scenes import changed, flight, uncompiled
 from tests.problems import Problem
-from worker.catalogue.installed import components
-from worker.components.avoiders import closest_approach, closest_approach_3d, ge_cui, gnron, gnron_3d, none
-from worker.components.obstacles import box, box_3d, circle, cylinder
-from worker.kernels.bind import plain
-from worker.kernels.component import Avoider, Controller, Vehicle
-from worker.kernels.maths import FLAGS
-from worker.kernels.views import Body, Body3
-from worker.physics.closest import NEVER, Rules, miss, resolve
+from worker.engine.components.avoiders import closest_approach, closest_approach_3d, ge_cui, gnron, gnron_3d, none
+from worker.engine.components.obstacles import box, box_3d, circle, cylinder
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.component import Avoider, Controller, Vehicle
+from worker.engine.kernels.maths import FLAGS
+from worker.engine.kernels.views import Body, Body3
+from worker.engine.physics.closest import NEVER, Rules, miss, resolve
+from worker.running.catalogue.installed import components
 
 CASE = load_file(library()["unicycle_static"])
 BOX = box.Constants(*plain(box.derive)(box.Box(1.0, 3.2, 1.0, 0.6, 0.4), ()))

@@ -17,11 +17,11 @@ from campaigns.results.base import FAILED, OK
 from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.scenes import uncompiled
 from tests.problems import Problem
-from worker.catalogue.installed import catalogue, components
-from worker.kernels.layout import Parts
-from worker.reference import Reference
-from worker.systems.closed_loop.assemble import Loop
-from worker.systems.closed_loop.trace import trace
+from worker.engine.kernels.layout import Parts
+from worker.engine.reference import Reference
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.engine.systems.closed_loop.trace import trace
+from worker.running.catalogue.installed import catalogue, components
 
 CASE = load_file(library()["unicycle_static"])
 HORIZON = 10.0

@@ -17,10 +17,10 @@ from campaigns import Campaign, library, load_file
 from tests.physics.conditions import CASE, FAULTS, PARTS, loop_with, parameters, short
 from tests.physics.scenes import changed, cost, flight, uncompiled
 from tests.problems import Problem
-from worker.catalogue.installed import components
-from worker.kernels.bind import plain
-from worker.kernels.component import Environment, declared
-from worker.kernels.views import Body3
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.component import Environment, declared
+from worker.engine.kernels.views import Body3
+from worker.running.catalogue.installed import components
 
 
 def loops() -> dict[str, Campaign]:

@@ -17,13 +17,13 @@ from campaigns.results.base import FAILED
 from tests.physics.airframe import CALM, aircraft, constants, flown, linear
 from tests.physics.scenes import changed, cost, flight, uncompiled
 from tests.problems import Problem
-from worker.components.vehicles import fixed_wing, fixed_wing_linear
-from worker.kernels.bind import plain
-from worker.kernels.component import NoTrim
-from worker.kernels.views import Surroundings
-from worker.physics import aerodynamics, trim
-from worker.physics.aerodynamics import Airframe
-from worker.systems.base import CampaignUnusable, Floats
+from worker.engine.components.vehicles import fixed_wing, fixed_wing_linear
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.component import NoTrim
+from worker.engine.kernels.views import Surroundings
+from worker.engine.physics import aerodynamics, trim
+from worker.engine.physics.aerodynamics import Airframe
+from worker.engine.systems.base import CampaignUnusable, Floats
 
 CRUISE = load_file(library()["uav_aca_no_avoidance"])
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.physics.airframe import CALM, aircraft, flown, linear
-from worker.components.vehicles import fixed_wing, fixed_wing_linear
-from worker.kernels.bind import plain
-from worker.physics import trim
-from worker.physics.aerodynamics import Airframe
-from worker.systems.base import Floats
+from worker.engine.components.vehicles import fixed_wing, fixed_wing_linear
+from worker.engine.kernels.bind import plain
+from worker.engine.physics import trim
+from worker.engine.physics.aerodynamics import Airframe
+from worker.engine.systems.base import Floats
 
 TABLES = {
     20.0: """

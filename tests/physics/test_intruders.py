@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from worker.components.avoiders import (
+from worker.engine.components.avoiders import (
     cruise_3d,
     ge_cui_3d,
     minimum_deviation_3d,
@@ -20,11 +20,11 @@ from worker.components.avoiders import (
     potential_field_3d,
     right_of_way_3d,
 )
-from worker.components.obstacles import moving_sphere, sphere
-from worker.kernels.bind import plain
-from worker.kernels.component import declared
-from worker.physics import resolution
-from worker.physics.resolution import Plan
+from worker.engine.components.obstacles import moving_sphere, sphere
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.component import declared
+from worker.engine.physics import resolution
+from worker.engine.physics.resolution import Plan
 
 NOWHERE = (0.0, 0.0, 0.0)
 

@@ -16,12 +16,12 @@ import pytest
 from numba import njit
 from scipy import linalg, stats
 
-from worker.components.environment import dryden_gusts
-from worker.components.faults import missed_detection, navigation_noise, sensor_noise
-from worker.kernels import maths
-from worker.kernels.bind import plain
-from worker.kernels.maths import FLAGS, kernel, normals, random_bits, scramble, uniform
-from worker.kernels.views import Body3
+from worker.engine.components.environment import dryden_gusts
+from worker.engine.components.faults import missed_detection, navigation_noise, sensor_noise
+from worker.engine.kernels import maths
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.maths import FLAGS, kernel, normals, random_bits, scramble, uniform
+from worker.engine.kernels.views import Body3
 
 N = 400_000
 

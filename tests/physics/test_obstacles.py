@@ -12,9 +12,9 @@ import pytest
 from campaigns import library, load_file
 from tests.physics.bodies import OBSTACLES, _body, centre
 from tests.physics.scenes import changed, flight, uncompiled
-from worker.kernels.bind import plain
-from worker.kernels.component import Obstacle
-from worker.physics.closest import Rules, resolve
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.component import Obstacle
+from worker.engine.physics.closest import Rules, resolve
 
 CASE = load_file(library()["unicycle_static"])
 

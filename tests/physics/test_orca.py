@@ -12,10 +12,10 @@ from scipy.optimize import minimize
 from campaigns import library, load_file
 from tests.physics.scenes import cost, uncompiled
 from tests.problems import Problem
-from worker.components.avoiders import orca
-from worker.kernels.bind import plain
-from worker.kernels.views import Body
-from worker.reference import Reference
+from worker.engine.components.avoiders import orca
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.views import Body
+from worker.engine.reference import Reference
 
 CORNER = {
     "vehicle.m": 34.0, "vehicle.B_e": 0.48, "vehicle.delta_u": 0.9, "vehicle.delta_w": 0.1, "vehicle.I_e": 3.8,

@@ -17,9 +17,9 @@ from campaigns.results.base import FAILED
 from tests.bench.reference_pioneer import Reference
 from tests.physics.scenes import changed, cost, flight, uncompiled
 from tests.problems import Problem
-from worker import reference
-from worker.components.vehicles import pioneer_3dx
-from worker.kernels.bind import plain
+from worker.engine import reference
+from worker.engine.components.vehicles import pioneer_3dx
+from worker.engine.kernels.bind import plain
 
 CASE = load_file(library()["pioneer_moving"])
 PROBLEM = Problem(CASE)

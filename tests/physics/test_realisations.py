@@ -26,12 +26,12 @@ from tests.audited import audited
 from tests.contract.scenes import FEW, scene, together
 from tests.physics.scenes import uncompiled
 from tests.problems import Problem
-from worker.catalogue.installed import catalogue, components
-from worker.kernels.component import Environment, Fault
-from worker.reference import Reference
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.systems.closed_loop.trace import simulate, trace
+from worker.engine.kernels.component import Environment, Fault
+from worker.engine.reference import Reference
+from worker.engine.systems.closed_loop.trace import simulate, trace
+from worker.running.catalogue.installed import catalogue, components
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 CASE = load_file(library()["unicycle_static"])
 NOISE = {"component": "sensor_noise", "parameters": {"sigma": 0.05, "period": 0.1}}

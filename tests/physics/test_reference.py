@@ -16,8 +16,22 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.integrate._ivp import dop853_coefficients as published
 
-from worker.reference import coefficients, flight, stepper
-from worker.reference.stepper import BARRED, BEGIN, CHANNEL_ROWS, COST, LIMIT, NEW, ROWS, SAMPLE, SEE, SLOPE, WORK, K, X
+from worker.engine.reference import coefficients, flight, stepper
+from worker.engine.reference.stepper import (
+    BARRED,
+    BEGIN,
+    CHANNEL_ROWS,
+    COST,
+    LIMIT,
+    NEW,
+    ROWS,
+    SAMPLE,
+    SEE,
+    SLOPE,
+    WORK,
+    K,
+    X,
+)
 
 Floats = NDArray[np.float64]
 Slope = Callable[[float, Floats, Floats], tuple[Any, Any]]

@@ -21,7 +21,7 @@ from campaigns.results.base import OK
 from tests.physics.scenes import changed
 from tests.problems import Problem
 from tests.unit.cases import campaign
-from worker.reference import Flight, Reference, compiled, flight, stepper
+from worker.engine.reference import Flight, Reference, compiled, flight, stepper
 
 SMOOTH, SLIDING = 1e-8, 1e-3
 WHOLE = 1e-5

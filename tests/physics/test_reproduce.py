@@ -12,9 +12,9 @@ import pytest
 
 from campaigns import library
 from tests.physics.scenes import nightly
-from worker.reproduce.compare import RESULTS, reproduce
-from worker.reproduce.ours import Flights
-from worker.reproduce.published import Result, Search
+from worker.running.reproduce.compare import RESULTS, reproduce
+from worker.running.reproduce.ours import Flights
+from worker.running.reproduce.published import Result, Search
 
 CAMPAIGNS = list(dict.fromkeys(result.campaign for result in RESULTS))
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.physics.in_space import OBSTACLES
-from worker.catalogue.installed import components
-from worker.kernels.component import Controller, Parameter, Signal, Vehicle, declared
-from worker.kernels.layout import Parts
-from worker.kernels.maths import kernel
-from worker.systems.closed_loop.assemble import Loop
+from worker.engine.kernels.component import Controller, Parameter, Signal, Vehicle, declared
+from worker.engine.kernels.layout import Parts
+from worker.engine.kernels.maths import kernel
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.running.catalogue.installed import components
 
 
 class Nothing(NamedTuple):

@@ -1,7 +1,7 @@
 """Step halving of 200 random points for every library campaign; most of them only in the nightly tests.
 
 Passes when none differs beyond the campaign's tolerance, or no more than its notes say ("Step adequacy: up to ...", see
-`worker.reproduce.steps`).
+`worker.running.reproduce.steps`).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import pytest
 
 from campaigns import library, load_file
 from tests.problems import Problem
-from worker.reproduce.steps import adequacy, sentence
+from worker.running.reproduce.steps import adequacy, sentence
 
 PUBLISHED = ("unicycle_static", "pioneer_moving", "uav_static", "uav_moving", "uav_aca")
 """The five cases, and what is theirs; the variations of them by night."""

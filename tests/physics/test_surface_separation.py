@@ -14,12 +14,12 @@ from tests.physics.bodies import OBSTACLES, _body, centre
 from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.scenes import cost, uncompiled
 from tests.problems import Problem
-from worker.catalogue.installed import catalogue, components
-from worker.kernels.component import Obstacle, declared
-from worker.kernels.layout import Parts
-from worker.reference import Reference
-from worker.systems.closed_loop.assemble import Loop
-from worker.systems.closed_loop.trace import trace
+from worker.engine.kernels.component import Obstacle, declared
+from worker.engine.kernels.layout import Parts
+from worker.engine.reference import Reference
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.engine.systems.closed_loop.trace import trace
+from worker.running.catalogue.installed import catalogue, components
 
 EACH = pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda o: o.name)
 SPHERE = {"position.x": 5.0037, "position.y": 2.0, "position.z": 1.0, "radius": 0.5}

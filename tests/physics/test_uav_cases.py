@@ -19,8 +19,8 @@ from tests.bench import vectorised
 from tests.bench.reference_uav import Reference
 from tests.physics.scenes import changed, cost, nightly, uncompiled
 from tests.problems import Problem
-from worker import reference
-from worker.systems.base import Floats
+from worker.engine import reference
+from worker.engine.systems.base import Floats
 
 HELD = 0.02
 """[m]"""

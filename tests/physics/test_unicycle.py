@@ -18,10 +18,10 @@ from campaigns.asked.load import load_document
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.bench import bench
 from tests.problems import Problem
-from worker.components.avoiders import potential_field
-from worker.components.obstacles import circle
-from worker.kernels.bind import plain
-from worker.reference import Reference
+from worker.engine.components.avoiders import potential_field
+from worker.engine.components.obstacles import circle
+from worker.engine.kernels.bind import plain
+from worker.engine.reference import Reference
 
 CASE = load_file(library()["unicycle_static"])
 PROBLEM = Problem(CASE)

@@ -14,11 +14,11 @@ import numpy as np
 
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.results.base import FAILED, OK, TIMEOUT
-from worker.catalogue import installed
-from worker.catalogue.simulator import Opening, Simulator
-from worker.search.base import Batch
-from worker.systems.base import Floats, Reasons, Seeds
-from worker.systems.simulators.simulated import Simulated
+from worker.engine.search.base import Batch
+from worker.engine.systems.base import Floats, Reasons, Seeds
+from worker.engine.systems.simulators.declared.simulator import Opening, Simulator
+from worker.engine.systems.simulators.simulated import Simulated
+from worker.running.catalogue import installed
 
 ENTRY = SimulatorEntry(
     name="adversary",

@@ -8,8 +8,8 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results import Verdict
 from tests.audited import audited
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 REPEATS = {"repeats": {"count": 5}}
 

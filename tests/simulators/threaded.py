@@ -13,9 +13,9 @@ import numpy as np
 
 from campaigns.asked.load import load_document
 from tests.simulators import package, two_basins
-from worker.catalogue.simulator import Opening
-from worker.problem.problem import Problem
-from worker.systems.base import Evaluated, Floats
+from worker.engine.problem.problem import Problem
+from worker.engine.systems.base import Evaluated, Floats
+from worker.engine.systems.simulators.declared.simulator import Opening
 
 OPENING = Opening({"simulator.x": 0.5, "simulator.y": 0.45}, "separation")
 

@@ -13,10 +13,10 @@ import numpy as np
 
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.results.base import FAILED, OK
-from worker.catalogue.simulator import Simulator
-from worker.search.base import Batch
-from worker.systems.base import Floats, Reasons, Seeds
-from worker.systems.simulators.simulated import Simulated
+from worker.engine.search.base import Batch
+from worker.engine.systems.base import Floats, Reasons, Seeds
+from worker.engine.systems.simulators.declared.simulator import Simulator
+from worker.engine.systems.simulators.simulated import Simulated
 
 BROKEN = 0.98
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from worker.catalogue.installed import components
-from worker.kernels.layout import Parts
-from worker.kernels.text.scenario import WIDTH
-from worker.kernels.text.written import FUNCTIONS
-from worker.systems.closed_loop.assemble import Loop
+from worker.engine.kernels.layout import Parts
+from worker.engine.kernels.text.scenario import WIDTH
+from worker.engine.kernels.text.written import FUNCTIONS
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.running.catalogue.installed import components
 
 
 def check(text: str) -> None:

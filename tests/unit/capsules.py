@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from clearance.cli._capsule import write_capsules
 from tests.unit.records import ran
-from worker.cli._capsule import write_capsules
-from worker.stages.parts import offered
+from worker.engine.stages.parts import offered
 
 
 def few_checks(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import pytest
 
 from tests.unit.living import Live
-from worker.audit import judge
-from worker.stages.parts import offered
+from worker.engine.stages.parts import offered
+from worker.evidence.audit import judge
 
 FEW = 5
 

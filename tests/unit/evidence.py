@@ -16,9 +16,9 @@ from campaigns.results.validate import Compared, Encounter, Gathered, SpotChecks
 from campaigns.versions import Versions
 from tests.problems import Problem
 from tests.unit.cases import case1
-from worker.stages.parts.claims import bound
-from worker.verdicts.conclude import conclude
-from worker.verdicts.evidence import Evidence
+from worker.engine.stages.parts.claims import bound
+from worker.evidence.verdicts.conclude import conclude
+from worker.evidence.verdicts.evidence import Evidence
 
 NOMINAL, WORST = 0.94, 0.84
 """[m]; the threshold is 0.5 m, and 5 % of nominal minus worst is 0.005 m."""

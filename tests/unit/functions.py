@@ -14,7 +14,7 @@ import numpy as np
 
 from campaigns.results.base import EXCLUDED
 from tests.unit.searching import Function
-from worker.search.base import Floats
+from worker.engine.search.base import Floats
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from campaigns.results import Verdict
-from worker.runs.store import MemoryStore
-from worker.stages.parts.store import Ahead, Columns, join
+from worker.engine.stages.parts.store import Ahead, Columns, join
+from worker.running.runs.store import MemoryStore
 
 
 class Interrupted(Exception):

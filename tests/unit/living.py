@@ -19,7 +19,7 @@ class Live:
 
     def __init__(self, **environment: str) -> None:
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        command = [sys.executable, "-m", "worker.processes.live"]
+        command = [sys.executable, "-m", "worker.running.processes.live"]
         self.process = subprocess.Popen(command, env={**os.environ, **environment}, **pipes)
         assert self.process.stdout is not None
         self.buffer = b""

@@ -15,15 +15,15 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
 from campaigns.results.base import FAILED, OK
+from clearance.local.results import write_evidence, write_results
+from clearance.local.summary import summary
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from tests.unit.cases import searching
-from worker.audit.judge import SAID, Item, audit
-from worker.audit.record import of_folder
-from worker.cli._results import write_evidence, write_results
-from worker.cli.run import summary
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
+from worker.evidence.audit.judge import SAID, Item, audit
+from worker.evidence.audit.record import of_folder
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 DIRECT = {"method": "direct", "evaluations": 100}
 

@@ -14,10 +14,10 @@ from campaigns import Campaign
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.problems import Problem
 from tests.unit.cases import campaign, case1
-from worker.runs.store import MemoryStore
-from worker.search.base import Batch, Floats
-from worker.stages.parts.base import Context
-from worker.stages.parts.store import StagePlan
+from worker.engine.search.base import Batch, Floats
+from worker.engine.stages.parts.base import Context
+from worker.engine.stages.parts.store import StagePlan
+from worker.running.runs.store import MemoryStore
 
 THRESHOLD = 0.5
 PROBABILITY = 0.02

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.results.base import OK
-from worker.search.base import Batch, Floats, Method, Minimum, Search, Space
+from worker.engine.search.base import Batch, Floats, Method, Minimum, Search, Space
 
 Function = Callable[[Floats], Floats]
 """Maps points (m, n) to values (m,), NaN if excluded."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tests.unit.searching import Function
-from worker.search.base import Floats
+from worker.engine.search.base import Floats
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.unit.functions import ackley, griewank, levy, shekel
 from tests.unit.small_budgets import Judged, rotated
-from worker.search.base import Floats
+from worker.engine.search.base import Floats
 
 PEAKS = np.random.default_rng(12)
 CENTRES = np.concatenate([np.zeros((1, 4)), PEAKS.uniform(-1, 1, (11, 4))])

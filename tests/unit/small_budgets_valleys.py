@@ -16,7 +16,7 @@ import numpy as np
 
 from tests.unit.searching import Function
 from tests.unit.small_budgets import turned
-from worker.search.base import Floats
+from worker.engine.search.base import Floats
 
 
 class Drawn(NamedTuple):

@@ -11,17 +11,17 @@ import pytest
 import yaml
 
 from campaigns import CampaignError
+from clearance.cli import WRONG_INPUT, invoke
+from clearance.cli import _code as code
+from clearance.local.results import read_folder
 from tests.simulators import package
 from tests.simulators.adversaries import adversary
-from worker.audit import judge
-from worker.catalogue import installed
-from worker.catalogue.inline import NAME, InlineProgram
-from worker.cli import WRONG_INPUT, invoke
-from worker.cli import _code as code
-from worker.cli._results import read_folder
-from worker.opening import opened
-from worker.stages.parts import offered
-from worker.systems.simulators.cluster.address import SETTING
+from worker.engine.stages.parts import offered
+from worker.engine.systems.simulators.cluster.address import SETTING
+from worker.evidence.audit import judge
+from worker.running.catalogue import installed
+from worker.running.catalogue.inline import NAME, InlineProgram
+from worker.running.opening import opened
 
 PROGRAM = """
 import json, sys

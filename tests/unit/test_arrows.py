@@ -21,6 +21,11 @@ OURS = ("backend", "campaigns", "clearance", "worker")
 SHARED = ("backend.db", "backend.http", "backend.access", "campaigns")
 """What every feature of the service may import; other features only by name."""
 
+ROOMS = ("engine", "evidence", "running")
+"""Of the worker, by what an edit may change: a number, a claim, neither."""
+
+BELOW_RUNS = ("worker.running.opening", "worker.running.catalogue", "campaigns")
+
 # The project modules that a module may import besides its own package; the longest matching prefix applies.
 MAY: dict[str, tuple[str, ...]] = {
     "campaigns": (),
@@ -63,74 +68,83 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.scenes.base": (*SHARED, "backend.catalog", "backend.runs", "backend.results"),
     "backend.scenes.live": ("backend.scenes.base", "campaigns.documents"),
     "backend.scenes.drawing": ("backend.scenes.base",),
-    "worker.kernels": (),
-    "worker.physics": ("worker.kernels",),
+    # What may change a number. It knows nothing of what is installed, of claims, or of runs.
+    "worker.engine.kernels": (),
+    "worker.engine.physics": ("worker.engine.kernels",),
     # Entries of components follow below: none imports another kind.
     # How an evaluation ended has one home.
-    "worker.search": ("campaigns.results.base",),
-    "worker.catalogue": ("worker.kernels", "worker.search", "worker.components.own", "campaigns"),
-    # In a process of its own, which the catalogue starts by its name.
-    "worker.examination": (*("worker.kernels", "worker.components.own", "worker.systems.closed_loop.assemble"),),
-    "worker.skeletons": ("worker.kernels",),
+    "worker.engine.search": ("campaigns.results.base",),
     # The interface: modules above it do not depend on the closed loop or any other system.
-    "worker.systems": ("worker.search.base", "backend.db.records", "campaigns"),
-    "worker.systems.closed_loop": (
-        *("worker.systems.base", "worker.systems.threads", "worker.kernels", "worker.search", "worker.catalogue"),
-        *("backend.db.records", "campaigns"),
+    "worker.engine.systems": ("worker.engine.search.base", "campaigns"),
+    "worker.engine.systems.closed_loop": (
+        *("worker.engine.systems.base", "worker.engine.systems.threads", "worker.engine.kernels"),
+        *("worker.engine.search.base", "campaigns"),
     ),
-    "worker.systems.simulators": (
-        *("worker.systems.base", "worker.systems.threads", "worker.search.base"),
-        *("worker.catalogue.simulator", "worker.catalogue.described", "worker.catalogue.descriptor"),
-        *("worker.catalogue.function", "worker.catalogue.fmu", "worker.catalogue.folder", "worker.catalogue.columns"),
+    "worker.engine.systems.simulators": (
+        *("worker.engine.systems.base", "worker.engine.systems.threads", "worker.engine.search.base", "campaigns"),
+    ),
+    "worker.engine.systems.simulators.declared": ("campaigns",),
+    # The slots know programs and JSON, nothing of campaigns.
+    "worker.engine.systems.simulators.slots": (),
+    "worker.engine.problem": (
+        *("worker.engine.systems.base", "worker.engine.systems.threads", "worker.engine.search", "campaigns"),
+    ),
+    "worker.engine.reference": ("worker.engine.kernels", "worker.engine.systems"),
+    "worker.engine.stages": (
+        *("worker.engine.problem", "worker.engine.systems.base", "worker.engine.search", "campaigns"),
+    ),
+    # What may change a claim.
+    "worker.evidence.verdicts": (
+        *("worker.engine.stages", "worker.engine.problem", "worker.engine.systems.base", "campaigns"),
+    ),
+    "worker.evidence.audit": ("campaigns",),
+    # What may change neither.
+    "worker.running.catalogue": (
+        *("worker.engine.kernels", "worker.engine.search", "worker.engine.components.own"),
+        *("worker.engine.systems.simulators.declared", "worker.engine.systems.closed_loop.parts", "campaigns"),
+    ),
+    # In a process of its own, which the catalogue starts by its name.
+    "worker.running.examination": (
+        *("worker.engine.kernels", "worker.engine.components.own", "worker.engine.systems.closed_loop.assemble"),
+    ),
+    "worker.running.skeletons": ("worker.engine.kernels",),
+    # It alone puts systems together, with what confirms them.
+    "worker.running.opening": (
+        *("worker.engine.problem", "worker.engine.reference", "worker.engine.systems", "worker.running.catalogue"),
         "campaigns",
     ),
-    # The slots know programs and JSON, nothing of campaigns.
-    "worker.systems.simulators.slots": (),
-    "worker.problem": ("worker.systems.base", "worker.systems.threads", "worker.search", "campaigns"),
-    "worker.reference": ("worker.kernels", "worker.systems"),
-    # It alone puts systems together, with what confirms them.
-    "worker.opening": ("worker.problem", "worker.reference", "worker.systems", "worker.catalogue", "campaigns"),
-    "worker.stages": (
-        *("worker.problem", "worker.systems.base", "worker.search", "worker.catalogue"),
-        *("backend.db.records", "campaigns"),
-    ),
-    "worker.verdicts": ("worker.stages", "worker.problem", "worker.systems.base", "campaigns"),
-    "worker.runs": (
-        *("worker.verdicts", "worker.stages", "worker.opening", "worker.problem", "worker.systems.base"),
-        *("worker.search", "worker.catalogue", "worker.components.own", "worker.kernels.folder", "campaigns"),
-    ),
-    "worker.processes": (
-        *("worker.runs", "worker.stages", "worker.opening", "worker.systems", "worker.catalogue"),
-        *("backend.db", "campaigns"),
-    ),
-    "worker.audit": ("campaigns",),
-    "worker.reproduce": (
-        *("worker.runs", "worker.stages", "worker.opening", "worker.problem", "worker.systems"),
-        *("worker.search", "worker.catalogue", "campaigns"),
-    ),
-    # The command line is on top: it may import every room, and no room may import it.
-    "worker.cli": ("worker", "backend.db", "campaigns", "clearance.client"),
+    "worker.running.runs": ("worker.engine", "worker.evidence", *BELOW_RUNS),
+    "worker.running.processes": ("worker.running.runs", "worker.engine", *BELOW_RUNS, "backend.db"),
+    "worker.running.reproduce": ("worker.running.runs", "worker.engine", *BELOW_RUNS),
+    # A campaign run in this process, for the command line and for programs in Python.
+    "clearance.local": ("worker", "backend.db", "campaigns"),
+    # The command line is on top: it may import every room but the search of functions, and no room may import it.
+    "clearance.cli": ("worker", "backend.db", "campaigns", "clearance.client", "clearance.local"),
     # Where its process starts.
-    "worker.__main__": ("worker.cli", "worker.processes.blas", "campaigns.heap"),
-    # The same for programs in Python; it alone writes a report without a service.
-    "clearance": ("worker", "campaigns"),
+    "clearance.__main__": ("clearance.cli", "worker.running.processes.blas", "campaigns.heap"),
+    "clearance.function": ("clearance.local", "worker", "campaigns"),
+    # It alone writes a report without a service.
+    "clearance.function.saving": (
+        *("clearance.function", "clearance.local", "worker", "backend.db", "backend.reports", "campaigns"),
+    ),
     # It talks to a service: nothing of ours but the vocabulary, so that a script starts quickly.
     "clearance.client": ("campaigns",),
-    "clearance.saving": ("clearance.result", "worker", "backend.db", "backend.reports", "campaigns"),
+    # The door of the package leads to all of them.
+    "clearance": ("clearance", "worker.engine.systems.simulators.declared"),
 }
 KINDS = sorted(
-    path.name for path in (REPOSITORY / "worker" / "components").iterdir() if (path / "__init__.py").exists()
+    path.name for path in (REPOSITORY / "worker" / "engine" / "components").iterdir() if (path / "__init__.py").exists()
 )
-MAY |= {f"worker.components.{kind}": ("worker.physics", "worker.kernels") for kind in KINDS}
+MAY |= {f"worker.engine.components.{kind}": ("worker.engine.physics", "worker.engine.kernels") for kind in KINDS}
 
 # What a room never imports: others' modules, and inner ones of ours that a rule above would allow.
 NEVER = {
     "backend": ("numba", "llvmlite", "nlopt", "worker"),
     "campaigns": ("numba", "llvmlite", "scipy", "sqlalchemy", "fastapi"),
     "worker": ("fastapi", "starlette", "uvicorn", "viser"),
-    "worker.audit": ("numba", "llvmlite", "nlopt", "scipy", "SALib", "fastapi"),
-    "worker.search.parts": ("worker.search.methods",),
-    "worker.search.racing": ("worker.search.methods",),
+    "worker.evidence.audit": ("numba", "llvmlite", "nlopt", "scipy", "SALib", "fastapi"),
+    "worker.engine.search.parts": ("worker.engine.search.methods",),
+    "worker.engine.search.racing": ("worker.engine.search.methods",),
 }
 
 
@@ -216,28 +230,26 @@ def test_the_arrows() -> None:
 
 
 def test_every_room_has_a_rule() -> None:
-    """A new package is not covered by another's rule; the worker has no modules outside its packages but its entry."""
+    """A new package is not covered by another's rule; the worker has no modules outside its packages."""
     loose = [
-        path.name for path in (REPOSITORY / "worker").glob("*.py") if path.name not in ("__init__.py", "__main__.py")
+        str(path.relative_to(REPOSITORY))
+        for folder in ("worker", *(f"worker/{room}" for room in ROOMS), "worker/engine/components")
+        for path in (REPOSITORY / folder).glob("*.py")
+        if path.name != "__init__.py"
     ]
-    loose += [path.name for path in (REPOSITORY / "worker" / "components").glob("*.py") if path.name != "__init__.py"]
-    rooms = {name_of(path) for part in ("backend", "worker") for path in (REPOSITORY / part).glob("*/__init__.py")} - {
-        "worker.components"
+    packages = {
+        name_of(p)
+        for place in ("backend/*", "worker/*/*", "clearance/*")
+        for p in REPOSITORY.glob(f"{place}/__init__.py")
     }
+    rooms = packages - {"worker.engine.components"}
     assert loose == []
     assert sorted(rooms - set(MAY)) == []
     assert sorted(name for name in MAY if not exists(name)) == []
 
 
-APART = ("clearance.client", "worker.cli")
-"""The lowest and the highest part of their packages: the client imports nothing of the rest, the command line all."""
-
-
 def siblings(name: str, other: str) -> tuple[str, str]:
     """The sibling packages that contain two modules: `backend.runs` and `backend.db`, `worker` and `backend`."""
-    part, beside = (next((whole for whole in APART if within(one, (whole,))), "") for one in (name, other))
-    if part != beside and "clearance.client" in (part, beside):
-        return part or name.split(".")[0], beside or other.split(".")[0]
     a, b = name.split("."), other.split(".")
     same = next((at for at, (one, two) in enumerate(zip(a, b, strict=False)) if one != two), min(len(a), len(b)))
     return ".".join(a[: same + 1]), ".".join(b[: same + 1])
@@ -272,37 +284,42 @@ def test_the_arrows_are_held() -> None:
     here = imported(REPOSITORY / "backend" / "db" / "queue.py")
     assert {"backend.db.engine", "backend.db.tables", "campaigns.asked.spec", "sqlalchemy"} <= here
     for name, other in (
-        ("worker.components.vehicles.unicycle", "worker.components.avoiders.apf"),
-        ("worker.search.parts.descent", "worker.search.methods.sqp"),
-        ("worker.search.base", "campaigns.results.search"),
-        ("worker.problem.problem", "worker.kernels.layout"),
-        ("worker.problem.problem", "worker.systems.closed_loop.system"),
-        ("worker.stages.search", "worker.systems.closed_loop.trace"),
-        ("worker.verdicts.sentence", "worker.kernels.layout"),
-        ("worker.stages.search", "worker.runs.runner"),
-        ("worker.stages.search", "worker.verdicts.verdict"),
-        ("worker.runs.runner", "worker.processes.child"),
-        ("worker.processes.child", "worker.cli.serve"),
-        ("worker.runs.runner", "backend.app"),
+        ("worker.engine.components.vehicles.unicycle", "worker.engine.components.avoiders.apf"),
+        ("worker.engine.search.parts.descent", "worker.engine.search.methods.sqp"),
+        ("worker.engine.search.base", "campaigns.results.search"),
+        ("worker.engine.problem.problem", "worker.engine.kernels.layout"),
+        ("worker.engine.problem.problem", "worker.engine.systems.closed_loop.system"),
+        ("worker.engine.stages.search", "worker.engine.systems.closed_loop.trace"),
+        ("worker.evidence.verdicts.sentence", "worker.engine.kernels.layout"),
+        ("worker.engine.stages.search", "worker.running.runs.runner"),
+        ("worker.engine.stages.search", "worker.evidence.verdicts.verdict"),
+        ("worker.running.runs.runner", "worker.running.processes.child"),
+        ("worker.running.processes.child", "clearance.cli.serve"),
+        ("worker.running.runs.runner", "backend.app"),
+        ("worker.engine.stages.search", "worker.running.catalogue.installed"),
+        ("worker.engine.systems.base", "backend.db.rows"),
+        ("worker.evidence.verdicts.verdict", "worker.running.runs.runner"),
+        ("clearance.function.running", "clearance.cli.run"),
         ("backend.catalog.service", "backend.runs.service"),
         ("backend.runs.service", "backend.settings"),
         ("backend.http.errors", "backend.runs.service"),
-        ("backend.runs.service", "worker.stages"),
+        ("backend.runs.service", "worker.engine.stages"),
         ("backend.scenes.drawing.world", "backend.scenes.panel.tables"),
         ("backend.dbase", "numba"),
         ("campaigns.units", "backend.db.engine"),
-        ("worker.runs.runner", "clearance.result"),
-        ("clearance.result", "backend.reports.service"),
-        ("clearance.client.calls", "clearance.result"),
-        ("clearance.client.calls", "worker.catalogue.function"),
-        ("worker.runs.runner", "clearance.client.calls"),
+        ("worker.running.runs.runner", "clearance.function.result"),
+        ("clearance.function.result", "backend.reports.service"),
+        ("clearance.client.calls", "clearance.function.result"),
+        ("clearance.client.calls", "worker.engine.systems.simulators.declared.function"),
+        ("worker.running.runs.runner", "clearance.client.calls"),
     ):
         assert refused(name, [other]), f"{name} may import {other}"
-    assert refused("worker.processes.child", ["backend.db.queue", "worker.runs.runner", "numba", "campaigns"]) == []
+    allowed = ["backend.db.queue", "worker.running.runs.runner", "numba", "campaigns"]
+    assert refused("worker.running.processes.child", allowed) == []
     assert siblings("backend.runs.service", "backend.db.queue") == ("backend.runs", "backend.db")
-    assert siblings("worker.runs.runner", "backend.db.queue") == ("worker", "backend")
-    assert siblings("worker.cli.submit", "clearance.client.calls") == ("worker.cli", "clearance.client")
-    assert siblings("clearance.client.calls", "clearance.result") == ("clearance.client", "clearance")
+    assert siblings("worker.running.runs.runner", "backend.db.queue") == ("worker", "backend")
+    assert siblings("clearance.cli.submit", "clearance.client.calls") == ("clearance.cli", "clearance.client")
+    assert siblings("clearance.client.calls", "clearance.function.result") == ("clearance.client", "clearance.function")
     assert circles({"a": ["b"], "b": ["c"], "c": ["b", "d"], "d": []}) == {frozenset("bc")}
 
 
@@ -317,8 +334,8 @@ def test_every_module_has_a_docstring() -> None:
 
 
 Loads = list[tuple[str, set[str]]]
-CLI = "from worker.cli import invoke; invoke(['--help']); invoke(['token', 'list', '--data', '/nowhere'])"
-RUNNER = "import worker.runs.runner; from worker.catalogue.installed import catalogue; catalogue()"
+CLI = "from clearance.cli import invoke; invoke(['--help']); invoke(['token', 'list', '--data', '/nowhere'])"
+RUNNER = "import worker.running.runs.runner; from worker.running.catalogue.installed import catalogue; catalogue()"
 
 
 @pytest.mark.parametrize(
@@ -334,11 +351,18 @@ RUNNER = "import worker.runs.runner; from worker.catalogue.installed import cata
             ("from clearance import Client", {"worker", "backend", "numpy", "numba", "scipy", "sqlalchemy", "fastapi"}),
             ("import campaigns", {"worker", "backend", "numpy", "numba", "scipy"}),
             (
-                "import worker.audit.judge",
-                {"numba", "scipy", "fastapi", "backend", "worker.runs.runner", "worker.catalogue.installed"},
+                "import worker.evidence.audit.judge",
+                {
+                    "numba",
+                    "scipy",
+                    "fastapi",
+                    "backend",
+                    "worker.running.runs.runner",
+                    "worker.running.catalogue.installed",
+                },
             ),
             (CLI, {"numba", "scipy", "fastapi"}),
-            ("import worker.processes.supervisor", {"numba", "scipy", "fastapi"}),
+            ("import worker.running.processes.supervisor", {"numba", "scipy", "fastapi"}),
             (RUNNER, {"SALib", "scipy.linalg", "scipy.optimize", "scipy.special", "scipy.stats", "pymoo", "fastapi"}),
         ],
     ],

@@ -18,6 +18,7 @@ from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.audited import audited, recorded
 from tests.migrated import migrated
 from tests.unit.cases import searching
@@ -31,13 +32,12 @@ from tests.unit.records import (
     write_called,
     written,
 )  # fmt: skip
-from worker.audit import judge
-from worker.audit.binomial import cumulative, upper_bound
-from worker.audit.judge import audit, closing
-from worker.audit.record import MISSING, UnreadableError, of_folder
-from worker.catalogue.installed import catalogue
-from worker.cli import VIOLATED, WRONG_INPUT, invoke
-from worker.stages.parts import claims, offered
+from worker.engine.stages.parts import claims, offered
+from worker.evidence.audit import judge
+from worker.evidence.audit.binomial import cumulative, upper_bound
+from worker.evidence.audit.judge import audit, closing
+from worker.evidence.audit.record import MISSING, UnreadableError, of_folder
+from worker.running.catalogue.installed import catalogue
 
 
 @pytest.fixture(autouse=True)

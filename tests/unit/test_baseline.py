@@ -19,22 +19,22 @@ from campaigns.asked.load import load_document
 from campaigns.results import NominalResult
 from campaigns.results.base import EXCLUDED
 from campaigns.results.baseline import BaselineResult
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.migrated import migrated
 from tests.problems import Problem
 from tests.unit.cases import campaign, searching
 from tests.unit.records import DIRECT, NOISE, SHORT, SQP, Folder
 from tests.unit.searching import Function, batch
-from worker.audit import judge
-from worker.catalogue.installed import catalogue
-from worker.cli import VIOLATED, WRONG_INPUT, invoke
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.search.base import Floats
-from worker.stages import baseline
-from worker.stages.parts import findings, offered
-from worker.stages.parts.base import Context, drive
-from worker.stages.parts.store import StagePlan
-from worker.stages.validate import _since
+from worker.engine.search.base import Floats
+from worker.engine.stages import baseline
+from worker.engine.stages.parts import findings, offered
+from worker.engine.stages.parts.base import Context, drive
+from worker.engine.stages.parts.store import StagePlan
+from worker.engine.stages.validate import _since
+from worker.evidence.audit import judge
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 PLAN = [StagePlan("nominal", None, 1), StagePlan("baseline", None, 2), StagePlan("validate", None, 10**6)]
 CORNER = {"vehicle.m": 6.0, "vehicle.J": 0.06}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.unit.searching import Function, batch
-from worker.search.base import Floats
-from worker.search.parts.basins import Basin, Rules, distinct, promising
+from worker.engine.search.base import Floats
+from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
 
 RULES = Rules(distance=0.03, barrier=0.05, at_most=8)
 

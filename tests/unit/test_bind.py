@@ -18,14 +18,14 @@ import pytest
 from numba import config
 from numba.core.caching import FunctionCache
 
-from worker.kernels.bind import digest, filled, plain
-from worker.kernels.cache import cached
-from worker.kernels.folder import cache_folder
-from worker.kernels.maths import kernel
+from worker.engine.kernels.bind import digest, filled, plain
+from worker.engine.kernels.cache import cached
+from worker.engine.kernels.folder import cache_folder
+from worker.engine.kernels.maths import kernel
 
 FILES = {
     "far.py": """
-        from worker.kernels.maths import kernel
+        from worker.engine.kernels.maths import kernel
 
         OFFSET = 0.0
 
@@ -35,7 +35,7 @@ FILES = {
     """,
     "near.py": """
         import component_far.far as far
-        from worker.kernels.maths import kernel
+        from worker.engine.kernels.maths import kernel
 
         @kernel
         def helped(x):
@@ -45,7 +45,7 @@ FILES = {
         import json
         import numpy as np
         from component_far.near import helped
-        from worker.kernels.bind import compile_loop, filled
+        from worker.engine.kernels.bind import compile_loop, filled
 
         slot = None
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from worker.stages.parts.claims import band, bound, held, needed, order
+from worker.engine.stages.parts.claims import band, bound, held, needed, order
 
 
 @pytest.mark.parametrize("samples", [1, 2, 10, 100, 1000, 10**6])

@@ -10,10 +10,10 @@ import pytest
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.unit.cases import campaign, case1
 from tests.unit.sampled import THRESHOLD, context, evaluate
-from worker.search.base import Batch, Floats
-from worker.stages.parts import boundary
-from worker.stages.parts.base import Asking, drive
-from worker.stages.parts.slices import slices
+from worker.engine.search.base import Batch, Floats
+from worker.engine.stages.parts import boundary
+from worker.engine.stages.parts.base import Asking, drive
+from worker.engine.stages.parts.slices import slices
 
 Told = TypeVar("Told")
 

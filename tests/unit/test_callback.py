@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from tests.unit.searching import batch
-from worker.search.base import Batch, Floats, Search, side_by_side
-from worker.search.parts.callback import Ask, called_back, called_back_in_thread
+from worker.engine.search.base import Batch, Floats, Search, side_by_side
+from worker.engine.search.parts.callback import Ask, called_back, called_back_in_thread
 
 T = TypeVar("T")
 Made = Callable[[Callable[[Ask], Any]], Generator[Floats, Batch, Any]]

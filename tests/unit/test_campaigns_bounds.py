@@ -10,7 +10,7 @@ from campaigns import Campaign, check, library, load_file
 from campaigns.checked import effort
 from tests.problems import Problem
 from tests.unit.cases import campaign
-from worker.catalogue.installed import catalogue
+from worker.running.catalogue.installed import catalogue
 
 SEARCH = {"method": "direct", "evaluations": 10_000_000}
 NOISE = [{"component": "sensor_noise", "parameters": {"sigma": 0.05}}]

@@ -11,8 +11,8 @@ from campaigns.catalogue import MethodEntry
 from campaigns.checked.check import parameters
 from tests.problems import Problem
 from tests.unit.cases import campaign, searching
-from worker.catalogue.installed import catalogue
-from worker.systems.base import CampaignUnusable
+from worker.engine.systems.base import CampaignUnusable
+from worker.running.catalogue.installed import catalogue
 
 
 def found(**changes: Any) -> list[tuple[str, str, str]]:

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from campaigns.asked.load import CampaignError, load_document
+from clearance.cli import invoke
 from tests.simulators import package
-from worker.cli import invoke
 
 WAY = "CLEARANCE_SIMULATORS"
 GIVEN: dict[str, tuple[Any, str]] = {

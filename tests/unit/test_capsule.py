@@ -16,10 +16,10 @@ import pytest
 from campaigns.capsules import packing
 from campaigns.capsules.capsule import digest_of
 from campaigns.capsules.packing import CapsuleError, read, unpacked
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from clearance.cli._capsule import write_capsules
 from tests.unit.capsules import few_checks, files_of, written, zipped
 from tests.unit.records import ran
-from worker.cli import VIOLATED, WRONG_INPUT, invoke
-from worker.cli._capsule import write_capsules
 
 Document = dict[str, Any]
 

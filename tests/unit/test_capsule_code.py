@@ -17,17 +17,17 @@ import pytest
 from campaigns.asked.load import load_document
 from campaigns.capsules.capsule import digest_of
 from campaigns.capsules.packing import CapsuleError, read, read_sources, unpacked
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from clearance.cli._capsule_code import _written
 from tests.unit.capsules import few_checks, files_of, written, zipped
 from tests.unit.packages import package
 from tests.unit.records import ran
-from worker.cli import VIOLATED, WRONG_INPUT, invoke
-from worker.cli._capsule_code import _written
-from worker.components.avoiders import potential_field
-from worker.runs import added as recorded
-from worker.runs.meaning import meaning
+from worker.engine.components.avoiders import potential_field
+from worker.running.runs import added as recorded
+from worker.running.runs.meaning import meaning
 
 SHIPPED = Path(potential_field.__file__).read_text(encoding="utf-8")
-OWN, FOREIGN = "worker.components.own.my_field", "acme_fields"
+OWN, FOREIGN = "worker.engine.components.own.my_field", "acme_fields"
 Document = dict[str, Any]
 
 
@@ -142,20 +142,22 @@ def test_a_run_of_an_own_component_is_replayed_where_it_is_not_installed(
     folder, out = tmp_path / "components", tmp_path / "out"
     folder.mkdir()
     text = SHIPPED.replace('name="potential_field"', 'name="my_field"')
-    text = text.replace("from worker.physics.fields", "from ._shared import HALF\nfrom worker.physics.fields")
+    text = text.replace(
+        "from worker.engine.physics.fields", "from ._shared import HALF\nfrom worker.engine.physics.fields"
+    )
     (folder / "my_field.py").write_text(text.replace("k_att * (goal.x", "k_att * 2.0 * HALF * (goal.x"))
     (folder / "_shared.py").write_text("HALF = 0.5\n")
     document = ran("violated")[0].document()
     document["scenario"]["avoider"]["component"] = "my_field"
     campaign = tmp_path / "campaign.json"
     campaign.write_text(json.dumps(document))
-    command = [sys.executable, "-m", "worker", "run", str(campaign), "--out", str(out)]
+    command = [sys.executable, "-m", "clearance", "run", str(campaign), "--out", str(out)]
     ended = subprocess.run(
         command, env={**os.environ, "CLEARANCE_COMPONENTS": str(folder)}, capture_output=True, text=True, check=False
     )
     assert ended.returncode == VIOLATED, ended.stderr
     capsule = out / "capsule-F1.zip"
-    assert set(read_sources(capsule)) == {OWN, "worker.components.own._shared"}
+    assert set(read_sources(capsule)) == {OWN, "worker.engine.components.own._shared"}
     assert invoke(["replay", str(capsule)]) == WRONG_INPUT
     capsys.readouterr()
     assert invoke(["replay", str(capsule), "--allow-code", "--json"]) == 0
@@ -186,7 +188,7 @@ def _module(name: str) -> Callable[[Document], object]:
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        (_module("worker.kernels.maths"), "not those that it states"),
+        (_module("worker.engine.kernels.maths"), "not those that it states"),
         (_module("../evil"), "module"),
         (lambda d: d["sources"]["files"][0].update(digest="0" * 64), "was changed"),
         (lambda d: d["sources"]["files"].clear(), "not those that it states"),
@@ -204,7 +206,7 @@ def test_sources_that_contradict_the_document_are_refused(
 
 
 def test_source_of_shipped_code_is_not_replaced(tmp_path: Path) -> None:
-    capsule = with_source(tmp_path, "worker.kernels.maths", b"x = 1\n")
+    capsule = with_source(tmp_path, "worker.engine.kernels.maths", b"x = 1\n")
     with pytest.raises(CapsuleError, match=r"worker\.kernels\.maths in it is no component"):
         read_sources(capsule)
 

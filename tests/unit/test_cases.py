@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 import yaml
 
-from worker.catalogue import installed
-from worker.processes import cases
-from worker.processes.cases import Systems, answer, close
+from worker.running.catalogue import installed
+from worker.running.processes import cases
+from worker.running.processes.cases import Systems, answer, close
 
 PROGRAM = """import json, os, sys, time
 for line in sys.stdin:

@@ -17,8 +17,8 @@ from campaigns.catalogue import Kind, UnusableEntry
 from campaigns.version import VERSION
 from tests.unit.cases import campaign, document
 from tests.unit.packages import package
-from worker.catalogue.installed import catalogue, components, methods, source_of
-from worker.systems.threads import usual_threads
+from worker.engine.systems.threads import usual_threads
+from worker.running.catalogue.installed import catalogue, components, methods, source_of
 
 
 def test_case_1_is_there() -> None:
@@ -45,8 +45,8 @@ def test_the_catalogue_is_data() -> None:
 
 
 def test_where_a_thing_is_declared() -> None:
-    assert source_of(components()["vehicle", "unicycle"]).__name__ == "worker.components.vehicles.unicycle"
-    assert source_of(methods()["sqp"]).__name__ == "worker.search.methods.sqp"
+    assert source_of(components()["vehicle", "unicycle"]).__name__ == "worker.engine.components.vehicles.unicycle"
+    assert source_of(methods()["sqp"]).__name__ == "worker.engine.search.methods.sqp"
 
 
 def in_a_new_process(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
@@ -58,20 +58,20 @@ def in_a_new_process(code: str, folder: Path) -> subprocess.CompletedProcess[str
 
 CAR = '''"""Car: a unicycle by another name."""
 from dataclasses import replace
-from worker.components.vehicles import unicycle
+from worker.engine.components.vehicles import unicycle
 def begin(start, p):
     return start.x, start.y, start.theta, start.v, start.omega
 component = replace(unicycle.component, name="{name}", title="Car", begin=begin)
 '''
 EVERY = (
-    "import json; from worker.catalogue.installed import *; "
+    "import json; from worker.running.catalogue.installed import *; "
     "print(json.dumps([list(map(str, components())), list(methods())]))"
 )
 
 
 GUESS = """'Guessing.'
 from dataclasses import replace
-from worker.search.methods import direct
+from worker.engine.search.methods import direct
 method = replace(direct.method, name="guess")
 """
 BREAKS = {
@@ -103,7 +103,7 @@ def known(tmp_path_factory: pytest.TempPathFactory) -> Known:
     package(folder, "clearance.components", "some_car", CAR.format(name="car"))
     package(folder, "clearance.components", "another_unicycle", CAR.format(name="unicycle"))
     package(folder, "clearance.methods", "some_guess", GUESS)
-    package(folder, "clearance.methods", "some_direct", "from worker.search.methods.direct import method\n")
+    package(folder, "clearance.methods", "some_direct", "from worker.engine.search.methods.direct import method\n")
     for kind in KINDS:
         for how, text in BREAKS.items():
             package(folder, f"clearance.{kind}s", f"{how}_{kind}", text)
@@ -147,7 +147,8 @@ def test_what_a_package_breaks_is_skipped_with_its_sentence(kind: Kind, known: K
 
 def test_a_method_with_the_name_of_a_shipped_one_is_skipped(known: Known) -> None:
     assert known.skipped("some_direct")["text"] == (
-        "the package some_direct: worker.search.methods.direct already declares the method 'direct': rename one of them"
+        "the package some_direct: worker.engine.search.methods.direct already declares the method 'direct': "
+        "rename one of them"
     )
 
 

@@ -15,13 +15,13 @@ from campaigns.stages.plan import plan
 from tests.problems import Problem
 from tests.unit.cases import campaign
 from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, costs, evaluate, quantile
-from worker.catalogue.installed import catalogue
-from worker.search.base import Floats
-from worker.stages import certify
-from worker.stages.parts.claims import bound
-from worker.stages.parts.sample import Sample
-from worker.stages.parts.store import Columns
-from worker.stages.parts.streams import stream
+from worker.engine.search.base import Floats
+from worker.engine.stages import certify
+from worker.engine.stages.parts.claims import bound
+from worker.engine.stages.parts.sample import Sample
+from worker.engine.stages.parts.store import Columns
+from worker.engine.stages.parts.streams import stream
+from worker.running.catalogue.installed import catalogue
 
 REPETITIONS = 400
 HELD = 0.93

@@ -9,7 +9,7 @@ from campaigns.results.verdicts import OF_VALUES, TITLES, described, validated
 from campaigns.symbols import labels
 from tests.unit.cases import case1
 from tests.unit.evidence import case, concluded, evidence
-from worker.verdicts.checks import checks
+from worker.evidence.verdicts.checks import checks
 
 
 def test_every_check_has_a_title() -> None:

@@ -13,12 +13,12 @@ import pytest
 
 from campaigns.results import Verdict
 from campaigns.results.verdict import Check
+from clearance.cli._ended import Case, EndedRun, Source
+from clearance.cli._junit import junit
+from clearance.cli._lines import lines
+from clearance.cli._markdown import markdown
+from clearance.cli._sarif import sarif, write
 from tests import results
-from worker.cli._ended import Case, EndedRun, Source
-from worker.cli._junit import junit
-from worker.cli._lines import lines
-from worker.cli._markdown import markdown
-from worker.cli._sarif import sarif, write
 
 TEXT = """\
 # Reviewed.

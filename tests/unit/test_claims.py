@@ -24,8 +24,8 @@ from campaigns.results.base import Stop
 from campaigns.results.search import Gap
 from campaigns.results.verdict import Check, Verdict
 from campaigns.results.verdicts import described
-from worker.search.base import Ended
-from worker.stages.parts.ended import spoken, stop
+from worker.engine.search.base import Ended
+from worker.engine.stages.parts.ended import spoken, stop
 
 ROOT = Path(__file__).parents[2]
 TERMS = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "goal": "goal"}, {"m", "s", "kg m2"})

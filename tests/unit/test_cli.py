@@ -10,7 +10,7 @@ import pytest
 from backend.db.access import hashed
 from backend.db.engine import connect, default_url, read
 from backend.db.tables import LoginLink, Token
-from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
+from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_what_goes_wrong_inside(
     def broken(*_: object, **__: object) -> None:
         raise raised
 
-    token = importlib.import_module("worker.cli.token")
+    token = importlib.import_module("clearance.cli.token")
     monkeypatch.setattr(token.access, "tokens", broken)
     monkeypatch.setattr(token, "opened", lambda *_: _Nothing())
     assert build() is not None

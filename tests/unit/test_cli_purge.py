@@ -13,12 +13,12 @@ import sqlalchemy as sa
 
 from backend.db.engine import connect, default_url
 from backend.db.queue import Queue, submit
-from backend.db.records import Columns, StagePlan
 from backend.db.store import RunStore
 from backend.db.tables import EvaluationChunk, Run
+from campaigns.stored.records import Columns, StagePlan
+from clearance.cli import WRONG_INPUT, invoke
 from tests.faults.cases import campaign
 from tests.migrated import migrated
-from worker.cli import WRONG_INPUT, invoke
 
 
 @pytest.fixture(scope="module")

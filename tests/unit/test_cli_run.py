@@ -18,12 +18,12 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign, load_file
+from clearance.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
 from tests.audited import audited_summary
 from tests.faults.processes import until
 from tests.unit.cases import campaign, document, searching
-from worker.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
-from worker.opening import opened
-from worker.problem.problem import Problem
+from worker.engine.problem.problem import Problem
+from worker.running.opening import opened
 
 PATIENCE = 120.0
 """[s]; a separate process may have to compile."""
@@ -39,7 +39,7 @@ SHORT = {"scenario__horizon": 4.0}
 @pytest.fixture(autouse=True)
 def every_run_audited(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever the command runs in this process is audited before it is printed."""
-    monkeypatch.setattr(importlib.import_module("worker.cli.run"), "summary", audited_summary)
+    monkeypatch.setattr(importlib.import_module("clearance.cli.run"), "summary", audited_summary)
 
 
 @pytest.fixture
@@ -278,7 +278,7 @@ def test_the_schema_and_the_whole_document(capsys: pytest.CaptureFixture[str], f
 
 
 def command(*arguments: str) -> list[str]:
-    return [sys.executable, "-m", "worker", *arguments]
+    return [sys.executable, "-m", "clearance", *arguments]
 
 
 @pytest.mark.nightly  # by day another one is interrupted, below, and one submits in tests/api/test_ci_guide.py
@@ -320,7 +320,7 @@ def test_a_run_that_needs_more_memory_than_it_may_take_ends_with_a_sentence(
     def greedy(*_: object, **__: object) -> None:
         np.zeros(2**31)  # 16 GiB, never touched
 
-    monkeypatch.setattr("worker.runs.runner.execute", greedy)
+    monkeypatch.setattr("worker.running.runs.runner.execute", greedy)
     monkeypatch.setenv("CLEARANCE_CHILD_MEMORY", "1")
     before = resource.getrlimit(resource.RLIMIT_AS)
     assert invoke(["run", "unicycle_static"]) == 3

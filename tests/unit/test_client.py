@@ -13,6 +13,7 @@ import anyio
 import httpx
 import pytest
 
+from clearance.cli._following import _cancelled
 from clearance.client import (
     AsyncClient,
     Client,
@@ -29,7 +30,6 @@ from clearance.client import (
     drivers,
 )
 from tests.api.catalogue import campaign
-from worker.cli._following import _cancelled
 
 Answers = Callable[[httpx.Request], httpx.Response]
 STAGELESS = (

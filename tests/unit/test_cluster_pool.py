@@ -13,13 +13,13 @@ import pytest
 from distributed import KilledWorker
 from distributed.client import FutureCancelledError
 
-from worker.systems.simulators.cluster import connection as connections
-from worker.systems.simulators.cluster import pool as pools
-from worker.systems.simulators.cluster.address import Evaluator, EvaluatorLost
-from worker.systems.simulators.cluster.pool import DaskPool
-from worker.systems.simulators.cluster.work import Done, Files, NodeClosing, Work
-from worker.systems.simulators.slots.outcome import Limits, Outcome
-from worker.systems.simulators.slots.program import Program
+from worker.engine.systems.simulators.cluster import connection as connections
+from worker.engine.systems.simulators.cluster import pool as pools
+from worker.engine.systems.simulators.cluster.address import Evaluator, EvaluatorLost
+from worker.engine.systems.simulators.cluster.pool import DaskPool
+from worker.engine.systems.simulators.cluster.work import Done, Files, NodeClosing, Work
+from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
+from worker.engine.systems.simulators.slots.program import Program
 
 Task = Callable[[list[int]], Done]
 """What a task does with its batch."""

@@ -10,9 +10,9 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
-from worker.search.base import Floats
-from worker.search.methods.cma_es import method
-from worker.search.parts.pycma import last
+from worker.engine.search.base import Floats
+from worker.engine.search.methods.cma_es import method
+from worker.engine.search.parts.pycma import last
 
 
 def valley(x: Floats) -> Floats:

@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 from campaigns import check, load_file
-from worker.catalogue import installed
-from worker.catalogue.entries import component_entry
-from worker.catalogue.installed import components, source_of
-from worker.components import own as own_package
-from worker.examination import reading
-from worker.examination.declaring import declared_by
-from worker.examination.flying import flown
-from worker.kernels.component import Component, Controller, Vehicle
+from worker.engine.components import own as own_package
+from worker.engine.kernels.component import Component, Controller, Vehicle
+from worker.running.catalogue import installed
+from worker.running.catalogue.entries import component_entry
+from worker.running.catalogue.installed import components, source_of
+from worker.running.examination import reading
+from worker.running.examination.declaring import declared_by
+from worker.running.examination.flying import flown
 
 REPOSITORY = Path(__file__).parents[2]
 GUIDE = (REPOSITORY / "docs" / "your-own-component.md").read_text(encoding="utf-8")
@@ -43,9 +43,9 @@ def test_the_example_in_space_is_the_files_and_flies(monkeypatch: pytest.MonkeyP
     for name in ("multirotor", "multirotor_velocity"):
         source = reading.read(EXAMPLES / "components" / f"{name}.py")
         reading.check(source)
-        found.append(declared_by(source, f"worker.components.own.{name}"))
+        found.append(declared_by(source, f"worker.engine.components.own.{name}"))
         flown(found[-1], source, {"multirotor": found[0]}.get)
-    monkeypatch.setattr(installed, "_HOMES", {id(c): f"worker.components.own.{c.name}" for c in found})
+    monkeypatch.setattr(installed, "_HOMES", {id(c): f"worker.engine.components.own.{c.name}" for c in found})
     entries = [*installed.catalogue().components, *(component_entry(c, source_of(c)) for c in found)]
     known = installed.catalogue().model_copy(update={"components": entries})
     assert check(load_file(EXAMPLES / "campaigns" / "multirotor.yaml"), known) == []

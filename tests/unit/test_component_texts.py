@@ -12,7 +12,7 @@ import re
 import pytest
 
 from campaigns.catalogue import Catalogue, ComponentEntry
-from worker.catalogue.installed import catalogue, components, source_of
+from worker.running.catalogue.installed import catalogue, components, source_of
 
 CATALOGUE: Catalogue = catalogue()
 MODELS = ("vehicle", "controller", "avoider", "environment", "fault", "criterion")

@@ -19,19 +19,19 @@ from backend.db.store import RunStore
 from backend.db.tables import Run
 from campaigns import Campaign
 from campaigns.stages.plan import plan
+from clearance.cli import INTERRUPTED, WRONG_INPUT, invoke
+from clearance.local.results import read_folder
 from tests.audited import audited
 from tests.migrated import migrated
 from tests.unit.cases import searching
-from worker.catalogue.installed import catalogue
-from worker.cli import INTERRUPTED, WRONG_INPUT, invoke
-from worker.cli._results import read_folder
-from worker.problem.evaluate import InProcess
-from worker.runs import sources
-from worker.runs.continuation import Budget, CannotContinue, carried, continued
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.stages.parts.store import StagePlan
-from worker.systems.base import Floats
+from worker.engine.problem.evaluate import InProcess
+from worker.engine.stages.parts.store import StagePlan
+from worker.engine.systems.base import Floats
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs import sources
+from worker.running.runs.continuation import Budget, CannotContinue, carried, continued
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 SHORT = {"scenario__horizon": 4.0}
 """[s]; the closest approach comes at 3.1 s."""

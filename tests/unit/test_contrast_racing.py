@@ -9,12 +9,12 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import Function, batch, run, space
-from worker.search.base import Floats
-from worker.search.methods import contrast_racing
-from worker.search.methods.contrast_racing import method
-from worker.search.racing.pool import Pool, Rung
-from worker.search.racing.samples import Samples
-from worker.search.racing.state import CMA, COMPASS, NELDER_MEAD
+from worker.engine.search.base import Floats
+from worker.engine.search.methods import contrast_racing
+from worker.engine.search.methods.contrast_racing import method
+from worker.engine.search.racing.pool import Pool, Rung
+from worker.engine.search.racing.samples import Samples
+from worker.engine.search.racing.state import CMA, COMPASS, NELDER_MEAD
 
 
 def bowl(x: Floats) -> Floats:

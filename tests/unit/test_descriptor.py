@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
-from worker.catalogue.descriptor import FOLDERS, BadDescriptor, listed, read, unusable
+from worker.engine.systems.simulators.declared.descriptor import FOLDERS, BadDescriptor, listed, read, unusable
 
 GOOD: dict[str, Any] = {
     "name": "drop",

@@ -8,8 +8,8 @@ from scipy.optimize import differential_evolution
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
-from worker.search.base import Floats
-from worker.search.methods.differential_evolution import method
+from worker.engine.search.base import Floats
+from worker.engine.search.methods.differential_evolution import method
 
 
 def bowl(x: Floats) -> Floats:

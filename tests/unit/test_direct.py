@@ -14,12 +14,12 @@ import pytest
 from tests.unit.cases import campaign, case1
 from tests.unit.functions import PUBLISHED, on_unit_cube
 from tests.unit.searching import Searched, batch, run, space
-from worker.runs.store import MemoryStore
-from worker.search.base import Batch, Floats, Method
-from worker.search.methods import direct, direct_l
-from worker.search.methods.direct import method
-from worker.stages.parts.base import Context, Driven, drive
-from worker.stages.parts.store import Columns, StagePlan
+from worker.engine.search.base import Batch, Floats, Method
+from worker.engine.search.methods import direct, direct_l
+from worker.engine.search.methods.direct import method
+from worker.engine.stages.parts.base import Context, Driven, drive
+from worker.engine.stages.parts.store import Columns, StagePlan
+from worker.running.runs.store import MemoryStore
 
 
 def counted(name: str, within: float) -> int:

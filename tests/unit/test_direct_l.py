@@ -8,9 +8,9 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
-from worker.search.base import Floats
-from worker.search.methods import direct
-from worker.search.methods.direct_l import method
+from worker.engine.search.base import Floats
+from worker.engine.search.methods import direct
+from worker.engine.search.methods.direct_l import method
 
 COUNTS = {
     "Branin": (49, 159),

@@ -13,8 +13,8 @@ from campaigns.asked.distributions import Beta, Correlation, Distribution, Norma
 from campaigns.checked.uncertainty import matrix, positive_definite
 from tests.problems import Problem
 from tests.unit.cases import campaign
-from worker.catalogue.installed import catalogue
-from worker.problem.distributions import Distributions, Floats, Range
+from worker.engine.problem.distributions import Distributions, Floats, Range
+from worker.running.catalogue.installed import catalogue
 
 LOW, HIGH = 4.0, 6.0
 

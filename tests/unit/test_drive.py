@@ -11,12 +11,12 @@ import pytest
 
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from tests.unit.cases import campaign, case1
-from worker.runs.runner import Cancelled, ReplayMismatch
-from worker.runs.store import MemoryStore
-from worker.search.base import Batch, Floats, Search
-from worker.stages.parts import driver
-from worker.stages.parts.base import Context, Driven, drive
-from worker.stages.parts.store import Columns, StagePlan
+from worker.engine.search.base import Batch, Floats, Search
+from worker.engine.stages.parts import driver
+from worker.engine.stages.parts.base import Context, Driven, drive
+from worker.engine.stages.parts.store import Columns, StagePlan
+from worker.running.runs.runner import Cancelled, ReplayMismatch
+from worker.running.runs.store import MemoryStore
 
 
 class Counting:

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from numba import config
 
-from worker.kernels import cache
-from worker.kernels.cache import cached
-from worker.kernels.durations import Watched, reported
+from worker.engine.kernels import cache
+from worker.engine.kernels.cache import cached
+from worker.engine.kernels.durations import Watched, reported
 
 TEMPLATE = """
 def rover_fly_8_0123456789abcdef(x):

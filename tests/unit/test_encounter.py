@@ -9,10 +9,10 @@ import pytest
 
 from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
-from worker.systems.base import Shown
-from worker.systems.closed_loop import encounter
-from worker.systems.closed_loop.flights import Flights
-from worker.systems.closed_loop.trace import trace
+from worker.engine.systems.base import Shown
+from worker.engine.systems.closed_loop import encounter
+from worker.engine.systems.closed_loop.trace import trace
+from worker.running.opening import opened
 
 
 def changed(**changes: Any) -> Campaign:
@@ -47,7 +47,7 @@ def forgotten() -> Iterator[None]:
 
 
 def seen(campaign: Campaign) -> Shown:
-    flights = Flights(campaign, compiled=False, lanes=1)
+    flights = opened.flights(campaign, compiled=False, lanes=1)
     return encounter.shown(flights, trace(flights, "nominal", {}))
 
 

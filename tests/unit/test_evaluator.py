@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from worker.cli import WRONG_INPUT, invoke
-from worker.systems.simulators.cluster.address import SETTING, BadEvaluator, Evaluator, chosen, evaluator
+from clearance.cli import WRONG_INPUT, invoke
+from worker.engine.systems.simulators.cluster.address import SETTING, BadEvaluator, Evaluator, chosen, evaluator
 
 
 def test_an_address_is_that_of_a_scheduler_or_of_processes_here() -> None:

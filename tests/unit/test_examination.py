@@ -10,16 +10,16 @@ from pathlib import Path
 import pytest
 
 from tests.unit.mistakes import COMPILED, DECLARED, FLOWN, READ, Slip
-from worker.catalogue.installed import components, source_of
-from worker.components import own as own_package
-from worker.examination import examine, reading, units
-from worker.examination.declaring import _check_kernel, declared_by
-from worker.examination.flying import flown
-from worker.examination.kernels import kernels
-from worker.examination.mistake import Mistake
-from worker.kernels.component import Component, Vehicle, declared
+from worker.engine.components import own as own_package
+from worker.engine.kernels.component import Component, Vehicle, declared
+from worker.running.catalogue.installed import components, source_of
+from worker.running.examination import examine, reading, units
+from worker.running.examination.declaring import _check_kernel, declared_by
+from worker.running.examination.flying import flown
+from worker.running.examination.kernels import kernels
+from worker.running.examination.mistake import Mistake
 
-SKELETONS = Path(__file__).parents[2] / "worker" / "skeletons"
+SKELETONS = Path(__file__).parents[2] / "worker" / "running" / "skeletons"
 KINDS = ("vehicle", "controller", "avoider", "obstacle", "fault", "criterion")
 WORDS = 60
 """The longest sentence."""
@@ -31,7 +31,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setattr(own_package, "__path__", [str(tmp_path)])
     monkeypatch.setenv("CLEARANCE_COMPONENTS", str(tmp_path))
     yield tmp_path
-    for name in [name for name in sys.modules if name.startswith("worker.components.own.")]:
+    for name in [name for name in sys.modules if name.startswith("worker.engine.components.own.")]:
         del sys.modules[name]
         vars(own_package).pop(name.rpartition(".")[2], None)
 
@@ -53,7 +53,7 @@ def found(file: Path) -> Mistake:
     """The first mistake in a file, found without the compiler."""
     source = reading.read(file)
     reading.check(source)
-    component = declared_by(source, f"worker.components.own.{file.stem}")
+    component = declared_by(source, f"worker.engine.components.own.{file.stem}")
     flown(component, source, lambda _: None)
     pytest.fail("no mistake was found")
 

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from worker.catalogue.installed import forget_simulators
-from worker.cli import WRONG_INPUT, invoke
-from worker.cli.examples import KINDS, WHERE, shipped
+from clearance.cli import WRONG_INPUT, invoke
+from clearance.cli.examples import KINDS, WHERE, shipped
+from worker.running.catalogue.installed import forget_simulators
 
 REPOSITORY = Path(__file__).parents[2]
 GUIDE = (REPOSITORY / "docs" / "your-own-simulator.md").read_text(encoding="utf-8")
@@ -152,7 +152,7 @@ def test_an_installed_wheel_writes_them(tmp_path: Path) -> None:
     (site,) = prefix.glob("lib/python*/site-packages")
     (tmp_path / "empty").mkdir()
     subprocess.run(
-        [sys.executable, "-m", "worker", "examples"],
+        [sys.executable, "-m", "clearance", "examples"],
         cwd=tmp_path / "empty", env=os.environ | {"PYTHONPATH": str(site)}, check=True,
     )  # fmt: skip
     written = tmp_path / "empty" / WHERE

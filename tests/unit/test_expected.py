@@ -95,7 +95,7 @@ def test_the_ends_of_a_range_are_rounded_outwards() -> None:
 
 
 def test_validation_ends_when_its_budget_does() -> None:
-    from worker.stages.parts import boundary as around
+    from worker.engine.stages.parts import boundary as around
 
     for name in ("unicycle_static", "pioneer_dropout"):
         campaign = load_file(library()[name])
@@ -145,20 +145,20 @@ def test_what_is_made_again_in_fresh_processes(
 
 
 def test_as_many_are_made_again_as_the_stage_makes() -> None:
-    from worker.stages.parts import offered
+    from worker.engine.stages.parts import offered
 
     assert (SPOT_CHECKS, VIOLATIONS) == (offered.SPOT_CHECKS, offered.AT_MOST)
 
 
 def test_a_violation_adds_what_its_boundary_takes() -> None:
-    """As `worker.stages.parts.boundary.most` counts, without the slices."""
+    """As `worker.engine.stages.parts.boundary.most` counts, without the slices."""
     assert boundary(load_file(library()["unicycle_static"])) == 1 + 5 * (20 + 14)
 
 
 @pytest.mark.nightly
 def test_one_of_them_is_flown_again() -> None:
-    from worker.runs.runner import execute
-    from worker.runs.store import MemoryStore
+    from worker.running.runs.runner import execute
+    from worker.running.runs.store import MemoryStore
 
     name, store = "unicycle_static", MemoryStore()
     execute(load_file(library()[name]), store)

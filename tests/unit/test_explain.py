@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from campaigns import library, load_file
+from clearance.cli import WRONG_INPUT, invoke
 from tests.problems import Problem
 from tests.simulators.adversaries import adversary
 from tests.simulators.noisy import campaign
-from worker.cli import WRONG_INPUT, invoke
 
 
 @pytest.mark.parametrize("name", ["unicycle_static", "uav_aca_latency"])

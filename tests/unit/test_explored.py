@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from tests.unit.searching import Function, batch, space
-from worker.search.base import Batch, Floats
-from worker.search.parts.explored import BESIDE, NEAR, NEAREST, Explored
-from worker.search.parts.progress import Progress
+from worker.engine.search.base import Batch, Floats
+from worker.engine.search.parts.explored import BESIDE, NEAR, NEAREST, Explored
+from worker.engine.search.parts.progress import Progress
 
 
 def grown(explored: Explored, count: int, values: Floats) -> Floats:

@@ -13,12 +13,12 @@ from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
 from campaigns.checked.check import simulation_problems
 from campaigns.claims.spans import words
+from clearance.cli import invoke
 from tests.problems import Problem
 from tests.unit.cases import campaign, document
-from worker.catalogue.installed import catalogue
-from worker.cli import invoke
-from worker.runs.continuation import Budget, CannotContinue, continued
-from worker.systems.closed_loop.distances import clause, overlooked
+from worker.engine.systems.closed_loop.distances import clause, overlooked
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs.continuation import Budget, CannotContinue, continued
 
 WALL = {"component": "box", "parameters": {"position": {"x": 9.0, "y": 3.5}, "length": 16.0, "width": 0.2}}
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
-from worker.cli._failures import MOST, failures, lines
-from worker.runs.store import MemoryStore
-from worker.stages.parts.store import Columns, StagePlan, StageRecord
+from clearance.local.failures import MOST, failures, lines
+from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
+from worker.running.runs.store import MemoryStore
 
 
 def store(*stages: tuple[list[int], dict[int, str]]) -> MemoryStore:

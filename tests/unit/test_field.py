@@ -14,11 +14,11 @@ from tests.contract.scenes import problem
 from tests.problems import Problem
 from tests.unit.cases import CASE1
 from tests.unit.living import Live
-from worker.catalogue.installed import components
-from worker.kernels.component import Avoider
-from worker.systems.base import Floats
-from worker.systems.closed_loop.field import UNITS, Field, field
-from worker.systems.closed_loop.trace import SimulatedCase, simulate
+from worker.engine.kernels.component import Avoider
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.field import UNITS, Field, field
+from worker.engine.systems.closed_loop.trace import SimulatedCase, simulate
+from worker.running.catalogue.installed import components
 
 AVOIDERS = sorted(c.name for c in components().values() if isinstance(c, Avoider))
 SHIPPED = {name: load_file(path) for name, path in library().items()}

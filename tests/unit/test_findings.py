@@ -10,17 +10,17 @@ from campaigns.results import Finding, NominalResult
 from campaigns.results.finding import FoundBy
 from tests.unit.cases import case1, searching
 from tests.unit.searching import Function, batch
-from worker.catalogue.installed import methods
-from worker.runs.store import MemoryStore
-from worker.search.base import Space
-from worker.stages import search
-from worker.stages.parts import findings
-from worker.stages.parts.base import Context, Driven, drive
-from worker.stages.parts.comparison import compare
-from worker.stages.parts.findings import Found
-from worker.stages.parts.store import StagePlan
-from worker.stages.parts.streams import stream
-from worker.systems.base import Floats
+from worker.engine.search.base import Space
+from worker.engine.stages import search
+from worker.engine.stages.parts import findings
+from worker.engine.stages.parts.base import Context, Driven, drive
+from worker.engine.stages.parts.comparison import compare
+from worker.engine.stages.parts.findings import Found
+from worker.engine.stages.parts.store import StagePlan
+from worker.engine.stages.parts.streams import stream
+from worker.engine.systems.base import Floats
+from worker.running.catalogue.installed import methods
+from worker.running.runs.store import MemoryStore
 
 GLOBAL = [m.name for m in methods().values() if m.kind == "global"]
 BUDGET = 3000

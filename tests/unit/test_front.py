@@ -15,15 +15,15 @@ from hypothesis.extra.numpy import arrays
 from campaigns.asked.load import load_document
 from campaigns.results import SearchResult
 from campaigns.results.base import FAILED, OK
+from clearance.local.results import write_results
 from tests.audited import audited
 from tests.problems import Problem
 from tests.unit.cases import CASE1, campaign
-from worker.cli._results import write_results
-from worker.problem.criteria import criteria
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.stages.parts import front
-from worker.stages.parts.store import Columns
+from worker.engine.problem.criteria import criteria
+from worker.engine.stages.parts import front
+from worker.engine.stages.parts.store import Columns
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 TABLES = arrays(np.float64, st.tuples(st.integers(0, 30), st.integers(1, 4)), elements=st.integers(0, 5).map(float))
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from tests.simulators import two_basins
-from worker.systems.simulators.identity import identified
+from worker.engine.systems.simulators.identity import identified
 
 SCALE = 2.0
 VARIED = 'x in {1, 2, "c", "d"}'

@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 from campaigns.results.base import EXCLUDED
 from tests.unit.functions import BASIN, FUNCTIONS, OnUnitCube, on_unit_cube
-from worker.search.base import Floats
+from worker.engine.search.base import Floats
 
 EACH = pytest.mark.parametrize("name", FUNCTIONS)
 SHIFTS = pytest.mark.parametrize("seed", [None, 1, 2, 30])

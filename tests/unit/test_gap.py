@@ -8,11 +8,11 @@ import pytest
 from tests.unit.cases import case1
 from tests.unit.sampled import asked, context, evaluate
 from tests.unit.searching import Function, batch, run
-from worker.search.base import Floats, Method
-from worker.search.methods import direct, direct_l
-from worker.stages import search
-from worker.stages.parts import gap
-from worker.stages.parts.store import Columns
+from worker.engine.search.base import Floats, Method
+from worker.engine.search.methods import direct, direct_l
+from worker.engine.stages import search
+from worker.engine.stages.parts import gap
+from worker.engine.stages.parts.store import Columns
 
 
 def stored(

@@ -11,10 +11,10 @@ import pytest
 from campaigns.results.base import EXCLUDED, FAILED
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
-from worker.search.base import Floats
-from worker.search.methods import genetic
-from worker.search.methods.genetic import Options, method
-from worker.search.parts import breeding
+from worker.engine.search.base import Floats
+from worker.engine.search.methods import genetic
+from worker.engine.search.methods.genetic import Options, method
+from worker.engine.search.parts import breeding
 
 
 def bowl(x: Floats) -> Floats:

@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 import yaml
 
-from worker.catalogue.descriptor import read
-from worker.catalogue.simulator import Opening
-from worker.systems.simulators.command import CommandSimulator
-from worker.systems.simulators.slots.given import BEFORE, THREADS, given
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.slots.given import BEFORE, THREADS, given
 
 PROGRAM = """
 import os
-from worker.processes import blas
+from worker.running.processes import blas
 import numpy
 numpy.ones((400, 400)) @ numpy.ones((400, 400))
-from worker.systems.simulators.slots.given import given
+from worker.engine.systems.simulators.slots.given import given
 print(len(os.listdir("/proc/self/task")), *(
     given(os.environ).get(name, "none") for name in ("OPENBLAS_NUM_THREADS", "ELSE")
 ))

@@ -11,11 +11,19 @@ import pytest
 from campaigns.results.base import EXCLUDED, FAILED
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import Function, batch, run
-from worker.search.base import Batch, Floats, Minimum
-from worker.search.methods import global_clustering
-from worker.search.methods.global_clustering import ALONE, Clusters, Found, Options, Sample, critical_distance, method
-from worker.search.parts.descent import End
-from worker.search.parts.unirandi import STEP, unirandi
+from worker.engine.search.base import Batch, Floats, Minimum
+from worker.engine.search.methods import global_clustering
+from worker.engine.search.methods.global_clustering import (
+    ALONE,
+    Clusters,
+    Found,
+    Options,
+    Sample,
+    critical_distance,
+    method,
+)
+from worker.engine.search.parts.descent import End
+from worker.engine.search.parts.unirandi import STEP, unirandi
 
 
 def two_bowls(x: Floats) -> Floats:

@@ -13,9 +13,9 @@ import pytest
 from campaigns import heap
 
 ROOT = Path(__file__).parents[2]
-SIMULATING = {f"worker/processes/{name}.py" for name in ("child", "live", "cases")}
+SIMULATING = {f"worker/running/processes/{name}.py" for name in ("child", "live", "cases")}
 """They record the files of the code before any is loaded, then load the rest."""
-STARTING = SIMULATING | {"backend/__main__.py", "worker/__main__.py"}
+STARTING = SIMULATING | {"backend/__main__.py", "clearance/__main__.py"}
 
 
 @pytest.mark.parametrize("file", sorted(STARTING))
@@ -24,8 +24,8 @@ def test_what_starts_a_process_imports_it_before_anything_else(file: str) -> Non
     tree = ast.parse((ROOT / file).read_text())
     imports = [n for n in tree.body if isinstance(n, (ast.Import, ast.ImportFrom))]
     names = [f"{getattr(n, 'module', '')} {n.names[0].name}" for n in imports if "__future__" not in ast.unparse(n)]
-    first = ["worker.runs sources"] if file in SIMULATING else []
-    first += ["worker.processes blas"] if file.startswith("worker/") else []
+    first = ["worker.running.runs sources"] if file in SIMULATING else []
+    first += ["worker.running.processes blas"] if file.startswith("worker/") else []
     assert names[: len(first) + 1] == [*first, "campaigns heap"]
     ends = [n.lineno for n in ast.walk(tree) if isinstance(n, ast.Expr) and ast.unparse(n) == "heap.loaded()"]
     assert len(ends) == 1

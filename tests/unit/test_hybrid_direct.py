@@ -10,9 +10,9 @@ import pytest
 from campaigns.results.base import EXCLUDED, FAILED
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
-from worker.search.base import Floats
-from worker.search.methods import direct, direct_l, hybrid_direct
-from worker.search.methods.hybrid_direct import method
+from worker.engine.search.base import Floats
+from worker.engine.search.methods import direct, direct_l, hybrid_direct
+from worker.engine.search.methods.hybrid_direct import method
 
 
 def corner(x: Floats) -> Floats:

@@ -8,7 +8,7 @@ import weakref
 
 import pytest
 
-from worker.cli import _interrupt as interrupt
+from clearance.local import interrupt
 
 
 class Thing:

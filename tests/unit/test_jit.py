@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from clearance.cli import WRONG_INPUT, invoke
 from tests.simulators.package import REPOSITORY
-from worker.cli import WRONG_INPUT, invoke
-from worker.kernels import jit
+from worker.engine.kernels import jit
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_a_campaign_is_refused_and_nothing_is_an_internal_error(tmp_path: Path) 
     campaign = REPOSITORY / "campaigns" / "library" / "unicycle_static.yaml"
     environment = {name: value for name, value in os.environ.items() if name != jit.VARIABLE}
     done = subprocess.run(
-        [sys.executable, "-m", "worker", "run", str(campaign)], cwd=tmp_path, text=True, capture_output=True,
+        [sys.executable, "-m", "clearance", "run", str(campaign)], cwd=tmp_path, text=True, capture_output=True,
         env=environment | {"PYTHONPATH": str(REPOSITORY)}, timeout=300, check=False,
     )  # fmt: skip
     assert done.returncode == WRONG_INPUT, done.stderr

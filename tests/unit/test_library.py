@@ -21,10 +21,10 @@ import pytest
 import clearance
 from campaigns.results.base import STATUS
 from tests.simulators import isolated
-from worker.catalogue.files import entry_of
-from worker.catalogue.simulator import Opening
-from worker.systems.simulators import calling
-from worker.systems.simulators.functions import InProcess
+from worker.engine.systems.simulators import calling
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.functions import InProcess
+from worker.running.catalogue.files import entry_of
 
 Parameter = clearance.Parameter
 RANGES = {"mass": (1.5, 2.3), "drag": (0.1, 0.2)}

@@ -11,7 +11,7 @@ from campaigns import Campaign, library, load_file
 from campaigns.results import drawn as results
 from campaigns.results.drawn import FILE, FLIGHTS, DrawnFlight, library_flights
 from tools import library_flights as tool
-from worker.systems.closed_loop.flights import Flights
+from worker.running.opening import opened
 
 AGAIN = "run `make library-flights`"
 QUICK = "unicycle_static"
@@ -24,7 +24,10 @@ def campaigns() -> dict[str, Campaign]:
 
 def test_every_campaign_has_the_flight_of_its_text_and_code(campaigns: dict[str, Campaign]) -> None:
     stored = {name: (flight.digest, flight.code) for name, flight in library_flights().items()}
-    now = {name: (one.digest, tool.code_of(Flights(one, compiled=False, lanes=1))) for name, one in campaigns.items()}
+    now = {
+        name: (one.digest, tool.code_of(opened.flights(one, compiled=False, lanes=1)))
+        for name, one in campaigns.items()
+    }
     assert stored == now, AGAIN
     assert FILE.read_text(encoding="utf-8") == tool.written(library_flights()), AGAIN
 
@@ -66,10 +69,13 @@ def test_flights_are_whole_and_small(campaigns: dict[str, Campaign]) -> None:
 
 def test_an_edit_of_what_a_loop_reaches_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """And an edit of what it does not reach is not: a new component does not make all flights stale."""
-    flights = Flights(load_file(library()[QUICK]), compiled=False, lanes=1)
+    flights = opened.flights(load_file(library()[QUICK]), compiled=False, lanes=1)
     before = tool.code_of(flights)
     known = tool.sources.code()
-    for module, differs in (("worker.components.vehicles.unicycle", True), ("worker.components.avoiders.orca", False)):
+    for module, differs in (
+        ("worker.engine.components.vehicles.unicycle", True),
+        ("worker.engine.components.avoiders.orca", False),
+    ):
         edited = {**known.modules, module: "0" * 16}
         monkeypatch.setattr(tool.sources, "code", lambda edited=edited: type(known)(known.digest, edited))
         assert module in known.modules

@@ -8,7 +8,7 @@ from typing import Any
 import numba
 import pytest
 
-from worker.kernels.linked import linked
+from worker.engine.kernels.linked import linked
 
 
 def root(x: float) -> float:

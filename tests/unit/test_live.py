@@ -1,4 +1,4 @@
-"""Live simulations: the protocol of `python -m worker.processes.live`, with a real process."""
+"""Live simulations: the protocol of `python -m worker.running.processes.live`, with a real process."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from campaigns import library, load_file
 from tests.problems import Problem
 from tests.unit.cases import CASE1, document
 from tests.unit.living import Live
-from worker.stages.parts.seeds import of_draws
+from worker.engine.stages.parts.seeds import of_draws
 
 
 def test_a_flight(live: Live) -> None:

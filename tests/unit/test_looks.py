@@ -31,22 +31,22 @@ from campaigns import Catalogue
 from campaigns.checked.snapshot import changes
 from campaigns.looks import Marker, MethodLook, ObstacleLook, VehicleLook
 from tests.unit.packages import package
-from worker.catalogue.installed import catalogue
-from worker.catalogue.looks import shipped
+from worker.running.catalogue.installed import catalogue
+from worker.running.catalogue.looks import shipped
 
 ROOT = Path(__file__).parents[2]
 
 METHOD = '''"""Guessing."""
 from dataclasses import replace
-from worker.search.base import MethodLook
-from worker.search.methods import direct
+from worker.engine.search.base import MethodLook
+from worker.engine.search.methods import direct
 method = replace(direct.method, name="guess", title="Guess", look=MethodLook(colour="extra-2", marker="bow"))
 '''
 PILLAR = '''"""Pillar: a cylinder whose parameters have other names."""
 from dataclasses import replace
 from typing import Annotated, NamedTuple
-from worker.components.obstacles import cylinder
-from worker.kernels.component import ObstacleLook, Parameter
+from worker.engine.components.obstacles import cylinder
+from worker.engine.kernels.component import ObstacleLook, Parameter
 class Pillar(NamedTuple):
     position_x: Annotated[float, Parameter("m", "x", -1e6, 1e6, name="position.x")]
     position_y: Annotated[float, Parameter("m", "y", -1e6, 1e6, name="position.y")]
@@ -58,7 +58,7 @@ component = replace(
     look=ObstacleLook(shape="cylinder", radius="girth", height={height!r}),
 )
 '''
-SHOW = "from worker.catalogue.installed import catalogue; print(catalogue().model_dump_json())"
+SHOW = "from worker.running.catalogue.installed import catalogue; print(catalogue().model_dump_json())"
 
 
 def installed(folder: Path) -> subprocess.CompletedProcess[str]:
@@ -168,7 +168,7 @@ def test_the_colours_are_those_of_the_pages() -> None:
 
 
 def test_the_pages_start_with_the_looks_of_the_shipped_methods() -> None:
-    """Written by `python -m worker.catalogue.looks frontend/src/ui/shipped.json`."""
+    """Written by `python -m worker.running.catalogue.looks frontend/src/ui/shipped.json`."""
     kept = json.loads((ROOT / "frontend/src/ui/shipped.json").read_text(encoding="utf-8"))
     assert kept == shipped()
 

@@ -10,12 +10,12 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
-from worker.search.base import Floats
-from worker.search.methods import lq_cma_es
-from worker.search.methods.lq_cma_es import method
-from worker.search.parts.explored import Explored
-from worker.search.parts.one_thread import one_thread
-from worker.search.parts.pycma import strategy
+from worker.engine.search.base import Floats
+from worker.engine.search.methods import lq_cma_es
+from worker.engine.search.methods.lq_cma_es import method
+from worker.engine.search.parts.explored import Explored
+from worker.engine.search.parts.one_thread import one_thread
+from worker.engine.search.parts.pycma import strategy
 
 
 def bowl(x: Floats) -> Floats:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numba import njit
 
-from worker.kernels import maths
-from worker.kernels.bind import plain
-from worker.kernels.maths import FLAGS
+from worker.engine.kernels import maths
+from worker.engine.kernels.bind import plain
+from worker.engine.kernels.maths import FLAGS
 
 sincos, atan2, clip, wrap = maths.sincos, maths.atan2, maths.clip, maths.wrap
 

@@ -9,8 +9,8 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
-from worker.search.base import Floats
-from worker.search.methods.mlsl import Options, method
+from worker.engine.search.base import Floats
+from worker.engine.search.methods.mlsl import Options, method
 
 LOCALS = get_args(get_type_hints(Options)["local"])
 

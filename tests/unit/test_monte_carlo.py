@@ -11,10 +11,10 @@ import pytest
 
 from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, evaluate
 from tests.unit.searching import run, space
-from worker.search.base import Floats
-from worker.search.methods import monte_carlo
-from worker.stages import search
-from worker.stages.parts.claims import bound
+from worker.engine.search.base import Floats
+from worker.engine.search.methods import monte_carlo
+from worker.engine.stages import search
+from worker.engine.stages.parts.claims import bound
 
 
 def test_monte_carlo_draws_from_the_distributions_of_the_campaign() -> None:

@@ -9,9 +9,9 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
-from worker.search.base import Floats, side_by_side
-from worker.search.methods import nlopt_global
-from worker.search.methods.nlopt_global import Options, method
+from worker.engine.search.base import Floats, side_by_side
+from worker.engine.search.methods import nlopt_global
+from worker.engine.search.methods.nlopt_global import Options, method
 
 ALGORITHMS = get_args(get_type_hints(Options)["algorithm"])
 RANDOM = ["crs2_lm", "isres", "esch"]

@@ -9,8 +9,8 @@ import pytest
 
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.unit.searching import space
-from worker.search.base import Batch, Floats
-from worker.search.methods.nsga2 import Options, extend, search
+from worker.engine.search.base import Batch, Floats
+from worker.engine.search.methods.nsga2 import Options, extend, search
 
 Several = Callable[[Floats], Floats]
 

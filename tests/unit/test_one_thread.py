@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from worker.search.parts import one_thread as module
-from worker.search.parts.one_thread import one_thread
+from worker.engine.search.parts import one_thread as module
+from worker.engine.search.parts.one_thread import one_thread
 
 
 @pytest.fixture(autouse=True)

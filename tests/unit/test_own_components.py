@@ -13,13 +13,13 @@ import pytest
 from campaigns import check
 from campaigns.asked.load import load_document
 from campaigns.catalogue import Catalogue, UnusableEntry
+from clearance.cli import WRONG_INPUT, invoke
 from tests.unit.cases import document
 from tests.unit.packages import package
-from worker.catalogue import installed, own
-from worker.catalogue.installed import catalogue
-from worker.cli import WRONG_INPUT, invoke
+from worker.running.catalogue import installed, own
+from worker.running.catalogue.installed import catalogue
 
-SKELETONS = Path(__file__).parents[2] / "worker" / "skeletons"
+SKELETONS = Path(__file__).parents[2] / "worker" / "running" / "skeletons"
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def test_new_writes_a_file_and_overwrites_nothing(folder: Path, capsys: pytest.C
         ("my post", "expected small letters, digits and _"),
         ("../post", "expected small letters, digits and _"),
         ("lambda", "is a word of Python: choose another, such as my_lambda"),
-        ("circle", "is taken by the obstacle of worker/components/obstacles/circle.py"),
+        ("circle", "is taken by the obstacle of worker/engine/components/obstacles/circle.py"),
         ("x" * 61, "expected small letters, digits and _"),
     ],
 )
@@ -145,8 +145,8 @@ def test_a_controller_is_examined_again_when_its_vehicle_changes(folder: Path, r
 
 def test_other_files_are_left_alone_and_broken_and_duplicate_ones_are_reported(folder: Path, read: list[Path]) -> None:
     (folder / "simulator.py").write_text("import clearance\n", encoding="utf-8")
-    (folder / "_shared.py").write_text("from worker.kernels.maths import kernel\n", encoding="utf-8")
-    (folder / "broken.py").write_text("from worker.kernels.maths import kernel\n", encoding="utf-8")
+    (folder / "_shared.py").write_text("from worker.engine.kernels.maths import kernel\n", encoding="utf-8")
+    (folder / "broken.py").write_text("from worker.engine.kernels.maths import kernel\n", encoding="utf-8")
     skeleton(folder, "obstacle", "post", "a")
     second = skeleton(folder, "obstacle", "post", "b")
     skeleton(folder, "fault", "post", "c")
@@ -219,7 +219,7 @@ def test_packages_add_components_and_what_cannot_be_used_is_skipped(
     assert installed.source_of(found["obstacle", "acme_post"]).__name__ == "acme_post"
     texts = {entry.name: str(entry) for entry in wrong}
     assert texts == {
-        "acme_again": "the package acme_again: worker.components.obstacles.circle already declares the obstacle "
+        "acme_again": "the package acme_again: worker.engine.components.obstacles.circle already declares the obstacle "
         "'circle': rename one of them",
         "acme_broken": "the package acme_broken: it cannot be loaded (ValueError: not today)",
         "acme_empty": "the package acme_empty: it has no `component`: declare one at the end of the module",

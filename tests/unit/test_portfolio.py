@@ -11,10 +11,10 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import Function, batch, run, space
-from worker.search.base import Batch, Floats
-from worker.search.methods import direct
-from worker.search.methods.portfolio import MEMBERS, Member, Options, Part, _turn, method
-from worker.search.parts.portfolio_record import APART, Record
+from worker.engine.search.base import Batch, Floats
+from worker.engine.search.methods import direct
+from worker.engine.search.methods.portfolio import MEMBERS, Member, Options, Part, _turn, method
+from worker.engine.search.parts.portfolio_record import APART, Record
 
 NAMES = [part.method.name for part in MEMBERS]
 

@@ -10,8 +10,8 @@ from scipy import stats
 
 from tests.problems import Problem
 from tests.unit.cases import campaign, case1, searching
-from worker.runs.store import MemoryStore
-from worker.stages.parts.base import Context
+from worker.engine.stages.parts.base import Context
+from worker.running.runs.store import MemoryStore
 
 
 @pytest.mark.parametrize(

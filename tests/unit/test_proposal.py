@@ -10,10 +10,10 @@ import yaml
 
 from campaigns import check
 from campaigns.asked.proposal import FEW, TITLES, Cost, lasting, proposed
+from clearance.cli import WRONG_INPUT, invoke
 from tests.unit.cases import searching
-from worker.catalogue.installed import catalogue, methods
-from worker.cli import WRONG_INPUT, invoke
-from worker.verdicts.agreement import GLOBAL_LEAST
+from worker.evidence.verdicts.agreement import GLOBAL_LEAST
+from worker.running.catalogue.installed import catalogue, methods
 
 GRID = list(itertools.product([1e-6, 1e-3, 0.03, 1.0, 12.0, 900.0], [1, 4, 25], [1, 4, 300], [0.5, 10.0, 1200.0, 1e6]))
 

@@ -10,12 +10,12 @@ import yaml
 
 from campaigns.asked.load import load_document
 from tests.simulators import package
-from worker.catalogue import installed
-from worker.catalogue.descriptor import read
-from worker.catalogue.digests import with_digests
-from worker.catalogue.files import read_file
-from worker.catalogue.simulator import Program
-from worker.opening import opened
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.simulator import Program
+from worker.running.catalogue import installed
+from worker.running.catalogue.digests import with_digests
+from worker.running.catalogue.files import read_file
+from worker.running.opening import opened
 
 FUNCTION = """
 import clearance

@@ -16,12 +16,12 @@ from typer.core import TyperGroup
 
 from campaigns import check
 from campaigns.asked.load import load_text
+from clearance.cli import build
 from tests.problems import Problem
-from worker.catalogue.installed import catalogue, components, methods
-from worker.cli import build
-from worker.kernels.component import Obstacle, declared
-from worker.kernels.layout import Parts
-from worker.systems.closed_loop.assemble import Loop
+from worker.engine.kernels.component import Obstacle, declared
+from worker.engine.kernels.layout import Parts
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.running.catalogue.installed import catalogue, components, methods
 
 REPOSITORY = Path(__file__).parents[2]
 PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]

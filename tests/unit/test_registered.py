@@ -10,8 +10,8 @@ import pytest
 from backend.db.engine import connect, default_url, read
 from backend.db.registered import Running, folder, registered, services
 from backend.db.tables import LoginLink
+from clearance.cli import WRONG_INPUT, invoke
 from tests.migrated import migrated
-from worker.cli import WRONG_INPUT, invoke
 
 
 @pytest.fixture(autouse=True)

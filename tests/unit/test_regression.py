@@ -18,13 +18,13 @@ from campaigns.results.baseline import BaselineResult, Reevaluated
 from campaigns.results.baselines import CannotCompare, with_baseline
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.verdict import VerdictWord
+from clearance.cli._ended import EndedRun, code, exit_sentence
+from clearance.cli._junit import junit
+from clearance.cli._markdown import markdown
 from tests.problems import Problem
 from tests.unit import evidence as given
 from tests.unit.cases import campaign, document
-from worker.cli._ended import EndedRun, code, exit_sentence
-from worker.cli._junit import junit
-from worker.cli._markdown import markdown
-from worker.verdicts.regression import regression
+from worker.evidence.verdicts.regression import regression
 
 AT = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 

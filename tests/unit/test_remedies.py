@@ -16,7 +16,7 @@ from campaigns.results.verdict import Check, Statistics, VerdictWord
 from campaigns.results.verdicts import described
 from tests.unit.cases import campaign
 from tests.unit.evidence import WORST, case, concluded, encountered, finding, search, validation
-from worker.stages.parts.claims import bound as reference
+from worker.engine.stages.parts.claims import bound as reference
 
 DIRECT = {"method": "direct", "evaluations": 1000}
 SIMULATED = {

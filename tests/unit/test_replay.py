@@ -13,12 +13,12 @@ from backend.db.engine import connect
 from backend.db.queue import submit
 from campaigns.results.base import EXCLUDED
 from campaigns.versions import Processor, Versions
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.migrated import migrated
 from tests.simulators.adversaries import adversary
 from tests.unit.records import CERTIFY, RUNS, Folder, write_called, written
-from worker.cli import VIOLATED, WRONG_INPUT, invoke
-from worker.runs.replay import other_machine
-from worker.stages.parts import offered
+from worker.engine.stages.parts import offered
+from worker.running.runs.replay import other_machine
 
 SEARCH = 2
 """The position of the first search in the plan of these runs."""

@@ -11,11 +11,11 @@ import pytest
 from rich.console import Console
 
 from campaigns import library, load_file
-from worker.cli import VIOLATED, WRONG_INPUT, invoke
-from worker.reproduce import compare, figures, ours, render, steps
-from worker.reproduce.compare import RESULTS, Reproduction, chosen, reproduce, tables
-from worker.reproduce.published import PLACE, Fly, Model, Result, Search, at, direct
-from worker.reproduce.robots import UNICYCLE
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from worker.running.reproduce import compare, figures, ours, render, steps
+from worker.running.reproduce.compare import RESULTS, Reproduction, chosen, reproduce, tables
+from worker.running.reproduce.published import PLACE, Fly, Model, Result, Search, at, direct
+from worker.running.reproduce.robots import UNICYCLE
 
 KEYS = {"table", "row", "published", "ours", "tolerance", "agrees"}
 

@@ -11,8 +11,8 @@ import numba
 import pytest
 from numba import types
 
-from worker.kernels import resolved
-from worker.kernels.maths import FLAGS
+from worker.engine.kernels import resolved
+from worker.engine.kernels.maths import FLAGS
 
 
 class Pair(NamedTuple):

@@ -13,13 +13,13 @@ from campaigns.results.base import EXCLUDED
 from tests.audited import audited
 from tests.unit.cases import searching
 from tests.unit.interrupted import Interrupted, Unreliable, outcome
-from worker.opening import opened
-from worker.problem.evaluate import InProcess
-from worker.problem.problem import Problem
-from worker.runs.runner import Cancelled, Tally, execute
-from worker.runs.store import MemoryStore
-from worker.search.base import Floats
-from worker.stages.parts import driver
+from worker.engine.problem.evaluate import InProcess
+from worker.engine.problem.problem import Problem
+from worker.engine.search.base import Floats
+from worker.engine.stages.parts import driver
+from worker.running.opening import opened
+from worker.running.runs.runner import Cancelled, Tally, execute
+from worker.running.runs.store import MemoryStore
 
 SEARCHES = (
     {"method": "direct", "evaluations": 150},

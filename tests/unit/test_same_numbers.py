@@ -11,10 +11,10 @@ from campaigns.results import CertifyResult
 from tests.audited import audited
 from tests.unit.cases import campaign
 from tests.unit.interrupted import Interrupted, Unreliable, outcome
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.stages.parts import driver
-from worker.stages.parts.store import join
+from worker.engine.stages.parts import driver
+from worker.engine.stages.parts.store import join
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 MONTE_CARLO: tuple[dict[str, Any], ...] = (
     {}, {"sampling": "latin_hypercube"}, {"sampling": "sobol"}, {"interval": 0.1},

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
-from worker.kernels import maths, scalars
-from worker.kernels.bind import plain
-from worker.systems.base import Floats
-from worker.systems.closed_loop import assemble
-from worker.systems.closed_loop.assemble import Loop
-from worker.systems.closed_loop.flights import Flights
+from worker.engine.kernels import maths, scalars
+from worker.engine.kernels.bind import plain
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop import assemble
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.running.opening import opened
 
 ODD = (0.0, -0.0, 0.5, -0.5, 3.0, -3.0, -1e-300, 1e15 + 0.5, -(2.0**53), 1e299, 1e308, math.inf, -math.inf, math.nan)
 
@@ -35,7 +35,7 @@ def test_samples_of_noise_are_the_same() -> None:
 
 @pytest.mark.parametrize("name", library())
 def test_a_shipped_loop_has_the_same_bits(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    flights = Flights(load_file(library()[name]), compiled=False, lanes=1)
+    flights = opened.flights(load_file(library()[name]), compiled=False, lanes=1)
     given = flights.realisations.flights(flights.nominal[None])[:1]
     quick = flown(Loop(flights.parts, 1, compiled=False), given)
     monkeypatch.setattr(assemble, "quick", plain)

@@ -11,9 +11,9 @@ import yaml
 import clearance
 from campaigns.results import TraceHead
 from campaigns.results.scene import Scene
-from worker.catalogue.descriptor import BadDescriptor, Descriptor, read
-from worker.catalogue.files import BadFile, PythonFunction, read_file
-from worker.catalogue.scene import scene_of
+from worker.engine.systems.simulators.declared.descriptor import BadDescriptor, Descriptor, read
+from worker.engine.systems.simulators.declared.scene import scene_of
+from worker.running.catalogue.files import BadFile, PythonFunction, read_file
 
 UNITS = {"time": "s", "x": "m", "y": "m", "z": "m", "far": "km", "q": "", "a": "rad", "b": "deg"}
 

@@ -14,11 +14,11 @@ from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.audited import audited
 from tests.problems import Problem
 from tests.unit.cases import searching
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.stages.parts import offered, seeds
-from worker.stages.parts.base import Context
-from worker.systems.closed_loop.realisations import Realisations
+from worker.engine.stages.parts import offered, seeds
+from worker.engine.stages.parts.base import Context
+from worker.engine.systems.closed_loop.realisations import Realisations
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 NOISE: list[dict[str, Any]] = [{"component": "sensor_noise", "parameters": {"sigma": 0.15}}]
 

@@ -14,9 +14,9 @@ from campaigns.results.sensitivity import MorrisStudy, SobolStudy
 from campaigns.stages.plan import plan
 from tests.problems import Problem
 from tests.unit.sampled import asked, context, evaluate
-from worker.runs.store import MemoryStore
-from worker.search.base import Batch, Floats
-from worker.stages import sensitivity
+from worker.engine.search.base import Batch, Floats
+from worker.engine.stages import sensitivity
+from worker.running.runs.store import MemoryStore
 
 THREE: dict[str, Any] = {
     "vehicle.m": {"low": 4, "high": 6}, "vehicle.J": {"low": 0.04, "high": 0.06}, "avoider.k_rep": {"plus_minus": 1},

@@ -9,9 +9,10 @@ from typing import Any
 import pytest
 
 from tests.unit.cases import campaign, document
-from worker.kernels import maths
-from worker.systems.closed_loop import assemble
-from worker.systems.closed_loop.flights import Flights
+from worker.engine.kernels import maths
+from worker.engine.systems.closed_loop import assemble
+from worker.engine.systems.closed_loop.flights import Flights
+from worker.running.opening import opened
 
 MASSES = (4.6, 4.8, 5.1, 5.3)
 
@@ -19,7 +20,7 @@ NOISE = [{"component": "sensor_noise", "parameters": {"sigma": 0.01}}]
 
 
 def plain(**changes: Any) -> Flights:
-    return Flights(campaign(scenario__horizon=0.1, **changes), compiled=False, lanes=1)
+    return opened.flights(campaign(scenario__horizon=0.1, **changes), compiled=False, lanes=1)
 
 
 def test_only_the_same_parts_share_a_loop() -> None:

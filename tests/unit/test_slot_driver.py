@@ -10,14 +10,14 @@ import pytest
 
 from campaigns.results.base import OK
 from tests.simulators.threaded import Threaded, grid, threaded
-from worker.catalogue.installed import methods
-from worker.problem.evaluate import InProcess
-from worker.problem.problem import Problem
-from worker.runs.runner import Cancelled, ReplayMismatch
-from worker.runs.store import MemoryStore
-from worker.search.base import Batch, Floats, Minimum, Parallel, Several, Space
-from worker.stages.parts.base import Context, Driven, drive
-from worker.stages.parts.store import Ahead, Columns, StagePlan
+from worker.engine.problem.evaluate import InProcess
+from worker.engine.problem.problem import Problem
+from worker.engine.search.base import Batch, Floats, Minimum, Parallel, Several, Space
+from worker.engine.stages.parts.base import Context, Driven, drive
+from worker.engine.stages.parts.store import Ahead, Columns, StagePlan
+from worker.running.catalogue.installed import methods
+from worker.running.runs.runner import Cancelled, ReplayMismatch
+from worker.running.runs.store import MemoryStore
 
 SEEDS = range(6)
 

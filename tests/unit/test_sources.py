@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.unit.cases import document
-from worker.runs import meaning, sources
+from worker.running.runs import meaning, sources
 
 MODULE = b'"""Text."""\nX = 1.0\n\n\ndef f(x):\n    """Help."""\n    return x * X\n'
 
@@ -91,8 +91,8 @@ def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:
     noted = sources.note()
     assert noted.files.keys() >= {"added_here", "added_here.post", "added_here.inner.helper"}
     assert noted.files.keys() >= {
-        "worker.components.vehicles.unicycle",
-        "worker.stages.search",
+        "worker.engine.components.vehicles.unicycle",
+        "worker.engine.stages.search",
         "campaigns.stages.plan",
     }
     assert noted.packages["added-here"] == "1.5"
@@ -105,9 +105,9 @@ def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:
 def test_the_code_digest_leaves_out_what_starts_processes() -> None:
     modules = sources.code().modules
     assert {
-        "worker.components.vehicles.unicycle",
-        "worker.search.methods.direct",
-        "worker.runs.runner",
+        "worker.engine.components.vehicles.unicycle",
+        "worker.engine.search.methods.direct",
+        "worker.running.runs.runner",
         "campaigns.asked.spec",
     } <= modules.keys()
     for apart in sources.APART:
@@ -133,7 +133,7 @@ def test_a_process_is_stale_once_a_file_changed_or_came(added: Path, monkeypatch
 def test_an_edit_of_equal_size_in_the_same_second_is_loaded(added: Path) -> None:
     """Bytecode would be taken for current: it is dropped before anything is loaded."""
     post = added / "post.py"
-    program = "from worker.runs import sources; import added_here.post as post; print(post.X)"
+    program = "from worker.running.runs import sources; import added_here.post as post; print(post.X)"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(added.parent), os.getcwd()])}
 
     for unwanted in ("PYTHONDONTWRITEBYTECODE", "PYTHONPYCACHEPREFIX"):
@@ -155,7 +155,7 @@ def test_an_edit_of_equal_size_in_the_same_second_is_loaded(added: Path) -> None
 
 def test_the_live_process_ends_before_it_simulates_with_old_code(added: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(added.parent), os.getcwd()])}
-    command = [sys.executable, "-P", "-m", "worker.processes.live"]
+    command = [sys.executable, "-P", "-m", "worker.running.processes.live"]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     asked = json.dumps({"id": 1, "campaign": document(scenario__step=-1.0)}).encode() + b"\n"
     with subprocess.Popen(command, env=environment, **pipes) as live:  # type: ignore[call-overload]

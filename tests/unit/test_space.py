@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from worker.kernels.bind import plain
-from worker.physics import space
+from worker.engine.kernels.bind import plain
+from worker.engine.physics import space
 
 RANDOM = np.random.default_rng(11)
 

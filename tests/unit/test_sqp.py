@@ -11,8 +11,8 @@ from scipy.stats import qmc
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run, space
-from worker.search.base import Floats
-from worker.search.methods import sqp
+from worker.engine.search.base import Floats
+from worker.engine.search.methods import sqp
 
 
 def bowl(x: Floats) -> Floats:

@@ -15,10 +15,10 @@ from campaigns.results.base import Result
 from campaigns.results.verdict import NominalCost
 from tests.audited import audited
 from tests.unit.cases import campaign, case1, searching
-from worker.reference import Reference
-from worker.runs.runner import execute
-from worker.runs.store import MemoryStore
-from worker.stages.parts.streams import stream
+from worker.engine.reference import Reference
+from worker.engine.stages.parts.streams import stream
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
 
 R = TypeVar("R", bound=Result)
 ALL_CHECKS = True

@@ -17,11 +17,11 @@ from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
 from tests.problems import Problem
 from tests.unit.assembled import check, parts, vector
-from worker.catalogue.installed import components
-from worker.kernels import maths
-from worker.reference import compiled
-from worker.systems.closed_loop import assemble
-from worker.systems.closed_loop.assemble import Loop
+from worker.engine.kernels import maths
+from worker.engine.reference import compiled
+from worker.engine.systems.closed_loop import assemble
+from worker.engine.systems.closed_loop.assemble import Loop
+from worker.running.catalogue.installed import components
 
 EARLIER = json.loads((Path(__file__).parents[1] / "golden" / "closed_loops.json").read_text(encoding="utf-8"))
 """State and guidance after 25 steps, and what a trace shows there, of one random point of every campaign of the library

@@ -15,18 +15,18 @@ from typing import Any
 import pytest
 
 from tests.unit.assembled import check, parts, vector
-from worker.kernels.text.names import Names, UnnamedError
-from worker.kernels.text.written import written
-from worker.systems.closed_loop.assemble import Loop
+from worker.engine.kernels.text.names import Names, UnnamedError
+from worker.engine.kernels.text.written import written
+from worker.engine.systems.closed_loop.assemble import Loop
 
 # Names
 
 
 POST = """
 from typing import Annotated, NamedTuple
-from worker.kernels.component import Obstacle, Parameter
-from worker.kernels.maths import kernel, norm2
-from worker.kernels.views import Body
+from worker.engine.kernels.component import Obstacle, Parameter
+from worker.engine.kernels.maths import kernel, norm2
+from worker.engine.kernels.views import Body
 
 class Post(NamedTuple):
     x: Annotated[float, Parameter("m", "Position, x")] = 4.0
@@ -104,7 +104,7 @@ def test_a_component_made_by_a_function_is_refused(module: Any) -> None:
 
 
 FAR = """
-from worker.kernels.maths import kernel
+from worker.engine.kernels.maths import kernel
 
 @kernel
 def grown(radius):
@@ -112,7 +112,7 @@ def grown(radius):
 """
 
 NEAR = """
-from worker.kernels.maths import kernel
+from worker.engine.kernels.maths import kernel
 import some_package.far as far
 
 @kernel
@@ -124,7 +124,7 @@ FLIES = """
 import json
 from some_package import post
 from tests.unit.assembled import parts, vector
-from worker.systems.closed_loop.assemble import Loop
+from worker.engine.systems.closed_loop.assemble import Loop
 
 loop = Loop(parts(obstacles=(post.component,)))
 flown = loop.simulate(vector(loop)[None], 0.005, 800)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.unit.cases import case1
-from worker.stages.parts.store import Trace
-from worker.systems.base import Floats
-from worker.systems.closed_loop.trace import trace
+from worker.engine.stages.parts.store import Trace
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.trace import trace
 
 WORST = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from tests.unit.searching import Function, run, space
-from worker.search.base import Floats, Method
-from worker.search.methods import lq_cma_es, turbo
-from worker.search.methods.turbo import Region, candidates, hypercube, lowest_of, method
-from worker.search.parts import gaussian_process
-from worker.search.parts.gaussian_process import fitted
+from worker.engine.search.base import Floats, Method
+from worker.engine.search.methods import lq_cma_es, turbo
+from worker.engine.search.methods.turbo import Region, candidates, hypercube, lowest_of, method
+from worker.engine.search.parts import gaussian_process
+from worker.engine.search.parts.gaussian_process import fitted
 
 
 def wave(x: Floats) -> Floats:

@@ -28,7 +28,7 @@ from tests.unit.evidence import (
     validation,
     violation,
 )
-from worker.stages.parts.encounter import influence
+from worker.engine.stages.parts.encounter import influence
 
 
 def test_cleared_when_everything_holds() -> None:

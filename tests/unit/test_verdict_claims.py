@@ -31,7 +31,7 @@ from tests.unit.evidence import (
     validation,
     violation,
 )
-from worker.verdicts.conclude import conclude
+from worker.evidence.verdicts.conclude import conclude
 
 STOPPED = Stop(kind="budget", text="used its budget")
 
@@ -45,7 +45,7 @@ def test_a_stored_violation_that_no_finding_shows_bars_cleared() -> None:
 
 
 def test_cleared_with_a_stored_violation_is_impossible_whatever_the_checks_say(monkeypatch: pytest.MonkeyPatch) -> None:
-    from worker.verdicts import conclude as module
+    from worker.evidence.verdicts import conclude as module
 
     monkeypatch.setattr(module, "checks", lambda problem, evidence: [])
     with pytest.raises(AssertionError, match="although a stored evaluation has"):

@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from tests.audited import shortly
 from tests.unit.records import CALLS, CORRUPTIONS, FINDING, RUNS, Folder, edit, write_called, written
-from worker.audit import verify as program
-from worker.audit.binomial import upper_bound
-from worker.audit.verify import Run, verify
-from worker.cli import VIOLATED, WRONG_INPUT, invoke
-from worker.stages.parts import offered
+from worker.engine.stages.parts import offered
+from worker.evidence.audit import verify as program
+from worker.evidence.audit.binomial import upper_bound
+from worker.evidence.audit.verify import Run, verify
 
 DATABASES = Path(__file__).parents[1] / "api" / "stored"
 ROOM = Path(program.__file__)

@@ -1,7 +1,7 @@
 """Live simulations in a child process, one case at a time, so that none runs in the service itself.
 
 One process serves all viewers. It starts with the first request and restarts after a failure; requests and responses
-are one line of JSON each (`worker/processes/live.py`). Start reading at `Live.simulate`.
+are one line of JSON each (`worker/running/processes/live.py`). Start reading at `Live.simulate`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from backend.scenes.base.noise import STATED, Noise
 from campaigns.documents import JsonObject
 
 ROOT = Path(__file__).parents[3]
-COMMAND = (sys.executable, "-P", "-m", "worker.processes.live")
+COMMAND = (sys.executable, "-P", "-m", "worker.running.processes.live")
 
 LIMIT = 5.0
 """Time limit of a simulation [s]."""
@@ -100,7 +100,7 @@ class Live:
     ) -> JsonObject:
         """The avoider's demand at positions in the plane at the vehicle's height, at a time [s] of that flight.
 
-        All in the flight's axes; the response is described in `worker/processes/live.py`. Raises `LiveError`.
+        All in the flight's axes; the response is described in `worker/running/processes/live.py`. Raises `LiveError`.
         """
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
         return self._answered(digest, asked | noise.request)

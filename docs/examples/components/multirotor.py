@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Limit, Parameter, Signal, Vehicle
-from worker.kernels.maths import kernel
-from worker.kernels.views import Errors, Surroundings
-from worker.physics.space import Vector, norm3
+from worker.engine.kernels.component import Derived, Limit, Parameter, Signal, Vehicle
+from worker.engine.kernels.maths import kernel
+from worker.engine.kernels.views import Errors, Surroundings
+from worker.engine.physics.space import Vector, norm3
 
 State = tuple[float, float, float, float, float, float, float, float, float]
 FASTEST = 40.0

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Controller, Parameter, Signal
-from worker.kernels.maths import kernel
-from worker.physics.space import Vector, norm3
+from worker.engine.kernels.component import Controller, Parameter, Signal
+from worker.engine.kernels.maths import kernel
+from worker.engine.physics.space import Vector, norm3
 
 State = tuple[float, float, float, float, float, float, float, float, float]
 

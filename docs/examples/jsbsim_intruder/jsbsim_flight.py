@@ -21,7 +21,7 @@ except ModuleNotFoundError as error:
         f"the package {error.name} is not installed; where Clearance is installed: pip install 'clearance[jsbsim]'"
     )
 
-from worker.components.avoiders.closest_approach import ClosestApproach, Goal, component
+from worker.engine.components.avoiders.closest_approach import ClosestApproach, Goal, component
 
 VERSION = "1.3.3"
 """Of JSBSim. It is part of this file, and so of the simulator's digest: another version gives other numbers."""

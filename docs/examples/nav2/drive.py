@@ -13,8 +13,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from worker.systems.simulators.logs.approach import Column
-from worker.systems.simulators.logs.rosbag import separation_of_mcap
+from worker.engine.systems.simulators.logs.approach import Column
+from worker.engine.systems.simulators.logs.rosbag import separation_of_mcap
 
 TOPIC = "/odom"
 OBSTACLES = [Column(x=2.0, y=0.5, radius=0.15)]

@@ -12,8 +12,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from worker.systems.simulators.logs.approach import Column
-from worker.systems.simulators.logs.ulog import separation_of_ulog
+from worker.engine.systems.simulators.logs.approach import Column
+from worker.engine.systems.simulators.logs.ulog import separation_of_ulog
 
 PARAMETERS = {"wind_n": "SIH_WIND_N", "wind_e": "SIH_WIND_E"}
 """The parameter of PX4 for each of ours."""

@@ -70,8 +70,8 @@ describe('different code of one campaign', () => {
   const file = (name: string, change: 'changed' | 'added' = 'changed') => ({ file: name, change, component: null })
   it('is a sentence of its own that names the files', () => {
     const [a, b] = [run(), run({ code: 'b'.repeat(64) })]
-    expect(otherCodeText(a, b, [file('worker/components/avoiders/ge_cui.py'), file('worker/physics/new.py', 'added')])).toBe(
-      'Same campaign, different code: worker/components/avoiders/ge_cui.py, worker/physics/new.py (added).',
+    expect(otherCodeText(a, b, [file('worker/engine/components/avoiders/ge_cui.py'), file('worker/engine/physics/new.py', 'added')])).toBe(
+      'Same campaign, different code: worker/engine/components/avoiders/ge_cui.py, worker/engine/physics/new.py (added).',
     )
     expect(otherCodeText(a, b, ['1', '2', '3', '4', '5', '6'].map((name) => file(name)))).toContain('1, 2, 3, 4 and 2 more files.')
     expect(otherCodeText(a, b, null)).toBe('Same campaign, different code: source files whose names are not stored.')

@@ -17,7 +17,7 @@ export const python = <T>(program: string, input = ''): T => JSON.parse(output(p
 const READ = `
 import json
 from campaigns import Campaign, library, load_file
-from worker.catalogue.installed import catalogue
+from worker.running.catalogue.installed import catalogue
 def told(path):
     campaign = load_file(path)
     return {"document": campaign.document(), "digest": campaign.digest, "text": path.read_text(encoding="utf-8")}

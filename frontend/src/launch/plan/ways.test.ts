@@ -11,7 +11,7 @@ const TIMES = [0, 1, 2.5, 4]
 const FLY = `
 import json, sys
 from tests.physics.test_obstacles import OBSTACLES, made
-from worker.kernels.component import declared
+from worker.engine.kernels.component import declared
 asked = json.load(sys.stdin)
 found = {}
 for o in OBSTACLES:

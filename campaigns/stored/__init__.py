@@ -1,0 +1,1 @@
+"""What is stored of a run while it is executed: plans and states of stages, evaluations in columns, traces."""

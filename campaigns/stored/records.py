@@ -1,0 +1,81 @@
+"""The stored results of a run as plain data: evaluations in columns, stages, traces.
+
+The runner writes them through `worker.running.runs.store.Store`; `backend.db.store` maps them to tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaigns.results import StageResult, TraceHead
+from campaigns.results.trace import TraceColumn
+from campaigns.runs import StageState
+from campaigns.stages.found import StageKind
+
+Floats = NDArray[np.float64]
+
+
+class Columns(NamedTuple):
+    """Consecutive evaluations of one stage, one row each.
+
+    points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as `campaigns.results.base`
+    numbers it; seconds (m,) working time of the stage when each was completed; reasons {index in the stage: sentence}.
+    """
+
+    points: Floats
+    costs: Floats
+    status: NDArray[np.uint8]
+    seconds: Floats
+    reasons: dict[int, str]
+
+
+class Ahead(NamedTuple):
+    """Evaluations of one stage that were completed before an earlier one: indices in the stage (m,), and their rows."""
+
+    indices: NDArray[np.int64]
+    columns: Columns
+
+
+@dataclass(frozen=True)
+class StagePlan:
+    """A stage before it starts; `planned` is its budget of evaluations."""
+
+    kind: StageKind
+    method: str | None
+    planned: int
+
+
+@dataclass(frozen=True)
+class StageRecord:
+    """The stored state of a stage; `seconds` is its working time so far."""
+
+    plan: StagePlan
+    state: StageState = StageState.WAITING
+    seconds: float = 0.0
+    result: StageResult | None = None
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A flight as columns: data (rows, columns)."""
+
+    name: str
+    columns: list[TraceColumn]
+    data: Floats
+    meta: TraceHead
+
+
+def join(chunks: Sequence[Columns]) -> Columns | None:
+    """Concatenate consecutive columns; None if there are none."""
+    if not chunks:
+        return None
+    reasons: dict[int, str] = {}
+    for chunk in chunks:
+        reasons.update(chunk.reasons)
+    points, costs, status, seconds = (np.concatenate([c[k] for c in chunks]) for k in range(4))
+    return Columns(points, costs, status, seconds, reasons)

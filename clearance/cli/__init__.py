@@ -1,0 +1,138 @@
+"""The command `clearance`: one file per command, discovered automatically.
+
+A file `some_name.py` here contains the function `some_name` (the command `some-name`), or `app`, a group of commands.
+Its heavy imports are inside the function, so that `clearance --help` is fast. Start reading at `main`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import sqlalchemy as sa
+import typer
+from typer.core import TyperGroup
+
+from backend.db.access import AccessError
+from campaigns import CampaignError
+from worker.engine.kernels.jit import JitDisabledError
+
+CLEARED, VIOLATED, INCONCLUSIVE, WRONG_INPUT, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 4, 130
+"""Exit codes: the verdicts, wrong input or usage, a failure of Clearance itself, interrupted."""
+CODES = {"cleared": CLEARED, "violated": VIOLATED, "inconclusive": INCONCLUSIVE}
+"""Those of the verdicts."""
+
+
+class WrongInputError(Exception):
+    """Invalid input; the message is for the user. Ends the command with `WRONG_INPUT`."""
+
+
+class UnreachableError(Exception):
+    """A service that did not answer in time. Ends the command with `INTERNAL`."""
+
+
+class _Interrupted(Exception):
+    """Ctrl-C; the message states what it left behind, if the command has said so."""
+
+
+class _Commands(TyperGroup):
+    """The command line library ends at Ctrl-C without a word: it is raised past it as another exception."""
+
+    def invoke(self, ctx: Any) -> object:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            raise _Interrupted(f"{error}") from None
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit."""
+    sys.exit(invoke(sys.argv[1:] if arguments is None else arguments))
+
+
+def invoke(arguments: Sequence[str]) -> int:
+    """Run one command; returns its exit code. Commands end with `typer.Exit(code)` or an error named here."""
+    try:
+        code = _command()(list(arguments), prog_name="clearance", standalone_mode=False)
+    except (typer.TyperException, CampaignError, AccessError, WrongInputError, JitDisabledError) as error:
+        _explain(error)
+        return WRONG_INPUT
+    except sa.exc.OperationalError as error:
+        typer.echo(f"Error: the database cannot be used: {error.orig}", err=True)
+        return INTERNAL
+    except UnreachableError as error:
+        _explain(error)
+        return INTERNAL
+    except (KeyboardInterrupt, _Interrupted, typer.Abort) as error:
+        typer.echo(f"interrupted: {error}" if f"{error}" else "interrupted", err=True)
+        return INTERRUPTED
+    except Exception as error:
+        sentence = _of_a_component(error)
+        if sentence:
+            typer.echo(f"Error: a component failed: {sentence}", err=True)
+            return WRONG_INPUT
+        traceback.print_exc()
+        typer.echo("Internal error in Clearance; this is not a result of your campaign.", err=True)
+        return INTERNAL
+    return code if isinstance(code, int) else 0
+
+
+def build() -> typer.Typer:
+    """The commands of this folder as one application."""
+    app = typer.Typer(
+        cls=_Commands,
+        help="Searches for the worst case of an obstacle-avoidance system and states what may be claimed.",
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+    )
+    app.callback()(_group)
+    for module in sorted(pkgutil.iter_modules(__path__), key=lambda m: m.name):
+        if not module.name.startswith("_"):
+            _add(app, module.name)
+    return app
+
+
+@cache
+def _command() -> Callable[..., object]:
+    """The same, read once: a program may run several commands."""
+    command: Callable[..., object] = typer.main.get_command(build())
+    return command
+
+
+def _add(app: typer.Typer, name: str) -> None:
+    module = importlib.import_module(f"{__name__}.{name}")
+    command = name.replace("_", "-")
+    if hasattr(module, "app"):
+        app.add_typer(module.app, name=command)
+    else:
+        app.command(command)(getattr(module, name))
+
+
+def _group() -> None:
+    """Searches for the worst case of an obstacle-avoidance system and states what may be claimed."""
+
+
+def _of_a_component(error: Exception) -> str:
+    """What went wrong in one of the operator's own components; empty if the error is another one."""
+    if "worker.engine.components.own" not in sys.modules:
+        return ""
+    from worker.running.catalogue.own import blamed
+
+    return blamed(error)
+
+
+def _explain(error: Exception) -> None:
+    if isinstance(error, CampaignError):
+        typer.echo(f"{error.source} cannot be used:", err=True)
+        for problem in error.problems:
+            typer.echo(f"  {problem}", err=True)
+    elif hasattr(error, "show"):  # the command line library's own errors include the usage
+        error.show()
+    else:
+        typer.echo(f"Error: {error}", err=True)

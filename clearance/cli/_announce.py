@@ -1,0 +1,77 @@
+"""What a run of a simulator is expected to take, announced by `clearance run` where an evaluation has been measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from clearance.cli._where import existing_url_of
+
+if TYPE_CHECKING:
+    from campaigns import Campaign
+    from campaigns.asked.proposal import Cost
+
+PATIENCE = "2"
+"""Time to wait for a database server [s]: the estimate is an aid, and a run needs no database."""
+
+
+def announce(campaign: Campaign, data: Path, database: str) -> None:
+    """Print the number of evaluations and their time on standard error, and where the time is known from.
+
+    Nothing is printed of a scenario, or if the database has no measurement of the simulator as it is now.
+    """
+    from campaigns.asked.proposal import lasting
+    from campaigns.checked.expected import again, expected, total
+
+    found = _measured(campaign, data, database)
+    if found is None or campaign.simulator is None:
+        return
+    cost, halved = found
+    evaluations, calls, more = total(expected(campaign)), campaign.simulator.calls, again(campaign, cost.noisy, halved)
+    seconds, known = cost.lasts(evaluations.usual, calls, more)
+    taken = lasting(seconds)
+    if not evaluations.near:
+        taken = " to ".join(lasting(cost.lasts(end, calls, more)[0]) for end in (evaluations.least, evaluations.most))
+    typer.echo(f"{evaluations.text} evaluations, {taken}; an estimate. {known}", err=True)
+
+
+def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool] | None:
+    """What was measured of its simulator, and whether that has a step, which is halved to confirm results."""
+    import sqlalchemy as sa
+
+    from backend.db import costs
+    from backend.db.engine import connect, read
+    from clearance.cli import WrongInputError
+    from worker.running.catalogue.digests import with_digests
+    from worker.running.catalogue.installed import catalogue
+
+    if campaign.simulator is None:
+        return None
+    name = campaign.simulator.name
+    known = with_digests(catalogue())
+    entry = known.simulator(name)
+    if entry is None:
+        return None
+    try:
+        engine = connect(_patient(existing_url_of(data, database)))
+    except WrongInputError:  # there is no database, which a run does not need
+        return None
+    try:
+        with read(engine) as reader:
+            cost = costs.newest(reader, entry, known.digests.get(name))[0]
+            return None if cost is None else (cost, entry.step is not None)
+    except sa.exc.SQLAlchemyError:  # such as a database of another version, which a run does not migrate
+        return None
+    finally:
+        engine.dispose()
+
+
+def _patient(url: str) -> str:
+    import sqlalchemy as sa
+
+    parsed = sa.make_url(url)
+    if parsed.get_backend_name() == "sqlite":
+        return url
+    return parsed.update_query_dict({"connect_timeout": PATIENCE}).render_as_string(hide_password=False)

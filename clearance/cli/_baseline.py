@@ -1,0 +1,45 @@
+"""`clearance run --baseline`: the campaign with the findings of a folder of results, or of a stored run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clearance.cli import WrongInputError
+from clearance.cli._where import existing_url_of
+
+if TYPE_CHECKING:
+    from campaigns import Campaign
+
+LONGEST = 120
+"""Characters of the name of a baseline."""
+
+
+def compared(campaign: Campaign, given: str, data: Path, database: str) -> tuple[Campaign, str]:
+    """The campaign with its baseline, and the sentence that states it; raises `WrongInputError`.
+
+    given: a folder of `clearance run --out`, R-0001, or label:KEY=VALUE. If no run has the label, the campaign is
+    unchanged, and the sentence says so.
+    """
+    from backend.db.engine import connect, migrate, read
+    from campaigns.results.baselines import CannotCompare, with_baseline
+    from clearance.cli.replay import of_folder
+
+    try:
+        if Path(given).is_dir():
+            recorded = of_folder(Path(given))
+            name = given[-LONGEST:]
+            return with_baseline(campaign, name, recorded.campaign, recorded.findings), f"Baseline: {name}."
+        from backend.db import baselines
+
+        url = existing_url_of(data, database)
+        migrate(url)
+        engine = connect(url)
+        try:
+            with read(engine) as reader:
+                found = baselines.resolved(reader, campaign, given)
+        finally:
+            engine.dispose()
+        return found.campaign, found.sentence
+    except CannotCompare as error:
+        raise WrongInputError(f"{error}") from None

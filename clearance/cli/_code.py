@@ -1,0 +1,159 @@
+"""The option --allow-code: the campaign file may contain the command of a simulator."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+
+from campaigns.documents import JsonObject
+from clearance.cli import WrongInputError
+
+if TYPE_CHECKING:
+    from campaigns import Campaign
+    from worker.running.catalogue.inline import InlineProgram
+
+AllowCode: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--allow-code",
+        help="Permit `simulator: {command: ...}` in the campaign file, also to extend its run, which runs any program "
+        "as you: only for files that you trust. The service never does.",
+    ),
+]
+GIVEN, FOLDER = "command_given", "folder"
+"""Keys of result.json: where the campaign file was that gave the command."""
+HOW = "; for a file that you trust, --allow-code permits its command"
+
+
+def read(file: Path, allowed: bool) -> Campaign:
+    """The campaign of a file or of the library; a command in it is installed for this process if that is allowed.
+
+    Raises `CampaignError`.
+    """
+    from campaigns import CampaignError
+    from campaigns.asked.load import load_document, load_file, read_text
+    from campaigns.asked.reading import UnreadableError, parse
+    from clearance.cli._campaign import found
+    from worker.running.catalogue.inline import install, taken_out
+
+    path = found(file)
+    if not allowed:
+        try:
+            return load_file(path)
+        except CampaignError as error:
+            code = [
+                replace(p, message=p.message + HOW) if p.field == "simulator.command" else p for p in error.problems
+            ]
+            raise CampaignError(error.source, code) from None
+    try:
+        document = parse(read_text(path))
+    except UnreadableError as error:
+        raise CampaignError(str(path), [error.problem]) from None
+    document, program = taken_out(document, path)
+    campaign = load_document(document, str(path))
+    if program is not None:
+        install(program)
+    return campaign
+
+
+def of_results(run: str, allowed: bool) -> None:
+    """Install the command of a run that is to be extended, if its campaign file gave one and that is allowed.
+
+    run: the folder of its `--out`, or the id of a stored run, which never has one. Raises `WrongInputError`.
+    """
+    from clearance.cli._where import stored_run
+    from clearance.local.results import versions_of
+    from worker.running.catalogue.inline import install
+
+    if stored_run(run) is not None:
+        if allowed:
+            raise WrongInputError(
+                "--allow-code is for a campaign file or the folder of its results; a stored run has no command: leave "
+                "--allow-code out"
+            )
+        return
+    command = versions_of(Path(run)).command
+    if not command:
+        return
+    if not allowed:
+        raise WrongInputError(
+            f"{run} cannot be extended: its campaign file gave the command of the simulator, {command}; for a run that "
+            "you trust, --allow-code permits it"
+        )
+    try:
+        install(_described(Path(run)))
+    except (OSError, ValueError) as error:
+        raise WrongInputError(f"{run} cannot be extended: {error}") from None
+
+
+def _described(folder: Path) -> InlineProgram:
+    """The program that simulator.yaml in a folder of results describes; raises ValueError and OSError."""
+    import yaml
+
+    from worker.engine.systems.simulators.declared.described import FILE
+    from worker.running.catalogue.inline import InlineProgram, descriptor_of
+
+    file, given = folder / FILE, _stated(folder / "result.json")
+    if not given:
+        raise ValueError("its result.json does not state where its campaign file was; run the campaign again")
+    if not Path(given[FOLDER]).is_dir():
+        raise ValueError(f"the folder of its campaign file, {given[FOLDER]}, is not there any more; run it again")
+    try:
+        document = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, yaml.YAMLError) as error:
+        raise ValueError(f"{file.name} in it cannot be read: {' '.join(str(error).split())}") from None
+    return InlineProgram(Path(given[FOLDER]), descriptor_of(document, str(file)), given["file"])
+
+
+def _stated(file: Path) -> dict[str, str]:
+    """What `stated` has written; empty if there is nothing that can be used."""
+    try:
+        given = json.loads(file.read_text(encoding="utf-8"))[GIVEN]
+        return {name: str(Path(given[name])) for name in ("file", FOLDER)}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+
+
+def stated(campaign: Campaign) -> JsonObject:
+    """Where the campaign file was that gave the command, for result.json; empty if none did."""
+    known = _inline(campaign)
+    return {} if known is None else {GIVEN: {"file": known.file, FOLDER: str(known.folder)}}
+
+
+def _inline(campaign: Campaign) -> InlineProgram | None:
+    """The program that the campaign file gave."""
+    from worker.engine.systems.simulators.declared.simulator import Program
+    from worker.running.catalogue.inline import InlineProgram
+    from worker.running.catalogue.installed import simulators
+
+    known = None if campaign.simulator is None else simulators().get(campaign.simulator.name)
+    described = known.described if isinstance(known, Program) else None
+    return described if isinstance(described, InlineProgram) else None
+
+
+def program_of(campaign: Campaign) -> JsonObject | None:
+    """The program that the campaign file gave, for a capsule; None if it gave none."""
+    known = _inline(campaign)
+    if known is None:
+        return None
+    descriptor = known.descriptor.model_dump(mode="json", exclude_unset=True)
+    return {"descriptor": descriptor, "file": known.file, "folder": str(known.folder)}
+
+
+def write_description(folder: Path, campaign: Campaign) -> None:
+    """Write what the campaign file gave as simulator.yaml, with which it can be installed; nothing else is written."""
+    import yaml
+
+    from worker.engine.systems.simulators.declared.described import FILE
+
+    known = _inline(campaign)
+    if known is None:
+        return
+    document = known.descriptor.model_dump(mode="json", exclude_unset=True)
+    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=120)
+    head = f"# From {known.file}, where {{folder}} was {known.folder}\n"
+    (folder / FILE).write_text(head + text, encoding="utf-8")

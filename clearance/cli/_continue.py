@@ -1,0 +1,197 @@
+"""Extends a run for `clearance run --continue RUN --budget +N`: a folder of results, or a stored run.
+
+A folder's run is extended in memory; a stored run is extended as a new run of the same database, held under a lease by
+this process, so that a worker finishes it if this process dies. Start reading at `execute_continued`.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import sqlalchemy as sa
+
+from backend.db import codes, snapshots
+from backend.db import continuation as stored
+from backend.db.engine import connect, migrate, read, write
+from backend.db.queue import LEASE, Claim, LostLease, Queue
+from backend.db.store import PATIENCE, RunStore
+from campaigns import Campaign, CampaignError
+from campaigns.asked.load import load_document
+from campaigns.checked.snapshot import values_changed
+from campaigns.documents import JsonObject
+from campaigns.results import Verdict
+from campaigns.runs import ENDED, run_name
+from campaigns.stages.plan import plan
+from campaigns.versions import Versions
+from clearance.cli import WrongInputError
+from clearance.cli._where import existing_url_of, stored_run
+from clearance.local.interrupt import explained
+from clearance.local.results import read_folder, refuse_other_campaign, versions_of
+from worker.engine.stages.parts.store import Columns, StagePlan, Store
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
+from worker.running.runs.runner import Cancelled, ReplayMismatch
+from worker.running.runs.store import MemoryStore
+
+Execute = Callable[[Campaign, Store, Callable[[], bool]], Verdict]
+
+
+class Continued(NamedTuple):
+    """The new run: its campaign, its stored data, its verdict, and the run that it extends."""
+
+    campaign: Campaign
+    store: MemoryStore
+    verdict: Verdict
+    cites: JsonObject
+
+
+@dataclass(frozen=True)
+class _Earlier:
+    run: str
+    campaign: Campaign
+    store: MemoryStore
+    versions: Versions
+    modules: dict[str, str]
+
+    def onward(self, budget: Budget) -> tuple[Campaign, dict[int, Columns]]:
+        campaign = continued(self.campaign, budget)
+        refuse_other_code(campaign, self.versions, self.modules)
+        return campaign, carried(self.campaign, campaign, self.store)
+
+    @property
+    def cited(self) -> JsonObject:
+        unknown = {} if self.versions.code else {"code": None}
+        return {"run": self.run, "digest": self.campaign.digest} | unknown
+
+
+def execute_continued(run: str, budget: str, data: Path, database: str, execute: Execute) -> Continued:
+    """Extend a run with `execute(campaign, store, cancelled)`; raises `WrongInputError` if that is impossible."""
+    try:
+        asked = Budget.read(budget)
+        run_id = stored_run(run)
+        if run_id is not None:
+            return _of_database(run_id, asked, existing_url_of(data, database), execute)
+        return _of_folder(Path(run), asked, execute)
+    except (CannotContinue, ReplayMismatch) as error:
+        raise WrongInputError(f"{run} cannot be extended: {error}") from None
+
+
+def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
+    campaign, store = read_folder(folder)
+    earlier = _Earlier(str(folder), campaign, store, versions_of(folder), {})
+    onward, columns = earlier.onward(budget)
+    refuse_other_campaign(folder, campaign)
+    memory = preloaded(onward, columns)
+    with explained(memory):
+        return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)
+
+
+def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Continued:
+    migrate(url)
+    engine = connect(url)
+    try:
+        earlier = _earlier(engine, run_id)
+        onward, columns = earlier.onward(budget)
+        planned = [StagePlan(*p) for p in plan(onward)]
+        named: JsonObject = {"worker": "clearance run", "lease": LEASE, "catalogue": catalogue()}
+        versions = earlier.versions if earlier.versions.code else None
+
+        def begin(connection: sa.Connection) -> Claim:
+            return stored.begin(connection, run_id, onward, planned, columns, **named, versions=versions)
+
+        claim = write(engine, begin, PATIENCE)
+        verdict = _held(engine, claim, onward, execute)
+        with read(engine) as connection:
+            memory = _snapshot(connection, claim.run_id)
+        return Continued(onward, memory, verdict, earlier.cited | {"as": run_name(claim.run_id)})
+    finally:
+        engine.dispose()
+
+
+def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
+    with read(engine) as connection:
+        found = stored.state(connection, run_id)
+        if found is None:
+            raise CannotContinue("there is no such run in this database; check --data, the data folder of the service")
+        state, document = found
+        if stored.is_removed(connection, run_id):
+            raise CannotContinue("it was removed; restore it on its page first")
+        if state not in ENDED:
+            raise CannotContinue(f"it is {state}; wait for it to end, or cancel it first")
+        try:
+            campaign = load_document(document, run_name(run_id))
+        except CampaignError as error:
+            raise CannotContinue(f"its campaign was written for another version of Clearance: {error}") from None
+        snapshot = snapshots.of_run(connection, run_id)
+        others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue())
+        if others:
+            raise CannotContinue(f"its evaluations used different components: {'; '.join(others)}")
+        versions = stored.versions(connection, run_id)
+        return _Earlier(
+            run_name(run_id),
+            campaign,
+            _snapshot(connection, run_id),
+            versions,
+            codes.modules(connection, versions.code),
+        )
+
+
+def _held(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute) -> Verdict:
+    """Run under the lease; an interrupt returns the run to the queue, an error fails this attempt."""
+    queue = Queue(engine)
+    with _beating(queue, claim) as cancelled:
+        try:
+            return execute(campaign, RunStore(engine, claim), cancelled)
+        except Cancelled:
+            queue.cancelled(claim)
+            raise WrongInputError(f"{run_name(claim.run_id)} was cancelled") from None
+        except LostLease:
+            raise
+        except KeyboardInterrupt:
+            queue.give_back(claim)
+            raise KeyboardInterrupt(
+                f"{run_name(claim.run_id)} and its completed evaluations are stored; unless it was cancelled, a worker "
+                "of this database resumes it (`clearance serve` starts one)"
+            ) from None
+        except Exception as error:
+            queue.retry(claim, f"the runner raised {type(error).__name__}: {error}")
+            raise
+
+
+@contextmanager
+def _beating(queue: Queue, claim: Claim) -> Iterator[Callable[[], bool]]:
+    """Prolong the lease from a thread; yields whether the run is to stop."""
+    over, stop = threading.Event(), threading.Event()
+
+    def beat() -> None:
+        while not over.wait(queue.lease / 4):
+            try:
+                if queue.beat(claim):
+                    stop.set()
+            except LostLease:
+                stop.set()
+                return
+            except sa.exc.OperationalError:
+                continue  # a busy database is retried before the lease expires
+
+    thread = threading.Thread(target=beat, name="lease", daemon=True)
+    thread.start()
+    try:
+        yield stop.is_set
+    finally:
+        over.set()
+        thread.join()
+
+
+def _snapshot(connection: sa.Connection, run_id: int) -> MemoryStore:
+    return MemoryStore(
+        stages=stored.stages(connection, run_id),
+        chunks={at: [columns] for at, columns in stored.evaluations(connection, run_id).items()},
+        findings=stored.findings(connection, run_id),
+        traces={t.name: t for t in stored.traces(connection, run_id)},
+    )

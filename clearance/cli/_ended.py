@@ -1,0 +1,157 @@
+"""A run that has ended, as the command line reports it: its exit code, and what its files state. Read `EndedRun`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from clearance.cli import CODES, INTERNAL, INTERRUPTED, VIOLATED
+
+if TYPE_CHECKING:
+    from campaigns.results import Verdict
+    from campaigns.results.regression import FindingChange, Regression
+    from campaigns.results.verdicts import DescribedCheck
+    from clearance.cli._launch import Launch
+
+
+@dataclass(frozen=True)
+class Case:
+    """One finding: cost and margin [unit of the criterion], parameters by path."""
+
+    label: str
+    cost: float
+    margin: float
+    parameters: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Source:
+    """The campaign as text: its file, or its address in a service."""
+
+    address: str
+    text: str
+
+
+@dataclass(frozen=True)
+class EndedRun:
+    """One run. run: R-0001, or the campaign's file; link: its page, if it has one; replay: the command that evaluates a
+    case of it again, without the case; notes: sentences on its baseline and on its reuse."""
+
+    run: str
+    campaign: str
+    state: str
+    verdict: Verdict | None
+    error: str = ""
+    link: str = ""
+    replay: str = ""
+    labels: dict[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    seconds: float = 0.0
+    compared: bool = True
+    """False if a baseline was asked for and there is none."""
+    requirements: tuple[str, ...] = ()
+    """The ids of the requirements that its criterion states."""
+    quantity: str = ""
+    unit: str = ""
+    threshold: float | None = None
+    findings: tuple[Case, ...] = ()
+    """The worst first."""
+    source: Source | None = None
+    picture: str = ""
+    """Name of the picture of the worst case, next to the summary; empty if there is none."""
+
+    @property
+    def violating(self) -> tuple[Case, ...]:
+        """The findings that violate the criterion."""
+        worst = None if self.verdict is None else self.verdict.worst
+        if not self.findings and worst is not None:
+            found: tuple[Case, ...] = (Case(worst.finding, worst.cost, worst.margin, worst.parameters),)
+        else:
+            found = self.findings
+        return tuple(case for case in found if case.margin <= 0)
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the policy of the campaign accepts its violations, so that they fail nothing."""
+        return self.verdict is not None and self.verdict.verdict == "violated" and self.code == 0
+
+    @property
+    def checks(self) -> list[DescribedCheck]:
+        """The checks of the verdict; empty without one."""
+        from campaigns.results.verdicts import described
+
+        if self.verdict is None:
+            return []
+        counted = self.verdict.evaluations
+        return described(self.verdict.checks, 0 if counted is None else counted.failed)
+
+    @property
+    def regression(self) -> Regression | None:
+        """What has changed since the baseline."""
+        return None if self.verdict is None else self.verdict.regression
+
+    @property
+    def code(self) -> int:
+        """The exit code."""
+        if self.verdict is None:
+            return INTERRUPTED if self.state == "cancelled" else INTERNAL
+        return code(self.verdict)
+
+    def command(self, case: FindingChange) -> str:
+        """The command that evaluates a case again; empty if there is none."""
+        if not self.replay or self.regression is None:
+            return ""
+        own = case.now if case.margin_again is None or case.margin != case.margin_again else None
+        place = own or (None if case.evaluation is None else f"{self.regression.position}:{case.evaluation}")
+        return f"{self.replay} {place}" if place else ""
+
+
+def write_files(ended: EndedRun, given: Launch) -> None:
+    """Write the files that were asked for."""
+    if given.junit is not None:
+        from clearance.cli import _junit
+
+        _junit.write(given.junit, ended)
+    if given.summary is not None:
+        from clearance.cli import _markdown
+
+        _markdown.write(given.summary, ended)
+    if given.sarif is not None:
+        from clearance.cli import _sarif
+
+        _sarif.write(given.sarif, ended)
+
+
+def code(verdict: Verdict) -> int:
+    """The exit code of a verdict and of the policy on its changes since a baseline.
+
+    A change that fails is 1 whatever the verdict; a violated verdict is 0 only if the policy accepts violations and the
+    baseline had all of them.
+    """
+    regression = verdict.regression
+    if regression is not None and not regression.ok:
+        return VIOLATED
+    if regression is not None and regression.accepted and verdict.verdict == "violated":
+        return 0
+    return CODES[verdict.verdict]
+
+
+def exit_sentence(verdict: Verdict) -> str:
+    """Why the exit code is not that of the verdict; empty if it is."""
+    regression = verdict.regression
+    if regression is None or code(verdict) == CODES[verdict.verdict]:
+        return ""
+    if not regression.ok:
+        return f"The exit code is {VIOLATED}: the policy of the campaign fails."
+    return f"The exit code is 0: every violating finding was known in {regression.run}, and the policy accepts those."
+
+
+def changes(verdict: Verdict) -> list[str]:
+    """The sentence on the changes since a baseline, each finding that is not compared, and why the exit code is not
+    that of the verdict; empty without a baseline."""
+    regression = verdict.regression
+    if regression is None:
+        return []
+    lost = [f"{case.text}." for case in regression.cases if case.standing == "not compared"]
+    return [regression.text, *lost, *filter(None, [exit_sentence(verdict)])]

@@ -1,0 +1,210 @@
+"""The output of `clearance submit` and `clearance follow`: progress, the verdict, the files of a run.
+
+Start reading at `follow_to_the_end`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from clearance.cli import WrongInputError
+from clearance.cli._ended import Case, EndedRun, Source, changes, write_files
+
+if TYPE_CHECKING:
+    from clearance.cli._launch import Launch
+    from clearance.client import Client
+    from clearance.client.answers import Run, RunDetail
+
+FILES = ("campaign.yaml", "run.json", "evaluations.csv", "findings.csv", "report.html")
+"""Files of a run that are saved."""
+Out = Annotated[Path | None, typer.Option(help=f"Folder for the run's files: {', '.join(FILES)}.", file_okay=False)]
+CONTINUES = "{run} continues in the background; `clearance follow {run}` follows it again"
+GRACE = 5.0
+"""How long to try to cancel a run when this command is ended [s]."""
+AsJson = Annotated[bool, typer.Option("--json", help="Print only the run's JSON, as the API returns it.")]
+_GITHUB = "GITHUB_STEP_SUMMARY"
+
+
+def follow_to_the_end(
+    service: Client,
+    run: str,
+    out: Path | None,
+    as_json: bool,
+    given: Launch,
+    reused: str | None = None,
+    cancel: bool = False,
+    source: Source | None = None,
+) -> int:
+    """Show a run until it has ended, save its files; returns the exit code.
+
+    given: the files of a CI job; reused: why the run is an earlier one; cancel: an interrupt cancels the run; source:
+    the campaign file.
+    """
+    from clearance.client import UnreachableError
+
+    try:
+        found = _shown(service, run, quiet=as_json)
+    except KeyboardInterrupt:
+        typer.echo(_cancelled(service, run) if cancel else CONTINUES.format(run=run), err=True)
+        raise
+    except UnreachableError:
+        typer.echo(CONTINUES.format(run=run), err=True)
+        raise
+    ended = _as_ended(service, found, reused)
+    # Before the files, which the service may be unable to deliver.
+    typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_ended(service, found, ended)))
+    if given.wanted:
+        write_files(_complete(service, ended, given, out, source), given)
+    if out is not None:
+        save(service, run, out, FILES)
+        typer.echo(f"Files in {out}", err=True)
+    return ended.code
+
+
+def save(service: Client, run: str, out: Path, names: tuple[str, ...]) -> list[Path]:
+    """Download files of a run into a folder; `WrongInputError` if one cannot be written."""
+    try:
+        return service.export(run, out, names)
+    except OSError as error:
+        raise WrongInputError(f"{error.filename or out} cannot be written: {error.strerror}") from None
+
+
+def _cancelled(service: Client, run: str) -> str:
+    """Cancel the run, before the CI service kills this command; returns what has happened."""
+    from clearance.client import ClearanceError
+
+    service.session.patience = min(service.session.patience, GRACE)
+    try:
+        service.cancel(run)
+    except ClearanceError as error:
+        return f"{run} could not be cancelled: {error}"
+    return f"{run} was cancelled, because this command was ended"
+
+
+def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun:
+    """The run as its files state it; a service of an earlier version knows no labels and no baseline."""
+    from campaigns.results import Verdict
+
+    document, compared = found.document, found.baseline
+    criterion = (document.get("campaign") or {}).get("criterion") or {}
+    stated = document["summary"] if found.state == "done" else None
+    return EndedRun(
+        run=found.id,
+        campaign=found.campaign_name,
+        state=found.state,
+        verdict=Verdict.model_validate(stated) if stated else None,
+        error=found.error or superseded(found),
+        link=service.link(found),
+        replay=f"clearance replay {found.id}",
+        labels=found.labels,
+        notes=tuple(filter(None, [reused, "" if compared is None else compared.sentence])),
+        seconds=found.seconds or 0.0,
+        compared=compared is None or compared.run is not None,
+        quantity=found.quantity,
+        unit=found.unit,
+        threshold=found.threshold,
+        requirements=tuple(one["id"] for one in criterion.get("requirements", [])),
+    )
+
+
+def plain(text: str) -> str:
+    """The text without what a terminal would obey: names and reasons may contain any character."""
+    from campaigns.claims.legible import legible
+
+    return legible(text, "\n")
+
+
+def superseded(found: Run) -> str:
+    """Why a run of a group was cancelled; empty if it was not."""
+    if not found.superseded_by:
+        return ""
+    return f"{found.superseded_by} superseded it in the group {found.group}"
+
+
+def _complete(service: Client, ended: EndedRun, given: Launch, out: Path | None, source: Source | None) -> EndedRun:
+    """The run with what only its files state: findings, the campaign's text, the picture of the worst case."""
+    cases = tuple(Case(f.label, f.cost, f.margin, f.parameters) for f in service.findings(ended.run))
+    if given.sarif is not None and source is None:
+        address = f"{service.address}/api/v1/runs/{ended.run}/campaign.yaml"
+        source = Source(address, service.campaign_text(ended.run))
+    picture = "" if given.summary is None or not cases else _picture(service, ended.run, given.summary, out)
+    return replace(ended, findings=cases, source=source, picture=picture)
+
+
+def _picture(service: Client, run: str, summary: Path, out: Path | None) -> str:
+    """Download the picture of the worst case next to the summary; its name, empty if the run has none.
+
+    GitHub shows no picture that is next to the summary of a step, so that there it is among the files of `--out`.
+    """
+    from clearance.client import RefusedError
+
+    there = os.environ.get(_GITHUB)
+    apart = bool(there) and Path(there or "").resolve() == summary.resolve()
+    if apart and out is None:
+        return ""
+    folder = out if apart and out is not None else summary.parent
+    name = "worst-case.svg" if apart else f"{summary.stem}-{run}.svg"
+    try:
+        service.picture(run, folder / name)
+    except RefusedError as error:
+        typer.echo(f"No picture in the summary: {error}", err=True)
+        return ""
+    except OSError as error:
+        raise WrongInputError(f"{folder / name} cannot be written: {error.strerror}") from None
+    return "" if apart else name
+
+
+def _shown(service: Client, run: str, quiet: bool) -> RunDetail:
+    """The run once it has ended; until then a line for every stage, in place where that is a terminal."""
+    live, before = not quiet and sys.stderr.isatty(), ""
+
+    def show(found: Run) -> None:
+        nonlocal before
+        line = _line(found, figures=live)
+        if not quiet and line != before:
+            typer.echo(f"\r\033[K{line}" if live else line, err=True, nl=not live)
+            before = line
+
+    found = service.wait(run, on_change=show)
+    if live and before:
+        typer.echo("\r\033[K", err=True, nl=False)
+    return found
+
+
+def _line(found: Run, figures: bool) -> str:
+    stage = found.stage
+    if found.state != "running" or stage is None:
+        return f"{found.id} {found.state}"
+    name = stage.kind if stage.method is None else f"{stage.kind}: {stage.method}"
+    if not figures:
+        return f"{found.id} {name}"
+    best = "" if stage.best is None else f", best {stage.best:.6g} {found.unit}"
+    planned = "about" if stage.kind == "validate" else "at most"
+    return f"{found.id} {name}, {stage.evaluations:,} of {planned} {stage.planned:,} evaluations{best}"
+
+
+def counts(found: Run) -> str:
+    """How many evaluations there are; a service of an earlier version does not report the excluded ones."""
+    excluded = found.document.get("excluded_evaluations")
+    left_out = "" if excluded is None else f", {excluded:,} excluded"
+    return f"Evaluations: {found.evaluations:,}, {found.failed_evaluations:,} failed{left_out}"
+
+
+def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
+    if found.state == "done":
+        lines = [(found.verdict or "").capitalize(), found.reason or "", counts(found)]
+    elif found.state == "cancelled":
+        lines = ["Cancelled: no verdict", *filter(None, [superseded(found)])]
+    else:
+        lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]
+    lines += ended.notes
+    if ended.verdict is not None:
+        lines += changes(ended.verdict)
+    return [*lines, service.link(found)]

@@ -1,0 +1,158 @@
+"""A run as JUnit XML, for a CI service: cases for the verdict, the criterion, each requirement, each check and each
+finding compared.
+
+The format has no standard; this is the form that Jenkins, GitLab and GitHub's reporters read. Start reading at `junit`.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as Xml
+
+from campaigns.claims.numbers import signed
+from campaigns.results.regression import FindingChange, Standing
+from clearance.cli._ended import Case, EndedRun, exit_sentence
+
+if TYPE_CHECKING:
+    from campaigns.results import Verdict
+    from campaigns.results.verdicts import DescribedCheck
+
+_FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Characters that XML 1.0 cannot contain."""
+
+
+def write(file: Path, ended: EndedRun) -> None:
+    """Write the file."""
+    file.write_text(junit(ended), encoding="utf-8")
+
+
+def junit(ended: EndedRun) -> str:
+    """The document."""
+    suite = Xml.Element("testsuite", name=_clean(ended.campaign), time=f"{ended.seconds:.3f}")
+    properties = Xml.SubElement(suite, "properties")
+    values = {"run": ended.run, "link": ended.link, "state": ended.state}
+    values |= {f"label.{key}": value for key, value in ended.labels.items()}
+    for name, value in values.items():
+        if value:
+            Xml.SubElement(properties, "property", name=name, value=_clean(value))
+    _verdict(suite, ended)
+    if ended.verdict is not None:
+        _criterion(suite, ended, ended.verdict)
+    for requirement in ended.requirements:
+        _requirement(suite, ended, requirement)
+    for check in ended.checks:
+        _check(suite, ended, check)
+    regression = ended.regression
+    if regression is not None:
+        for case in regression.cases:
+            _case(suite, ended, case)
+    elif not ended.compared:
+        case_of = _added(suite, ended, "baseline")
+        Xml.SubElement(case_of, "skipped", message=_clean(" ".join(ended.notes)))
+    for kind, tag in (("tests", "testcase"), ("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
+        suite.set(kind, str(len(suite.findall(f".//{tag}"))))
+    suites = Xml.Element("testsuites")
+    suites.append(suite)
+    Xml.indent(suites)
+    return Xml.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
+    case, verdict = _added(suite, ended, "verdict"), ended.verdict
+    if verdict is None:
+        message = f"no verdict: {ended.state}" + (f": {ended.error}" if ended.error else "")
+        Xml.SubElement(case, "error", message=_clean(message), type=ended.state).text = _clean(ended.link)
+        return
+    if verdict.verdict == "cleared" or ended.accepted:
+        Xml.SubElement(case, "system-out").text = _clean("\n".join([verdict.reason, *ended.notes]))
+        return
+    text = [verdict.reason, *ended.notes, *_worst(verdict), ended.link]
+    if ended.replay and verdict.worst is not None:
+        text.append(f"{ended.replay} {verdict.worst.finding}")
+    failure = Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
+    failure.text = _clean("\n".join(filter(None, text)))
+
+
+def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
+    """It fails with every finding that violates; without one, it passes only if the verdict is cleared."""
+    case = _added(suite, ended, f"criterion: {ended.quantity or verdict.quantity or 'value'}")
+    told = "\n".join(filter(None, ["\n\n".join(_told(ended, found) for found in ended.violating), ended.link]))
+    violated = bool(ended.violating) or verdict.verdict == "violated"
+    if violated and ended.accepted:
+        # no failure of the job, and not met either
+        skipped = Xml.SubElement(case, "skipped", message=_clean(exit_sentence(verdict)))
+        skipped.text = _clean(told)
+    elif violated:
+        labels = ", ".join(found.label for found in ended.violating) or "a stored evaluation"
+        message = f"{labels} violate the criterion" if len(ended.violating) > 1 else f"{labels} violates the criterion"
+        Xml.SubElement(case, "failure", message=_clean(message), type="violation").text = _clean(told)
+    elif verdict.verdict == "cleared":
+        Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
+    else:
+        Xml.SubElement(
+            case, "skipped", message=_clean(f"no finding violates it, and it is not cleared: {verdict.reason}")
+        )
+
+
+def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
+    """Evidence of this run alone: other campaigns may state the requirement, and the run is not signed off yet."""
+    case, verdict = _added(suite, ended, f"requirement: {requirement}"), ended.verdict
+    if verdict is None:
+        Xml.SubElement(case, "error", message=_clean(f"no evidence: {ended.state}"), type=ended.state)
+    elif verdict.verdict == "cleared":
+        text = f"{verdict.sentence}\nEvidence of this run alone; the matrix of requirements has all runs."
+        Xml.SubElement(case, "system-out").text = _clean(text)
+    elif ended.accepted:
+        Xml.SubElement(case, "skipped", message=_clean(f"{verdict.sentence} {exit_sentence(verdict)}"))
+    else:
+        Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
+
+
+def _told(ended: EndedRun, found: Case) -> str:
+    """A violating finding: its value, parameters and replay command."""
+    unit = f" {ended.unit}" if ended.unit else ""
+    head = f"{found.label}: {found.cost:.6g}{unit}, margin {signed(found.margin)}{unit}"
+    replay = f"{ended.replay} {found.label}" if ended.replay else ""
+    return "\n".join(filter(None, [head, *(f"{path} = {v!r}" for path, v in found.parameters.items()), replay]))
+
+
+def _check(suite: Xml.Element, ended: EndedRun, check: DescribedCheck) -> None:
+    """A check that does not hold fails, unless the policy of the campaign accepts the violations of the run."""
+    case, text = _added(suite, ended, f"check: {check.title}"), _clean(check.text)
+    if check.standing == "holds":
+        Xml.SubElement(case, "system-out").text = text
+    elif check.standing == "open":
+        Xml.SubElement(case, "skipped", message=_clean(f"{check.text}; {check.but}"))
+    elif ended.accepted:
+        Xml.SubElement(case, "skipped", message=f"does not hold, and the policy accepts it: {text}")
+    else:
+        failure = Xml.SubElement(case, "failure", message=text, type=_clean(str(check.code)))
+        failure.text = _clean("\n".join(filter(None, [check.text, ended.link])))
+
+
+def _worst(verdict: Verdict) -> list[str]:
+    return [] if verdict.worst is None else [f"{path} = {value!r}" for path, value in verdict.worst.parameters.items()]
+
+
+def _case(suite: Xml.Element, ended: EndedRun, change: FindingChange) -> None:
+    """The names do not contain the baseline's number, so that a CI service can follow a case from build to build."""
+    name = f"{change.before} of the baseline" if change.before else f"new finding {change.now}"
+    case = _added(suite, ended, name)
+    if change.standing is Standing.NOT_COMPARED and not change.fails:
+        Xml.SubElement(case, "skipped", message=_clean(change.text))
+    elif change.fails:
+        lines = [*(f"{path} = {value!r}" for path, value in change.parameters.items()), ended.link]
+        failure = Xml.SubElement(case, "failure", message=_clean(change.text), type=str(change.standing))
+        failure.text = _clean("\n".join(filter(None, [change.text, *lines, ended.command(change)])))
+    else:
+        Xml.SubElement(case, "system-out").text = _clean(change.text)
+
+
+def _added(suite: Xml.Element, ended: EndedRun, name: str) -> Xml.Element:
+    return Xml.SubElement(suite, "testcase", classname=_clean(ended.campaign), name=_clean(name))
+
+
+def _clean(text: str) -> str:
+    return _FORBIDDEN.sub("\ufffd", text)

@@ -1,0 +1,86 @@
+"""What `clearance run` and `clearance submit` take for regression: labels, a baseline, files for a CI job.
+
+Start reading at `Launch`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, NamedTuple, TypeAlias
+
+import typer
+
+from clearance.cli import WrongInputError
+
+Label: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--label", metavar="KEY=VALUE", show_default=False,
+        help="Label of the run, such as branch=main; may be repeated.",
+    ),
+]  # fmt: skip
+Baseline: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        metavar="RUN", show_default=False,
+        help="Evaluate the findings of this run first and compare: R-0001, or label:branch=main for the newest run "
+        "of the same campaign with that label.",
+    ),
+]  # fmt: skip
+Junit: TypeAlias = Annotated[
+    Path | None, typer.Option("--junit", metavar="FILE", help="Write the result as JUnit XML.", dir_okay=False)
+]
+Summary: TypeAlias = Annotated[
+    Path | None, typer.Option("--summary", metavar="FILE", help="Write a summary as Markdown.", dir_okay=False)
+]
+
+
+Sarif: TypeAlias = Annotated[
+    Path | None, typer.Option("--sarif", metavar="FILE", help="Write violations and failed checks as SARIF 2.1.0.",
+                              dir_okay=False)
+]  # fmt: skip
+
+
+class Launch(NamedTuple):
+    """The labels, the baseline, and the files to be written at the end."""
+
+    labels: dict[str, str]
+    baseline: str
+    junit: Path | None
+    summary: Path | None
+    sarif: Path | None = None
+
+    @property
+    def wanted(self) -> bool:
+        """Whether there is a file to write."""
+        return (self.junit or self.summary or self.sarif) is not None
+
+    @staticmethod
+    def read(
+        label: list[str] | None, baseline: str, junit: Path | None, summary: Path | None, sarif: Path | None = None
+    ) -> Launch:
+        """The options as given; raises `WrongInputError` for a bad label or a file that cannot be written."""
+        from campaigns.labels import parsed
+
+        try:
+            labels = parsed(label or ())
+        except ValueError as error:
+            raise WrongInputError(f"{error}") from None
+        for file in (junit, summary, sarif):
+            _writable(file)
+        return Launch(labels, baseline.strip(), junit, summary, sarif)
+
+
+def _writable(file: Path | None) -> None:
+    """Make the file's folder; raises `WrongInputError` if the file cannot be written. What it contains stays."""
+    if file is None:
+        return
+    there = file.exists()
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with file.open("ab"):
+            pass
+        if not there:
+            file.unlink()
+    except OSError as error:
+        raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None

@@ -1,0 +1,79 @@
+"""A run as a Markdown summary, for the page of a CI job. Start reading at `markdown`."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from urllib.parse import quote
+
+from campaigns.claims.numbers import NONE, signed
+from campaigns.results.regression import FindingChange, Regression
+from clearance.cli._ended import EndedRun, exit_sentence
+
+SIGNS = {"cleared": "✅", "violated": "❌", "inconclusive": "❔"}
+_CODE = str.maketrans({"`": "'", "|": "\\|", "\n": " "})
+"""What would end a piece of code in a table."""
+_SPECIAL = re.compile(r"([\\`*_{}\[\]<>|#~])")
+
+
+def write(file: Path, ended: EndedRun) -> None:
+    """Append to the file, as CI services expect it of the steps of a job."""
+    with file.open("a", encoding="utf-8") as out:
+        out.write(markdown(ended))
+
+
+def markdown(ended: EndedRun) -> str:
+    """The summary: the verdict, its sentence, the changes since the baseline."""
+    verdict = ended.verdict
+    run = f"[{_text(ended.run)}]({ended.link})" if ended.link else _text(ended.run)
+    if verdict is None:
+        lines = [f"## ⚠️ {_text(ended.campaign)}: no verdict", f"{run} {_text(ended.state)}. {_text(ended.error)}"]
+    else:
+        word = str(verdict.verdict)
+        lines = [f"## {SIGNS[word]} {_text(ended.campaign)}: {word}", f"{run}. {_text(verdict.reason)}"]
+    lines += [_text(note) for note in ended.notes]
+    if ended.labels:
+        lines.append("Labels: " + ", ".join(f"{_text(key)} = {_text(value)}" for key, value in ended.labels.items()))
+    if ended.picture:
+        lines.append(f"![The worst case, seen from above]({quote(ended.picture)})")
+    if verdict is not None and verdict.regression is not None:
+        lines += [f"### Since {_text(verdict.regression.run)}", _text(verdict.regression.text)]
+        lines.append("\n".join(_table(ended, verdict.regression)))
+        lines += filter(None, [_text(exit_sentence(verdict))])
+    return "\n\n".join(filter(None, lines)) + "\n\n"
+
+
+def _table(ended: EndedRun, regression: Regression) -> list[str]:
+    unit = f" [{_text(regression.unit)}]" if regression.unit else ""
+    heads = [
+        "Finding",
+        "",
+        f"Margin in {_text(regression.run)}{unit}",
+        "Same case here",
+        "Lowest here",
+        "FindingChange",
+        "",
+    ]
+    rows = [_row(ended, regression, case) for case in regression.cases]
+    return [_line(heads), _line(["---", "---", "---:", "---:", "---:", "---:", "---"]), *map(_line, rows)]
+
+
+def _row(ended: EndedRun, regression: Regression, case: FindingChange) -> list[str]:
+    name = f"{case.before} of {regression.run}" if case.before else f"{case.now}"
+    numbers = (case.margin_before, case.margin_again, case.margin, case.change)
+    standing = f"**{case.standing}**" if case.fails else str(case.standing)
+    command = ended.command(case).translate(_CODE)
+    return [_text(name), standing, *(_number(n) for n in numbers), f"`{command}`" if command and case.fails else ""]
+
+
+def _number(value: float | None) -> str:
+    return NONE if value is None else signed(value)
+
+
+def _line(cells: list[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _text(given: str) -> str:
+    """Text in which Markdown and HTML see nothing but words."""
+    return _SPECIAL.sub(r"\\\1", " ".join(given.split())).replace("&", "&amp;")

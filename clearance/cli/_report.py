@@ -1,0 +1,219 @@
+"""The output of `clearance run`: progress, then the table of stages and the verdict."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from campaigns import Campaign
+from campaigns.claims.numbers import count, number, signed
+from campaigns.claims.say import listed
+from campaigns.claims.spans import words
+from campaigns.documents import JsonObject
+from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from campaigns.results.verdict import Counts, NominalCost
+from clearance.cli import _since
+from clearance.cli._ended import changes
+from clearance.local.failures import lines as failures
+from clearance.local.progress import named
+from worker.running.runs.store import MemoryStore
+
+VERDICTS = {
+    "cleared": ("✓", "Cleared", "green"),
+    "violated": ("✗", "Violated", "red"),
+    "inconclusive": ("?", "Inconclusive", "yellow"),
+}
+
+
+def print_report(
+    campaign: Campaign,
+    store: MemoryStore,
+    verdict: Verdict,
+    out: Path | None,
+    cites: JsonObject | None = None,
+    note: str = "",
+) -> None:
+    """Print the stages, the comparison of methods, the findings, the changes since a baseline, and the verdict.
+
+    note: the sentence on the baseline."""
+    console = Console(width=None if sys.stdout.isatty() else 120)
+    if cites is not None:
+        named = f"{cites['as']} extends" if "as" in cites else "Continues"
+        console.print(Text(f"{named} {cites['run']} (campaign {cites['digest'][:12]})"))
+        if "code" in cites and cites["code"] is None:
+            console.print(Text(f"The code version of {cites['run']} was not stored, so the code cannot be compared."))
+    console.print(_stages(store, verdict))
+    console.print(_comparison(store, verdict))
+    if store.findings:
+        console.print(_findings(campaign, store, verdict))
+        for line in _how_found(store):
+            console.print(Text(line), soft_wrap=not console.is_terminal)
+    console.print(_checks(verdict))
+    for line in [*failures(store), *_again(store)]:
+        console.print(Text(line), soft_wrap=not console.is_terminal)
+    if note:
+        console.print(Text(note), soft_wrap=not console.is_terminal)
+    if verdict.regression is not None:
+        console.print(_since.table(verdict.regression))
+    sign, word, colour = VERDICTS[verdict.verdict]
+    console.print(Text(f"{sign} {word}", style=f"bold {colour}"))
+    for line in [verdict.reason, *changes(verdict)]:
+        console.print(Text(line), soft_wrap=not console.is_terminal)
+    if out is not None:
+        console.print(Text(f"Results in {out}"))
+
+
+def _stages(store: MemoryStore, verdict: Verdict) -> Table:
+    table = Table("Stage", title=None)
+    for heading in (f"Lowest {verdict.quantity} [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]"):
+        table.add_column(escape(heading), justify="right")
+    table.add_column("Ended")
+    for position, record in enumerate(store.stages):
+        columns = store.evaluations(position)
+        ok = None if columns is None else columns.costs[columns.status == OK, 0]
+        failed = 0 if columns is None else int(((columns.status == FAILED) | (columns.status == TIMEOUT)).sum())
+        excluded = 0 if columns is None else int((columns.status == EXCLUDED).sum())
+        result = record.result
+        table.add_row(
+            named(record.plan.kind, record.plan.method),
+            "" if ok is None or not len(ok) else number(float(ok.min())),
+            "0" if columns is None else count(len(columns.status)),
+            count(failed),
+            count(excluded),
+            f"{record.seconds:.2f}",
+            _ended(result),
+        )
+        for minimum in result.minima if isinstance(result, SearchResult) and result.kind == "local" else []:
+            at = escape(f"at {_values(minimum.parameters)}")
+            cells = (number(minimum.cost), count(minimum.evaluations), "", "", "", at)
+            table.add_row(escape(f"  from {_values(minimum.start or {})}"), *cells, style="dim")
+    counts = verdict.evaluations or Counts(stored=0, succeeded=0, failed=0, excluded=0)
+    lowest = "" if counts.lowest is None else number(counts.lowest)
+    time = f"{sum(record.seconds for record in store.stages):.2f}"
+    table.add_section()
+    table.add_row("all stages", lowest, *map(count, (counts.stored, counts.failed, counts.excluded)), time, "")
+    return table
+
+
+def _ended(result: StageResult | None) -> str:
+    if isinstance(result, SearchResult | CertifyResult) and result.stop is not None:
+        return result.stop.text
+    if isinstance(result, NominalResult):
+        return "" if result.measured is None else result.measured.text
+    return result.text if isinstance(result, ValidateResult) else ""
+
+
+def _validated(store: MemoryStore) -> ValidateResult | None:
+    result = store.stages[-1].result
+    return result if isinstance(result, ValidateResult) else None
+
+
+def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
+    """The comparison of the methods, from `worker.engine.stages.parts.comparison`."""
+    table = Table("Method")
+    for heading in (f"Best [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]", "Within 1 % of best"):
+        table.add_column(escape(heading), justify="right")
+    table.add_column("Best is in")
+    table.add_column("Findings")
+    validated = _validated(store)
+    for row in [] if validated is None else validated.comparison:
+        table.add_row(
+            row.title,
+            "" if row.best is None else number(row.best),
+            count(row.evaluations),
+            count(row.failed),
+            count(row.excluded),
+            f"{row.seconds:.2f}",
+            "not reached" if row.to_near_best is None else count(row.to_near_best),
+            row.basin or "not in a finding",
+            f"{len(row.findings)}: {', '.join(row.findings)}" if row.findings else "0",
+        )
+        search = store.stages[row.position].result
+        for member in search.members if isinstance(search, SearchResult) else []:
+            best = "" if member.best is None else number(member.best)
+            cells = (best, count(member.evaluations), "", "", "", "", "", "")
+            table.add_row(f"  {member.title}", *cells, style="dim")
+    return table
+
+
+def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table:
+    """Nominal and every finding, a column each; a mark if a parameter is at a bound."""
+    first = store.stages[0].result
+    nominal = first.parameters if isinstance(first, NominalResult) else {}
+    table = Table("Parameter")
+    table.add_column("Nominal", justify="right")
+    for finding in store.findings:
+        table.add_column(finding.label, justify="right")
+    signs = {"low": "↓", "high": "↑"}
+    for path in nominal:
+        cells = [number(f.parameters[path]) + signs.get(f.at_bounds.get(path, ""), "") for f in store.findings]
+        table.add_row(path, number(nominal[path]), *cells)
+    at_nominal = verdict.nominal or NominalCost(cost=None, margin=None)
+    table.add_section()
+    table.add_row(
+        escape(f"{verdict.quantity} [{verdict.unit}]"),
+        "" if at_nominal.cost is None else number(at_nominal.cost),
+        *(number(f.cost) for f in store.findings),
+    )
+    table.add_row(
+        f"margin to {number(campaign.criterion.threshold)} {verdict.unit}",
+        "" if at_nominal.margin is None else signed(at_nominal.margin),
+        *(signed(f.margin) for f in store.findings),
+    )
+    validated = _validated(store)
+    nominal_case = None if validated is None else validated.nominal
+    table.add_row(
+        "validation", verdicts.validated(nominal_case), *(verdicts.validated(f.validation) for f in store.findings)
+    )
+    seeds = [f.realisation for f in store.findings]
+    if any(seed is not None for seed in seeds):
+        table.add_row("noise seed drawn", "", *("" if seed is None else str(seed) for seed in seeds))
+    return table
+
+
+def _checks(verdict: Verdict) -> Table:
+    """Everything that must hold before a campaign is cleared."""
+    signs = {"holds": ("✓", "green"), "open": ("?", "yellow"), "fails": ("✗", "red")}
+    table = Table("", "Check", "Result")
+    failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
+    for check in verdicts.described(verdict.checks, failed):
+        sign, colour = signs[check.standing]
+        text = f"{check.text}; {check.but}" if check.but else check.text
+        table.add_row(Text(sign, style=colour), Text(check.title), Text(text))
+    return table
+
+
+def _again(store: MemoryStore) -> list[str]:
+    """Sentences on what the validate stage simulated again besides the findings."""
+    validated = _validated(store)
+    parts = () if validated is None else (validated.violations, validated.spot_checks)
+    return [f"{part.text[:1].upper()}{part.text[1:]}." for part in parts if part is not None]
+
+
+def _how_found(store: MemoryStore) -> list[str]:
+    lines = []
+    for finding in store.findings:
+        ways = [f"{named('search', by.method)[8:]} after {count(by.evaluations)}" for by in finding.found]
+        how = (
+            f"found by {words(listed(ways))} evaluations"
+            if ways
+            else "reached only by polishing: no search evaluated a point with nearly its cost within 5 % of every range"
+        )
+        lines.append(f"{finding.label}: {how}")
+    validated = _validated(store)
+    gathered = None if validated is None else validated.findings
+    if gathered is not None and gathered.left_out:
+        lines.append(f"{count(gathered.left_out)} local minima no worse than the nominal case are omitted")
+    if any(f.at_bounds for f in store.findings):
+        lines.append("↓ ↑ at its lower or upper bound")
+    return lines
+
+
+def _values(parameters: dict[str, float]) -> str:
+    return "[" + ", ".join(number(v) for v in parameters.values()) + "]"

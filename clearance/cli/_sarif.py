@@ -1,0 +1,187 @@
+"""A run as SARIF 2.1.0 (OASIS, "Static Analysis Results Interchange Format"): violations, failed checks, changes.
+
+A result points at the line of the criterion in the campaign file, and names the ranges of the parameters as related
+locations. Start reading at `sarif`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.numbers import signed
+from campaigns.documents import JsonObject
+from campaigns.results.regression import FindingChange, Standing
+from campaigns.results.verdicts import DescribedCheck
+from campaigns.version import VERSION
+from clearance.cli._ended import Case, EndedRun, Source
+from clearance.cli._lines import Place, first, lines
+
+SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+VIOLATION, CHECK, CHANGE, NO_VERDICT = "violation", "check/", "change/", "no-verdict"
+WHERE: Mapping[str, tuple[str, ...]] = {
+    CheckCode.SEARCH: ("stages.search",),
+    CheckCode.AGREEMENT: ("agreement", "stages.search"),
+    CheckCode.PROBABILITY: ("stages.certify",),
+    CheckCode.TARGET: ("target_probability", "stages.certify"),
+    CheckCode.CLOSEST_APPROACH: ("encounter", "scenario"),
+    CheckCode.MOTION: ("scenario",),
+    CheckCode.AVOIDANCE: ("scenario.avoider", "scenario"),
+    CheckCode.INFLUENCE: ("uncertain",),
+    CheckCode.CALLS: ("simulator",),
+}
+"""The part of a campaign that a check is about; the criterion for all others."""
+BASELINE = {Standing.NEW: "new", Standing.SAME: "unchanged", Standing.FIXED: "absent"}
+"""SARIF's words for what has become of a finding; `updated` for all others."""
+
+
+def write(file: Path, ended: EndedRun) -> None:
+    """Write the file."""
+    file.write_text(json.dumps(sarif(ended), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def sarif(ended: EndedRun) -> JsonObject:
+    """The log, with one run."""
+    results = list(_results(ended, {} if ended.source is None else lines(ended.source.text)))
+    rules = list({result["ruleId"]: None for result in results})
+    titles = {_named(check): check.title for check in ended.checks}
+    for result in results:
+        result["ruleIndex"] = rules.index(result["ruleId"])
+    driver = {"name": "Clearance", "version": VERSION, "rules": [_rule(name, titles) for name in rules]}
+    stated: JsonObject = {
+        "tool": {"driver": driver},
+        "automationDetails": {"id": f"clearance/{quote(ended.campaign, safe='')}/{quote(ended.run, safe='')}"},
+        "columnKind": "unicodeCodePoints",
+        "invocations": [_invocation(ended)],
+        "results": results,
+        "properties": _properties(ended),
+    }
+    return {"$schema": SCHEMA, "version": "2.1.0", "runs": [stated]}
+
+
+def _rule(name: str, titles: Mapping[str, str]) -> JsonObject:
+    title = {
+        VIOLATION: "A case within the bounds violates the criterion",
+        NO_VERDICT: "The run ended without a verdict",
+    }.get(name) or (
+        f"Check: {titles[name]}" if name in titles else f"Change since the baseline: {name.removeprefix(CHANGE)}"
+    )
+    return {"id": name, "shortDescription": {"text": title}}
+
+
+def _named(check: DescribedCheck) -> str:
+    """check/closest-approach"""
+    return f"{CHECK}{str(check.code).replace(' ', '-')}"
+
+
+def _invocation(ended: EndedRun) -> JsonObject:
+    """Whether there is a verdict: a run without one is no evidence that anything was fixed."""
+    found: JsonObject = {"executionSuccessful": ended.verdict is not None, "exitCode": ended.code}
+    if ended.verdict is None:
+        message = {"text": f"no verdict: {ended.state}{': ' + ended.error if ended.error else ''}"}
+        found["toolExecutionNotifications"] = [{"level": "error", "message": message}]
+    return found
+
+
+def _properties(ended: EndedRun) -> JsonObject:
+    verdict = ended.verdict
+    stated: JsonObject = {
+        "run": ended.run,
+        "state": ended.state,
+        "labels": ended.labels or None,
+        "notes": list(ended.notes) or None,
+    }
+    if verdict is not None:
+        stated |= {"verdict": str(verdict.verdict), "reason": verdict.reason, "scope": verdict.scope}
+        stated |= {"campaignDigest": verdict.provenance.digest, "seed": verdict.provenance.seed}
+    return {name: value for name, value in stated.items() if value not in (None, "")}
+
+
+def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[JsonObject]:
+    if ended.verdict is None:
+        text = f"No verdict: {ended.state}. {ended.error}".strip()
+        yield _result(ended, known, NO_VERDICT, "", "error", text, ())
+        return
+    violated = ended.verdict.verdict == "violated"
+    level = "note" if ended.accepted else "error" if violated else "warning"
+    for case in ended.violating:
+        result = _result(ended, known, VIOLATION, case.label, level, _told(ended, case, violated), ("criterion",))
+        result["relatedLocations"] = _ranges(ended, known, case.parameters)
+        result["properties"] = {"cost": case.cost, "margin": case.margin, "parameters": dict(case.parameters)}
+        yield result
+    for check in ended.checks:
+        if check.standing == "fails":
+            paths = (*WHERE.get(str(check.code), ()), "criterion")
+            level = "note" if violated else "warning"
+            yield _result(ended, known, _named(check), "", level, f"{check.title}: {check.text}", paths)
+    for change in () if ended.regression is None else ended.regression.failing:
+        yield _changed(ended, known, change)
+
+
+def _told(ended: EndedRun, case: Case, confirmed: bool) -> str:
+    unit = f" {ended.unit}" if ended.unit else ""
+    limit = "" if ended.threshold is None else f" to the threshold {ended.threshold:g}{unit}"
+    value = f"{case.label}: {ended.quantity or 'the criterion'} = {case.cost:.6g}{unit}"
+    told = [
+        f"{value}, margin {signed(case.margin)}{unit}{limit}.",
+        "" if confirmed else "The verdict does not confirm it: " + (ended.verdict.reason if ended.verdict else ""),
+        *(f"{path} = {value!r}" for path, value in case.parameters.items()),
+        f"{ended.replay} {case.label}" if ended.replay else "",
+    ]
+    return "\n".join(filter(None, told))
+
+
+def _changed(ended: EndedRun, known: Mapping[str, Place], change: FindingChange) -> JsonObject:
+    text = "\n".join(filter(None, [f"{change.text}.", ended.command(change)]))
+    name = f"{CHANGE}{str(change.standing).replace(' ', '-')}"
+    result = _result(ended, known, name, change.name, "error", text, ("criterion",))
+    result["relatedLocations"] = _ranges(ended, known, change.parameters)
+    result["baselineState"] = BASELINE.get(change.standing, "updated")
+    result["properties"] = {"parameters": dict(change.parameters)}
+    return result
+
+
+def _result(
+    ended: EndedRun, known: Mapping[str, Place], rule: str, label: str, level: str, text: str, paths: tuple[str, ...]
+) -> JsonObject:
+    """One result; its fingerprint is that of the same rule and finding in the next run of the campaign."""
+    of = hashlib.sha256("\0".join((ended.campaign, rule, label)).encode()).hexdigest()
+    found: JsonObject = {"ruleId": rule, "level": level, "message": {"text": text}}
+    found["partialFingerprints"] = {"clearanceResult/v1": of}
+    if ended.source is not None:
+        found["locations"] = [_location(ended.source, first(known, *paths))]
+    if ended.link:
+        found["hostedViewerUri"] = ended.link
+    return found
+
+
+def _ranges(ended: EndedRun, known: Mapping[str, Place], parameters: Mapping[str, float]) -> list[JsonObject]:
+    """The lines of the parameters' ranges, with their values."""
+    if ended.source is None:
+        return []
+    found: list[JsonObject] = []
+    for path, value in parameters.items():
+        if f"uncertain.{path}" in known:
+            location: Any = _location(ended.source, known[f"uncertain.{path}"])
+            found.append({"id": len(found), **location, "message": {"text": f"{path} = {value!r}"}})
+    return found
+
+
+def _location(source: Source, place: Place) -> JsonObject:
+    region = {"startLine": place[0], "startColumn": place[1]}
+    return {"physicalLocation": {"artifactLocation": _artifact(source.address), "region": region}}
+
+
+def _artifact(address: str) -> JsonObject:
+    """A file below the working directory by its path, as code hosts expect it; anything else by its address."""
+    if "://" in address:
+        return {"uri": address}
+    path = Path(address).resolve()
+    if path.is_relative_to(Path.cwd()):
+        return {"uri": quote(path.relative_to(Path.cwd()).as_posix()), "uriBaseId": "%SRCROOT%"}
+    return {"uri": path.as_uri()}

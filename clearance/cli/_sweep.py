@@ -1,0 +1,104 @@
+"""`clearance submit --sweep`: launches a sweep on a service and follows it to its end. Start reading at `sweep`."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from campaigns.documents import JsonObject
+from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
+
+if TYPE_CHECKING:
+    from clearance.client import Client
+    from clearance.client.answers import Sweep, SweepPoint
+
+HOW = "give a parameter and its values, such as --sweep avoider.d_0=1,2,3"
+TABLE = "sweep.csv"
+
+
+def parsed(given: str) -> tuple[str, list[float]]:
+    """The parameter and its values; `WrongInputError` if the text is anything else."""
+    path, sign, values = given.partition("=")
+    if not sign or not path.strip() or not values.strip():
+        raise WrongInputError(f"invalid sweep {given!r}: {HOW}")
+    numbers = []
+    for text in values.split(","):
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise WrongInputError(f"invalid value {text.strip()!r} in the sweep {given!r}: {HOW}")
+        numbers.append(number)
+    return path.strip(), numbers
+
+
+def sweep(
+    service: Client, campaign: JsonObject, given: str, wait: bool, out: Path | None, as_json: bool, **launch: Any
+) -> int:
+    """Launch the sweep; returns the exit code: that of the worst of its runs. launch: as for a run."""
+    from clearance.client import UnreachableError
+
+    path, values = parsed(given)
+    found = service.sweep(campaign, path, values, **launch)
+    if not wait:
+        typer.echo(found.id)
+        return 0
+    page = f"{service.address}/sweeps/{found.id}"
+    typer.echo(f"{found.id} ({found.runs} runs) is at {page}", err=True)
+    try:
+        found = _followed(service, found.id, quiet=as_json)
+    except (KeyboardInterrupt, UnreachableError):
+        typer.echo(f"{found.id} continues in the background: {page}", err=True)
+        raise
+    typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_lines(found)))
+    if out is not None:
+        service.export_sweep(found.id, out / TABLE)
+        typer.echo(f"{TABLE} in {out}", err=True)
+    return _code(found)
+
+
+def _followed(service: Client, sweep: str, quiet: bool) -> Sweep:
+    before = ""
+    for found in service.follow_sweep(sweep):
+        line = f"{sweep}: " + ", ".join(f"{count} {state}" for state, count in sorted(found.states.items()))
+        if not quiet and line != before:
+            typer.echo(line, err=True)
+        before = line
+    return found
+
+
+def _lines(found: Sweep) -> list[str]:
+    """A line for each run, in ascending order of the values."""
+    return [_line(found, point) for point in found.points]
+
+
+def _line(found: Sweep, point: SweepPoint) -> str:
+    outcome = point.outcome
+    start = f"{found.path} = {point.value:.15g} {found.unit}".rstrip() + f"  {point.run}"
+    if outcome is None:
+        return f"{start}  purged"
+    if outcome.state != "done":
+        return f"{start}  {outcome.state}: no verdict{'; ' + outcome.error if outcome.error else ''}"
+    margin = "" if outcome.margin is None else f", worst margin {outcome.margin:.6g} {outcome.unit}".rstrip()
+    bound = outcome.upper_bound
+    sampled = "" if bound is None else f", P(violation) at most {bound:.3g} ({outcome.confidence:.0%} confidence)"
+    return f"{start}  {outcome.verdict}{margin}{sampled}"
+
+
+def _code(found: Sweep) -> int:
+    """A violation first, then what is missing a verdict, then inconclusive; cleared only if every run is."""
+    outcomes = [point.outcome for point in found.points]
+    verdicts = {outcome.verdict for outcome in outcomes if outcome is not None and outcome.state == "done"}
+    states = {"purged" if outcome is None else outcome.state for outcome in outcomes}
+    if "violated" in verdicts:
+        return CODES["violated"]
+    if states - {"done", "cancelled"}:
+        return INTERNAL
+    if "cancelled" in states:
+        return INTERRUPTED
+    return CODES["inconclusive" if "inconclusive" in verdicts else "cleared"]

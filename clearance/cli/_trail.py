@@ -1,0 +1,114 @@
+"""`clearance audit verify|head`: verifies the hash chain of the audit trail; nothing is written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import sqlalchemy as sa
+import typer
+
+from backend.db import audit
+from backend.db.chain import COVERED, FIRST, Head, Verified, head, verify
+from backend.db.engine import connect, read
+from clearance.cli import VIOLATED, WrongInputError
+from clearance.cli._where import DATA, Data, Database, existing_url_of
+
+CANNOT = (
+    "This shows that no row was changed, removed or reordered after it was written, unless whoever did so computed all "
+    "later hashes again, which anyone who may write the database can do. A head that was noted elsewhere, given with "
+    "--head, shows that too."
+)
+
+
+def verify_trail(
+    noted: Annotated[
+        str, typer.Option("--head", metavar="NUMBER:HASH", help="A head noted earlier.", show_default=False)
+    ] = "",
+    file: Annotated[
+        Path | None,
+        typer.Option("--file", help="An exported trail instead of the database.", dir_okay=False, show_default=False),
+    ] = None,
+    data: Data = DATA,
+    database: Database = "",
+) -> None:
+    """Verify the audit trail of the service, and name every row that was changed, removed or reordered.
+
+    The exit code is 0 if the chain is unbroken, 1 if it is broken, 3 if there is no trail.
+    """
+    expected = _head(noted) if noted else None
+    found = _of_database(data, database, expected) if file is None else _of_file(file, expected)
+    for fault in found.faults:
+        typer.echo(f"{fault[0].upper()}{fault[1:]}.")
+    if found.faults:
+        raise typer.Exit(VIOLATED)
+    typer.echo(f"The audit trail is unbroken: {_counted(found.head.row)}.")
+    typer.echo(f"Head: {found.head}")
+    if expected is None:
+        typer.echo(CANNOT)
+
+
+def print_head(data: Data = DATA, database: Database = "") -> None:
+    """Print number and hash of the newest row, to be noted where the service cannot write."""
+    engine = connect(existing_url_of(data, database))
+    try:
+        with read(engine) as reader:
+            _migrated(reader)
+            typer.echo(str(audit.head(reader)))
+    finally:
+        engine.dispose()
+
+
+def _of_database(data: Path, database: str, noted: Head | None) -> Verified:
+    engine = connect(existing_url_of(data, database))
+    try:
+        with read(engine) as reader:
+            _migrated(reader)
+            return audit.verified(reader, noted)
+    except sa.exc.DBAPIError as error:  # such as text that is not UTF-8
+        return Verified([f"the trail cannot be read to its end: {error.orig}"], Head(0, FIRST))
+    finally:
+        engine.dispose()
+
+
+def _of_file(file: Path, noted: Head | None) -> Verified:
+    try:
+        with file.open(encoding="utf-8") as lines:
+            return verify(_rows(file, lines), noted=noted)
+    except (OSError, UnicodeDecodeError) as error:
+        raise WrongInputError(f"the file {file} cannot be read: {error}") from None
+
+
+def _rows(file: Path, lines: Any) -> Iterator[dict[str, Any]]:
+    for number, line in enumerate(lines, 1):
+        try:
+            row = json.loads(line)
+        except (ValueError, RecursionError):
+            row = None
+        whole = isinstance(row, dict) and {*COVERED, "hash"} <= row.keys() and type(row["id"]) is int
+        if not whole or not isinstance(row["hash"], str):
+            raise WrongInputError(
+                f"{file}, line {number}: not a row of an audit trail; give a file of `GET /api/v1/audit/export`"
+            )
+        yield row
+
+
+def _migrated(reader: sa.Connection) -> None:
+    if not sa.inspect(reader).has_table("audit_head"):
+        raise WrongInputError(
+            "this database is of an earlier version, whose audit trail has no hashes: start the service once, which "
+            "migrates it"
+        )
+
+
+def _head(text: str) -> Head:
+    try:
+        return head(text)
+    except ValueError as error:
+        raise WrongInputError(f"{error}") from None
+
+
+def _counted(number: int) -> str:
+    return "1 row" if number == 1 else f"{number:,} rows"

@@ -1,0 +1,96 @@
+"""`clearance audit RUN`: checks with an independent program whether a run's verdict follows from its stored data.
+
+The exit code is 0 if it follows, 1 if it does not, 3 if there is nothing to audit. The program is
+`worker.evidence.audit`. `clearance audit verify` and `head` are about the audit trail of the service instead; see
+`clearance.cli._trail`.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from clearance.cli import VIOLATED, WrongInputError
+from clearance.cli._trail import print_head, verify_trail
+from clearance.cli._where import DATA, Data, Database, loaded_run
+
+if TYPE_CHECKING:
+    from worker.evidence.audit.judge import Item
+    from worker.evidence.audit.record import Record
+
+WORDS = {True: "agree", False: "disagree", None: "not auditable"}
+
+
+class _RunFirst(TyperGroup):
+    """A group whose command `run` may be left out: `clearance audit R-0001`."""
+
+    usual = "run"
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        if args and args[0] not in self.commands and "--help" not in args[:1]:
+            args = [self.usual, *args]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(
+    cls=_RunFirst,
+    help="RUN: recompute the verdict of a run independently. verify, head: the audit trail of the service.",
+    no_args_is_help=True,
+)
+app.command("verify")(verify_trail)
+app.command("head")(print_head)
+
+
+@app.command("run")
+def audit(
+    run: Annotated[str, typer.Argument(help="The folder of a `run --out`, or the id of a stored run, such as R-0001.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
+    data: Data = DATA,
+    database: Database = "",
+) -> None:
+    """Recompute a run's verdict from its stored evaluations with an independent program, and compare.
+
+    Counts, lowest costs, margins, the agreement of the methods, the sample's bounds, the validation, every check and
+    the numbers of the sentence are recomputed. Nothing is simulated: the costs are those that were stored.
+    """
+    from worker.evidence.audit import judge
+    from worker.evidence.audit.record import UnreadableError
+
+    try:
+        items = judge.audit(_record(run, data, database))
+    except UnreadableError as error:
+        raise WrongInputError(f"{error}") from None
+    follows, sentence = judge.closing(items)
+    if as_json:
+        listed = [item._asdict() | {"agrees": item.agrees} for item in items]
+        typer.echo(json.dumps({"run": run, "follows": follows, "sentence": sentence, "items": listed}, indent=2))
+    else:
+        _print(items)
+        typer.echo(f"{sentence[0].upper()}{sentence[1:]}.")
+    raise typer.Exit(0 if follows else VIOLATED)
+
+
+def _record(run: str, data: Path, database: str) -> Record:
+    from worker.evidence.audit.record import of_database, of_folder
+
+    return loaded_run(run, data, database, of_folder, of_database)
+
+
+def _print(items: list[Item]) -> None:
+    import sys
+
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("Item", "Given", "Recomputed", "")
+    for item in items:
+        table.add_row(item.name, _shown(item.given), _shown(item.recomputed), WORDS[item.agrees])
+    Console(width=None if sys.stdout.isatty() else 160, markup=False).print(table)
+
+
+def _shown(value: Any) -> str:
+    return repr(value) if isinstance(value, float) else "none" if value is None else str(value)

@@ -1,0 +1,67 @@
+"""`clearance examples`: copies the simulators, components and campaigns that the guides name to where they name them.
+
+A clone has them in `docs/examples`. A wheel has them among its data files, because they are no part of the code.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+WHERE = Path("docs/examples")
+"""Where the commands of the guides expect them."""
+KINDS = {".c", ".ipynb", ".py", ".sh", ".xml", ".yaml"}
+"""Suffixes of the files that belong to the examples, not to what was built or compiled from them."""
+
+
+def examples(
+    folder: Annotated[Path, typer.Argument(help="The folder to make.")] = WHERE,
+) -> None:
+    """Copy the examples of the guides into docs/examples of this folder, where their commands expect them."""
+    from clearance.cli import WrongInputError
+
+    if folder.exists():
+        raise WrongInputError(f"{folder} exists and is not overwritten: use the examples there, or name another folder")
+    found = shipped()
+    if not found:
+        raise WrongInputError(
+            "this installation has no examples: copy docs/examples of the repository, or install its wheel with pip"
+        )
+    try:
+        for file, data in found.items():
+            (folder / file).parent.mkdir(parents=True, exist_ok=True)
+            (folder / file).write_bytes(data.read_bytes())
+    except OSError as error:
+        raise WrongInputError(f"{folder} cannot be written: {error.strerror}") from None
+    typer.echo(f"{len(found)} files are in {folder}. So that campaigns find the simulators, name the folder:")
+    typer.echo(f"  export CLEARANCE_SIMULATORS={folder}")
+
+
+def shipped() -> dict[Path, Path]:
+    """The files of the examples by their path below docs/examples: of the clone, else of the installed package."""
+    clone = Path(__file__).parents[2]
+    if (clone / "pyproject.toml").is_file():
+        return {file.relative_to(clone / WHERE): file for file in _files(clone / WHERE)}
+    return _installed()
+
+
+def _files(folder: Path) -> list[Path]:
+    """Without what was built there."""
+    return sorted(file for file in folder.rglob("*") if file.is_file() and file.suffix in KINDS)
+
+
+def _installed() -> dict[Path, Path]:
+    from importlib.metadata import PackageNotFoundError, files
+
+    try:
+        listed = files("clearance") or []
+    except PackageNotFoundError:
+        return {}
+    kept = {}
+    for file in listed:
+        _, named, path = file.as_posix().partition("share/clearance/examples/")
+        if named and file.suffix in KINDS:
+            kept[Path(path)] = Path(str(file.locate()))
+    return kept

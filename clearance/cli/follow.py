@@ -1,0 +1,34 @@
+"""`clearance follow RUN`: follows a run of a service to its verdict."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from clearance.cli import _launch as launch
+from clearance.cli._following import AsJson, Out
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+
+
+def follow(
+    run: Annotated[str, typer.Argument(help="Its number, such as R-0001.")],
+    service: Service = SERVICE,
+    token_file: Token = "",
+    out: Out = None,
+    as_json: AsJson = False,
+    patience: Patience = PATIENCE,
+    junit: launch.Junit = None,
+    summary: launch.Summary = None,
+    sarif: launch.Sarif = None,
+) -> None:
+    """Wait for the verdict of a run of a service, which is the exit code."""
+    from clearance.cli._following import follow_to_the_end
+    from clearance.cli._out import writable
+    from clearance.cli._service import numbered, opened
+
+    numbered(run)
+    writable(out)
+    given = launch.Launch.read(None, "", junit, summary, sarif)
+    with opened(service, token_file, patience) as client:
+        raise typer.Exit(follow_to_the_end(client, client.run(run).id, out, as_json, given))

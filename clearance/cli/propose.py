@@ -1,0 +1,38 @@
+"""`clearance propose`: search methods and budgets that fit the time one evaluation takes."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+
+def propose(
+    cost: Annotated[float, typer.Option("--cost", help="Time that one evaluation takes [s].")],
+    parameters: Annotated[int, typer.Option("--parameters", help="Number of uncertain parameters.")],
+    slots: Annotated[int, typer.Option("--slots", help="Evaluations that run side by side.")] = 1,
+    patience: Annotated[float, typer.Option("--patience", help="Time for all searches [s].")] = 3600.0,
+    start: Annotated[float, typer.Option("--start", help="Time that the start of a process takes [s].")] = 0.0,
+    recycle: Annotated[int, typer.Option("--recycle", help="Evaluations until a process is replaced.", min=0)] = 0,
+) -> None:
+    """Propose search methods and budgets for the time one evaluation takes; prints stages of a campaign file."""
+    import yaml
+
+    from campaigns.asked.proposal import Cost, proposed
+    from campaigns.checked.expected import confirmation
+    from clearance.cli import WrongInputError
+
+    try:
+        found = proposed(cost + (start / recycle if recycle else 0.0), parameters, slots, patience, start)
+    except ValueError as error:
+        raise WrongInputError(f"{error}") from None
+    if not found.searches:
+        raise WrongInputError(f"{found.sentence}.")
+    typer.echo(f"# {found.sentence}.")
+    typer.echo("# The other stages take evaluations in addition; `clearance validate FILE` lists them.")
+    typer.echo(f"# {confirmation(Cost(None, cost, slots, 0, start=start))}")
+    search = [
+        {"method": s.method, "evaluations": s.evaluations} | ({"options": s.options} if s.options else {})
+        for s in found.searches
+    ]
+    typer.echo(yaml.safe_dump({"stages": {"search": search}}, sort_keys=False), nl=False)

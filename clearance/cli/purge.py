@@ -1,0 +1,128 @@
+"""`clearance purge`: permanently deletes the results of runs removed long ago, and frees the space."""
+
+from __future__ import annotations
+
+import re
+import time
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from campaigns.runs import run_name
+from clearance.cli import WrongInputError
+from clearance.cli._operator import operator
+from clearance.cli._where import DATA, Data, Database, existing_url_of
+
+if TYPE_CHECKING:
+    import sqlalchemy as sa
+
+    from backend.db.purge import Removed
+
+UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
+LISTED = 20
+"""Runs that are listed individually; of the others only the number."""
+
+WORTH = 1 << 20
+"""Unused space above which an SQLite file is rewritten [bytes]."""
+
+
+def purge(
+    older_than: Annotated[
+        str, typer.Option(help="Minimum time since removal: 90d, 12h, 2w; 0d means every removed run.")
+    ] = "90d",
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only print what would be deleted.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask for confirmation.")] = False,
+    data: Data = DATA,
+    database: Database = "",
+) -> None:
+    """Permanently delete the results of runs removed long ago; their history is retained."""
+    age = _age(older_than)
+    url = existing_url_of(data, database)
+    from backend.db import purge as stored
+    from backend.db.engine import connect, migrate
+
+    migrate(url)
+    engine = connect(url)
+    try:
+        runs = stored.due(engine, age)
+        _tell(runs, older_than)
+        if dry_run:
+            typer.echo("Nothing was deleted: this was a dry run.")
+        elif not runs or yes or _agreed(runs):
+            gone = [run for run in runs if stored.purge(engine, run.id, age, operator())]
+            if runs:
+                typer.echo(f"{_counted(len(gone))} purged.")
+            _reclaim(engine)
+        else:
+            typer.echo("Nothing was deleted.")
+    finally:
+        engine.dispose()
+
+
+def _age(text: str) -> float:
+    """Seconds of 90d."""
+    found = re.fullmatch(r"(\d{1,5})([hdw])", text)
+    if found is None:
+        raise WrongInputError(
+            f"--older-than {text!r} is not a length of time; give 90d for days, 12h for hours, 2w for weeks"
+        )
+    return int(found[1]) * UNITS[found[2]]
+
+
+def _tell(runs: list[Removed], older_than: str) -> None:
+    if not runs:
+        typer.echo(f"There is no run to purge that was removed more than {older_than} ago.")
+        return
+    for run in runs[:LISTED]:
+        day = time.strftime("%Y-%m-%d", time.localtime(run.removed))
+        typer.echo(
+            f"{run_name(run.id)}  removed {day} by {run.removed_by}  "
+            f"{run.evaluations:,} evaluations, {_size(run.size)}  "
+            f"{run.name}: {run.removed_reason}"
+        )
+    if len(runs) > LISTED:
+        typer.echo(f"and {len(runs) - LISTED} more")
+    typer.echo(f"{_counted(len(runs))}, {_size(sum(run.size for run in runs))} of evaluations and trajectories.")
+
+
+def _agreed(runs: list[Removed]) -> bool:
+    try:
+        return typer.confirm(f"Delete the results of {_counted(len(runs))}? This cannot be undone.")
+    except typer.Abort:
+        raise WrongInputError(
+            "no confirmation was given; use --yes where there is no terminal. Nothing was deleted"
+        ) from None
+
+
+def _reclaim(engine: sa.Engine) -> None:
+    """Reduce the size of the file if worthwhile, and print by how much."""
+    import sqlite3
+
+    from backend.db import purge as stored
+    from backend.db.engine import is_sqlite
+
+    if not is_sqlite(engine):
+        typer.echo("PostgreSQL reuses the space (autovacuum).")
+        return
+    unused = stored.wasted(engine)
+    if unused < WORTH:
+        typer.echo(f"{_size(unused)} of the file are free and will be reused.")
+        return
+    try:
+        space = stored.reclaim(engine)
+    except sqlite3.OperationalError as error:
+        typer.echo(
+            f"The file still has {_size(unused)} of free space and could not be rewritten ({error}): "
+            "run `clearance purge` again when no run is running, with free disk space of at least the file's size.",
+            err=True,
+        )
+        return
+    typer.echo(f"The file was reduced from {_size(space.before)} to {_size(space.after)}.")
+
+
+def _counted(number: int) -> str:
+    return f"{number} run" if number == 1 else f"{number} runs"
+
+
+def _size(number: float) -> str:
+    return f"{number / 1e6:.1f} MB" if number >= 1e5 else f"{number / 1e3:.1f} kB"

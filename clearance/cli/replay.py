@@ -1,0 +1,241 @@
+"""`clearance replay RUN|FILE [CASE ...]`: evaluates findings or evaluations again, and compares the costs.
+
+The exit code is 0 only if all of them agree: to the bit on a machine of the same kind, within 1e-9 on another; 1 if
+one does not; 3 if there is nothing to compare. The comparison is `worker.running.runs.replay`.
+"""
+
+from __future__ import annotations
+
+import json
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from campaigns.unreadable import UNREADABLE
+from clearance.cli import VIOLATED, WrongInputError
+from clearance.cli._capsule import changed, described, is_capsule, of_capsule, sentence
+from clearance.cli._capsule_code import permits, refuse_unused, replayed_with_its_code
+from clearance.cli._where import DATA, Data, Database, loaded_run
+
+if TYPE_CHECKING:
+    import sqlalchemy as sa
+
+    from campaigns.documents import JsonObject
+    from worker.engine.problem.problem import Problem
+    from worker.running.runs.replay import Recorded, Replayed
+
+
+def replay(
+    run: Annotated[
+        str,
+        typer.Argument(help="The folder of a `run --out`, the id of a stored run (R-0001), or the file of a capsule."),
+    ],
+    case: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Findings (F1) or evaluations (STAGE:INDEX, as in evaluations.csv: 2:17, direct:17); default: all "
+            "findings.",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
+    data: Data = DATA,
+    database: Database = "",
+    allow_code: Annotated[
+        bool,
+        typer.Option(
+            "--allow-code",
+            help="Permit the source of components and the command of a simulator that a capsule contains, which run "
+            "any program as you: only for files that you trust. Without it nothing of a capsule is executed.",
+        ),
+    ] = False,
+) -> None:
+    """Evaluate findings or evaluations of a stored run or a capsule again and compare the costs with the stored ones.
+
+    On a machine of the kind that made the run the costs must have the same bits; on another they may differ by 1e-9.
+    """
+    if allow_code and is_capsule(run):
+        ended = replayed_with_its_code(
+            Path(run), [run, *(case or []), *(["--json"] if as_json else []), "--allow-code"]
+        )
+        if ended is not None:
+            raise typer.Exit(ended)
+    from worker.running.runs import sources as sources  # first: it records the files before they are loaded
+    from worker.running.runs.replay import UnknownCase, agrees, cases, replayed
+
+    capsule = of_capsule(Path(run), allow_code) if is_capsule(run) else None
+    recorded = loaded_run(run, data, database, of_folder, of_database) if capsule is None else capsule.recorded
+    problem = _opened(run, recorded, "" if capsule is None else permits(capsule.capsule))
+    if capsule is not None:
+        refuse_unused(run, capsule.capsule)
+    with closing(problem.system):
+        others, elsewhere = _compared(recorded, problem)
+        try:
+            found = replayed(problem, cases(recorded, problem, case or []))
+        except UnknownCase as error:
+            raise WrongInputError(f"{run} cannot be replayed: {error}") from None
+        noise = _noise(recorded, problem)
+    well = [agrees(one, not (others or elsewhere)) for one in found]
+    apart = [] if capsule is None else changed(capsule)
+    if as_json:
+        listed = [_described(one, problem) | {"agrees": fine} for one, fine in zip(found, well, strict=True)]
+        said = {"run": run, "agrees": all(well), "differences": others + elsewhere, "cases": listed}
+        typer.echo(json.dumps(said if capsule is None else said | described(capsule, apart)))
+    else:
+        for one in found:
+            typer.echo(_line(one, problem))
+        if capsule is not None:
+            typer.echo(sentence(capsule, apart))
+        typer.echo(_closing(well, others, elsewhere, noise))
+    raise typer.Exit(0 if all(well) else VIOLATED)
+
+
+def of_folder(folder: Path) -> Recorded:
+    """The run that `clearance run --out` wrote."""
+    from campaigns.results import Finding, earlier
+    from campaigns.results.baseline import BaselineResult
+    from campaigns.results.nominal import Measured
+    from clearance.local.results import read_folder, versions_of
+    from worker.running.runs.replay import Recorded
+
+    try:
+        campaign, store = read_folder(folder)
+        stated = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        held = folder / "evidence.json"
+        results = json.loads(held.read_text(encoding="utf-8"))["results"] if held.exists() else []
+        kinds = [stage.plan.kind for stage in store.stages]
+        results, findings = earlier.brought_up(kinds, results, stated["findings"])
+        typed = [Finding.model_validate(found) for found in findings]
+        certified = {at: result or {} for at, result in enumerate(results) if (result or {}).get("stage") != "baseline"}
+        drawn = {at: int(result.get("drawn_realisations") or 0) for at, result in certified.items()}
+        baselines = {at: BaselineResult.model_validate(r) for at, r in enumerate(results) if at not in certified}
+        measured = (results[0] or {}).get("measured") if results else None
+        noise = None if measured is None else Measured.model_validate(measured)
+    except UNREADABLE as error:
+        raise WrongInputError(f"{folder} cannot be replayed: {error}") from None
+    chunks = {at: columns for at in store.chunks if (columns := store.evaluations(at)) is not None}
+    plans = [stage.plan for stage in store.stages]
+    seeds = {at: result.seeds for at, result in baselines.items()}
+    return Recorded(campaign, plans, chunks, typed, versions_of(folder), drawn=drawn, measured=noise, seeds=seeds)
+
+
+def of_database(connection: sa.Connection, run_id: int) -> Recorded:
+    """The stored run."""
+    from backend.db import codes
+    from backend.db import continuation as stored
+    from campaigns import CampaignError
+    from campaigns.asked.load import load_document
+    from campaigns.results import CertifyResult, NominalResult
+    from campaigns.results.baseline import BaselineResult
+    from campaigns.runs import run_name
+    from worker.running.runs.replay import Recorded
+
+    name, state = run_name(run_id), stored.state(connection, run_id)
+    if state is None:
+        raise WrongInputError(f"there is no {name} in this database; check --data, the data folder of the service")
+    try:
+        campaign = load_document(state[1], name)
+    except CampaignError as error:
+        raise WrongInputError(f"the campaign of {name} is one of another version of Clearance: {error}") from None
+    stages, versions = stored.stages(connection, run_id), stored.versions(connection, run_id)
+    drawn = {at: s.result.drawn_realisations for at, s in enumerate(stages) if isinstance(s.result, CertifyResult)}
+    return Recorded(
+        campaign,
+        [stage.plan for stage in stages],
+        stored.evaluations(connection, run_id),
+        stored.findings(connection, run_id),
+        versions,
+        codes.modules(connection, versions.code),
+        drawn,
+        next((s.result.measured for s in stages if isinstance(s.result, NominalResult)), None),
+        {at: s.result.seeds for at, s in enumerate(stages) if isinstance(s.result, BaselineResult)},
+    )
+
+
+def _opened(run: str, recorded: Recorded, permitted: str) -> Problem:
+    """permitted: what is said of code that a capsule contains."""
+    from campaigns import check
+    from worker.engine.systems.base import CampaignUnusable
+    from worker.running.catalogue.installed import catalogue
+    from worker.running.opening import opened
+
+    problems = check(recorded.campaign, catalogue())
+    try:
+        if not problems:
+            return opened.problem(recorded.campaign)
+    except CampaignUnusable as error:
+        problems = error.problems
+    raise WrongInputError(f"{run} cannot be evaluated by this installation: {'; '.join(map(str, problems))}{permitted}")
+
+
+def _compared(recorded: Recorded, problem: Problem) -> tuple[list[str], list[str]]:
+    """What differs from the installation, and from the machine, that made the run."""
+    from campaigns.versions import differences, differing
+    from worker.running.runs import sources
+    from worker.running.runs.provenance import versions
+    from worker.running.runs.replay import other_machine
+
+    now = versions(problem.system)
+    modules = differing(dict(recorded.modules), sources.code().modules) if recorded.modules else None
+    return differences(recorded.versions, now, modules), other_machine(recorded.versions, now)
+
+
+def _noise(recorded: Recorded, problem: Problem) -> str:
+    """Why costs may differ although nothing else does; empty if evaluations repeat."""
+    from campaigns.claims.numbers import number
+
+    measured = recorded.measured
+    if measured is not None and not measured.identical:
+        by = "" if measured.spread is None else f" (by up to {number(measured.spread)} {problem.unit})"
+        return f"The run measured that its simulator does not repeat{by}"
+    if recorded.campaign.simulator is not None and recorded.campaign.simulator.calls > 1:
+        return "The campaign states several calls for each evaluation, as of a simulator that does not repeat"
+    return "" if problem.system.repeatable else "The simulator declares that it does not repeat"
+
+
+def _described(one: Replayed, problem: Problem) -> JsonObject:
+    from campaigns.results.base import STATUS
+    from worker.running.runs.replay import values
+
+    then, now = values(one, problem)
+    return {
+        "case": one.case.name,
+        "stored": {"status": STATUS[one.case.status], "values": then},
+        "now": {"status": STATUS[one.status], "values": now, "reason": one.reason or None},
+        "agreement": one.agreement,
+    }
+
+
+def _line(one: Replayed, problem: Problem) -> str:
+    from campaigns.results.base import STATUS
+    from worker.running.runs.replay import values
+
+    then, now = values(one, problem)
+    if then is None and now is None and one.agreement != "differs":
+        return f"{one.case.name}: {STATUS[one.status]} then and now"
+    unit = f" {problem.unit}" if problem.unit else ""
+    why = f" ({one.reason})" if one.reason and now is None else ""
+    said = [
+        STATUS[status] if value is None else f"{problem.quantity} {value[0]!r}{unit}"
+        for status, value in ((one.case.status, then), (one.status, now))
+    ]
+    apart = "" if then is None or now is None or then[0] == now[0] else f", {now[0] - then[0]:+.3g}{unit}"
+    return f"{one.case.name}: stored {said[0]}; now {said[1]}{why}: {one.agreement}{apart}"
+
+
+def _closing(well: list[bool], others: list[str], elsewhere: list[str], noise: str) -> str:
+    from campaigns.claims.numbers import count
+
+    kind = "other than" if others or elsewhere else "the same as"
+    said = [f"Installation and machine are {kind} those that made the run"]
+    said[0] += f": {'; '.join([*others, *elsewhere])}." if others or elsewhere else "."
+    if noise:
+        said.append(f"{noise}, so that another cost need not mean other code or another machine.")
+    wrong = well.count(False)
+    said.append(
+        f"{count(wrong)} of {count(len(well))} do not agree." if wrong else f"All {count(len(well))} agree."
+        if len(well) > 1 else "It agrees."
+    )  # fmt: skip
+    return " ".join(said)

@@ -1,0 +1,221 @@
+"""`clearance run FILE`: runs a campaign locally, without a service, to its verdict.
+
+The exit code is the verdict: 0 cleared, 1 violated, 2 inconclusive; with a baseline, the campaign's policy may change
+it (`clearance.cli._ended`).
+"""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+
+from clearance.cli import UnreachableError, WrongInputError
+from clearance.cli import _code as code
+from clearance.cli import _evaluator as evaluators
+from clearance.cli import _launch as launch
+from clearance.cli._ended import Case, EndedRun, Source, write_files
+from clearance.cli._out import writable
+from clearance.cli._skipped import report_unusable
+from clearance.cli._where import DATA, Data, Database
+from clearance.local import interrupt
+
+if TYPE_CHECKING:
+    from campaigns import Campaign
+    from campaigns.results import Verdict
+    from worker.engine.stages.parts.store import Store
+    from worker.running.runs.store import MemoryStore
+
+
+Execute: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Verdict]"
+
+
+def run(
+    file: Annotated[
+        Path | None, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the results: result.json, evaluations.csv, traces.", file_okay=False)
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
+    threads: Annotated[int, typer.Option(help="Simulation threads; 0 means one per core.", min=0, max=1024)] = 0,
+    onward: Annotated[
+        str,
+        typer.Option(
+            "--continue", metavar="RUN", show_default=False,
+            help="Extend an earlier run instead: the folder of its --out, or the id of a stored run.",
+        ),
+    ] = "",
+    budget: Annotated[
+        str, typer.Option(help="With --continue: 20000 is the new budget of each extended search, +20000 adds to it.")
+    ] = "",
+    data: Data = DATA,
+    database: Database = "",
+    evaluator: evaluators.Evaluator = "",
+    allow_code: code.AllowCode = False,
+    label: launch.Label = None,
+    baseline: launch.Baseline = "",
+    junit: launch.Junit = None,
+    markdown: launch.Summary = None,
+    sarif: launch.Sarif = None,
+) -> None:  # fmt: skip
+    """Run a campaign locally and print its verdict; the exit code is the verdict."""
+    from worker.running.runs import sources as sources  # first: it records the files before they are loaded
+
+    _asked_right(file, onward, budget, bool(label or baseline))
+    writable(out)
+    given = launch.Launch.read(label, baseline, junit, markdown, sarif)
+    evaluators.use(evaluator)
+    execute = _executing(threads or None, quiet=as_json, evaluator=evaluator)
+    note = ""
+    if onward:
+        from clearance.cli._continue import execute_continued
+
+        code.of_results(onward, allow_code)
+        campaign, store, verdict, cites = execute_continued(onward, budget, data, database, execute)
+    else:
+        assert file is not None
+        asked, note = _asked(file, allow_code, given.baseline, data, database)
+        campaign, store, verdict = _fresh(file, asked, _announcing(execute, data, database, quiet=as_json))
+        cites = None
+    from clearance.local.summary import summary
+
+    result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {}) | code.stated(campaign)
+    result |= ({"labels": given.labels} if given.labels else {}) | ({"baseline": note} if note else {})
+    if out is not None:
+        from clearance.cli._capsule import write_capsules
+        from clearance.local.results import write_evidence, write_results
+
+        write_results(out, campaign, store, result)
+        write_evidence(out, campaign, store)
+        write_capsules(out, campaign, store, code.program_of(campaign))
+        code.write_description(out, campaign)
+    if as_json:
+        typer.echo(json.dumps(result, indent=2, allow_nan=False))
+    else:
+        from clearance.cli._report import print_report
+
+        print_report(campaign, store, verdict, out, cites, note)
+    ended = _ended(campaign, store, verdict, out, given, note, file)
+    write_files(ended, given)
+    raise typer.Exit(ended.code)
+
+
+def _ended(
+    campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, given: launch.Launch, note: str,
+    file: Path | None,
+) -> EndedRun:  # fmt: skip
+    return EndedRun(
+        run="" if out is None else str(out),
+        campaign=campaign.name,
+        state="done",
+        verdict=verdict,
+        replay="" if out is None else f"clearance replay {shlex.quote(str(out))}",
+        labels=given.labels,
+        notes=(note,) if note else (),
+        seconds=sum(stage.seconds for stage in store.stages),
+        compared=campaign.baseline is not None or not given.baseline,
+        quantity=verdict.quantity,
+        unit=verdict.unit,
+        threshold=campaign.criterion.threshold,
+        findings=tuple(Case(f.label, f.cost, f.margin, f.parameters) for f in store.found()),
+        source=_source(file, given),
+        requirements=tuple(one.id for one in campaign.criterion.requirements),
+    )
+
+
+def _source(file: Path | None, given: launch.Launch) -> Source | None:
+    """The campaign file, for a report that points at its lines."""
+    if file is None or given.sarif is None:
+        return None
+    from campaigns.asked.load import read_text
+    from clearance.cli._campaign import found
+
+    return Source(str(found(file)), read_text(found(file)))
+
+
+def _asked_right(file: Path | None, onward: str, budget: str, launched: bool) -> None:
+    if onward and launched:
+        raise WrongInputError("an extended run has the labels and the baseline of the earlier one: give neither")
+    if onward and file is not None:
+        raise WrongInputError("give either a campaign or --continue RUN, not both")
+    if not onward and file is None:
+        raise WrongInputError("give a campaign file, the name of one in the library, or --continue RUN")
+    if bool(onward) != bool(budget):
+        raise WrongInputError("--continue RUN and --budget +N belong together: give both")
+
+
+def _asked(file: Path, allow_code: bool, baseline: str, data: Path, database: str) -> tuple[Campaign, str]:
+    """The campaign of the file with its baseline, and the sentence that states it."""
+    campaign = code.read(file, allow_code)
+    if not baseline:
+        return campaign, ""
+    from clearance.cli._baseline import compared
+
+    return compared(campaign, baseline, data, database)
+
+
+def _fresh(file: Path, campaign: Campaign, execute: Execute) -> tuple[Campaign, MemoryStore, Verdict]:
+    from campaigns import CampaignError, check
+    from worker.engine.systems.base import CampaignUnusable
+    from worker.running.catalogue.installed import catalogue
+    from worker.running.runs.store import MemoryStore
+
+    if problems := check(campaign, catalogue()):
+        if any(problem.field == "simulator.name" for problem in problems):
+            report_unusable()
+        raise CampaignError(str(file), problems)
+    store = MemoryStore()
+    try:
+        with interrupt.explained(store):
+            return campaign, store, execute(campaign, store, lambda: False)
+    except CampaignUnusable as error:
+        raise CampaignError(str(file), error.problems) from None
+
+
+def _announcing(execute: Execute, data: Path, database: str, quiet: bool) -> Execute:
+    """Announce what the campaign is expected to take, unless quiet, then execute it."""
+    from clearance.cli._announce import announce
+
+    def announced(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
+        announce(campaign, data, database)
+        return execute(campaign, store, cancelled)
+
+    return execute if quiet else announced
+
+
+def _executing(threads: int | None, quiet: bool, evaluator: str = "") -> Execute:
+    """A function that runs a campaign into a store, with progress on the terminal unless quiet."""
+    from worker.engine.systems.simulators.cluster.address import EvaluatorLost
+    from worker.running.processes import memory
+    from worker.running.runs.runner import execute
+
+    try:
+        memory.allowed()
+    except ValueError as error:
+        raise WrongInputError(str(error)) from None
+
+    def executed(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
+        evaluators.refuse_other(evaluator, campaign)
+        try:
+            with memory.bounded(threads):
+                return simulated(campaign, store, cancelled)
+        except MemoryError:
+            raise WrongInputError(memory.sentence()) from None
+        except EvaluatorLost as error:
+            raise UnreachableError(str(error)) from None
+
+    def simulated(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
+        with interrupt.deferred(cancelled) as asked:
+            if quiet:
+                return execute(campaign, store, asked, threads=threads)
+            from clearance.local.progress import Progress
+
+            with Progress(campaign) as shown:
+                return execute(campaign, store, asked, progress=shown.show, threads=threads)
+
+    return executed

@@ -1,0 +1,73 @@
+"""`clearance runs`: lists the runs of a service."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from campaigns.documents import JsonObject
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+
+if TYPE_CHECKING:
+    from clearance.client.answers import Run
+
+Words = Annotated[str, typer.Argument(metavar="[WORDS]", help="In name, campaign, tags, owner or number.")]
+
+
+def _filter(what: str) -> typer.models.OptionInfo:
+    option: typer.models.OptionInfo = typer.Option(help=f"{what}; alternatives may be repeated.", show_default=False)
+    return option
+
+
+def runs(
+    words: Words = "",
+    label: Annotated[list[str] | None, _filter("Label, KEY=VALUE")] = None,
+    state: Annotated[list[str] | None, _filter("queued, running, cancelling, cancelled, failed or done")] = None,
+    verdict: Annotated[list[str] | None, _filter("cleared, violated or inconclusive")] = None,
+    campaign: Annotated[list[str] | None, _filter("Name of a campaign")] = None,
+    owner: Annotated[list[str] | None, _filter("User or token that submitted it")] = None,
+    tag: Annotated[list[str] | None, _filter("Tag")] = None,
+    limit: Annotated[int, typer.Option(help="At most so many, the newest first; pinned ones before.", min=1)] = 20,
+    as_json: Annotated[bool, typer.Option("--json", help="Print a JSON array, as the API returns its items.")] = False,
+    service: Service = SERVICE,
+    token_file: Token = "",
+    patience: Patience = PATIENCE,
+) -> None:
+    """List the runs of a service: number, verdict or state, worst margin, start, name, labels."""
+    import itertools
+    import json
+
+    from clearance.cli._service import opened
+
+    several = {"label": label, "state": state, "verdict": verdict, "campaign": campaign, "owner": owner, "tag": tag}
+    filters: JsonObject = {name: tuple(given or ()) for name, given in several.items()}
+    with opened(service, token_file, patience) as client:
+        found = client.runs(words, **filters)
+        listed = list(itertools.islice(found, limit))
+    if as_json:
+        typer.echo(json.dumps([run.document for run in listed], indent=2))
+    elif not listed:
+        typer.echo("No runs", err=True)
+    else:
+        typer.echo("\n".join(_aligned([_row(run) for run in listed])))
+
+
+def _row(run: Run) -> list[str]:
+    from clearance.cli._following import plain
+
+    margin = "" if run.margin is None else f"{run.margin:+.6g} {run.unit}".rstrip()
+    labels = " ".join(f"{key}={value}" for key, value in run.labels.items())
+    return [
+        run.id,
+        run.verdict or run.state,
+        margin,
+        run.created.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        plain(run.name),
+        labels,
+    ]
+
+
+def _aligned(rows: list[list[str]]) -> list[str]:
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]

@@ -1,0 +1,209 @@
+"""`clearance serve`: the service and its workers on this machine, until Ctrl-C. Start reading at `serve`."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import signal
+import socket
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from backend.db import access, workers
+from backend.db.engine import connect, migrate, read
+from backend.db.private import SharedFolderError, keep_private
+from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
+from clearance.cli._where import DATA, Data, Database, url_of
+from clearance.cli.login_link import ADDRESS_FILE
+from worker.engine.kernels import jit
+from worker.running.processes.lifeline import Wakeup
+from worker.running.processes.serving import Server, Servers
+
+PATIENCE = 300.0
+"""How long the service may take to start [s]."""
+
+UNUSABLE_SETTINGS = 2
+"""The exit code of a backend that cannot start because of its settings."""
+
+_DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+"""Connects directly to this machine, ignoring any proxy of the environment."""
+
+
+def serve(
+    host: Annotated[str, typer.Option(help="Address to listen on.", envvar="CLEARANCE_HOST")] = "127.0.0.1",
+    port: Annotated[
+        int, typer.Option(help="0 selects any free port.", min=0, max=65535, envvar="CLEARANCE_PORT")
+    ] = 8000,
+    data: Data = DATA,
+    database: Database = "",
+    number: Annotated[
+        int, typer.Option("--workers", help="Maximum number of runs at the same time.", min=0, max=256)
+    ] = 1,
+) -> None:
+    """Start the service and its workers, print a login link, and stop everything on Ctrl-C."""
+    jit.refuse(jit.by_environment())
+    _closed_to_others(data, database)
+    url = url_of(data, database)
+    with _alone(data):
+        port = _free_port(host, port)
+        migrate(url)
+        with Wakeup() as wakeup:
+            code = _Serving(host, port, data.absolute(), url, number, wakeup).run()
+    raise typer.Exit(code)
+
+
+class _Serving:
+    """One `serve`: start, wait until healthy, print the link, watch, stop."""
+
+    def __init__(self, host: str, port: int, data: Path, url: str, number: int, wakeup: Wakeup) -> None:
+        self.address = f"http://{f'[{host}]' if ':' in host else host}:{port}"
+        self.data, self.url, self.wakeup = data, url, wakeup
+        here = {"CLEARANCE_DATA": str(data), "CLEARANCE_DATABASE": url, "PYTHONUNBUFFERED": "1"}
+        if number > 1:  # each would otherwise take every core
+            here["CLEARANCE_THREADS"] = os.environ.get("CLEARANCE_THREADS") or str(max(1, _cores() // number))
+        # Its output is a log: the link is printed here, by `_welcome`.
+        listen = {**here, "CLEARANCE_HOST": host, "CLEARANCE_PORT": str(port), "CLEARANCE_PRINT_LINK": "false"}
+        python = [sys.executable, "-P", "-m"]
+        logs = data / "logs"
+        self.backend = Server("backend", [*python, "backend"], listen, logs / "backend.log", signal.SIGKILL)
+        # A worker that loses its parent still returns its run to the queue; its child processes die with it.
+        self.workers = [
+            Server(f"worker {i}", [*python, "clearance", "worker"], here, logs / f"worker-{i}.log", signal.SIGTERM)
+            for i in range(1, number + 1)
+        ]
+        self.servers = Servers([self.backend, *self.workers], wakeup, _say)
+
+    def run(self) -> int:
+        """Returns the exit code."""
+        _say(f"Starting the service and {_counted(len(self.workers), 'worker')} on {self.data} ...")
+        begun = time.time()
+        self.servers.start()
+        try:
+            code = self._wait_until_healthy(begun)
+            if code is None:
+                for sentence in self.backend.warnings():
+                    _say(f"Warning: {sentence}")
+                self._welcome()
+                while self.wakeup.signal is None:
+                    self.servers.watch(1.0)
+                code = self._interrupted()
+            return code
+        finally:
+            _say("Stopping ...")
+            self.servers.stop()
+            _say("Stopped.")
+
+    def _wait_until_healthy(self, begun: float) -> int | None:
+        """None once the backend answers and a worker has published its catalogue; an exit code if that fails."""
+        deadline = time.monotonic() + PATIENCE
+        healthy = offered = False
+        while not (healthy and offered):
+            if self.backend in self.servers.watch(0.1):
+                _say("The service could not start; see its messages above.")
+                return WRONG_INPUT if self.backend.status == UNUSABLE_SETTINGS else INTERNAL
+            if self.wakeup.signal is not None:
+                return self._interrupted()
+            if time.monotonic() > deadline:
+                late = self.workers[0] if healthy else self.backend
+                _say(f"The {late.name} did not start within {PATIENCE:g} s. From {late.log}:\n{late.tail()}")
+                return INTERNAL
+            healthy = healthy or _answers(f"{self.address}/api/v1/health")
+            offered = offered or not self.workers or self._published() >= begun
+        return None
+
+    def _published(self) -> float:
+        engine = connect(self.url)
+        try:
+            with read(engine) as connection:
+                return workers.published(connection) or 0.0
+        finally:
+            engine.dispose()
+
+    def _welcome(self) -> None:
+        engine = connect(self.url)
+        try:
+            with engine.begin() as connection:
+                code = access.create_login_code(connection)
+        finally:
+            engine.dispose()
+        link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"
+        _say("\nClearance is ready. Open this link to log in (it can be used once, within 15 minutes):\n")
+        _say(f"    {link}\n")
+        _say("For a new link: clearance login-link. To stop: Ctrl-C.")
+
+    def _interrupted(self) -> int:
+        return INTERRUPTED if self.wakeup.signal == signal.SIGINT else 0
+
+
+def _closed_to_others(data: Path, database: str) -> None:
+    try:
+        keep_private(data, database)
+    except SharedFolderError as error:
+        raise WrongInputError(f"{error}") from None
+    except OSError as error:
+        raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
+
+
+@contextmanager
+def _alone(data: Path) -> Iterator[None]:
+    """Locks the data folder: two services on one folder would revoke each other's login links."""
+    with (data / "serve.lock").open("a+") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.seek(0)
+            owner = lock.read().strip() or "another process"
+            raise WrongInputError(
+                f"{data} is in use by `clearance serve` ({owner}); stop it or name another --data"
+            ) from None
+        lock.truncate(0)
+        lock.write(f"process {os.getpid()}")
+        lock.flush()
+        yield
+
+
+def _free_port(host: str, port: int) -> int:
+    """The port, or a free one for 0; `WrongInputError` if it is not available."""
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(address)
+            return int(probe.getsockname()[1])
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            hint = (
+                f"port {port} of {host} is in use by another program; choose another with --port, or 0 for any free one"
+            )
+        else:
+            hint = f"cannot listen on {host}:{port}: {error.strerror}"
+        raise WrongInputError(hint) from None
+
+
+def _answers(url: str) -> bool:
+    try:
+        with _DIRECT.open(url, timeout=2.0) as response:
+            return bool(response.status == 200)
+    except OSError:
+        return False
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def _say(text: str) -> None:
+    typer.echo(text)
+    sys.stdout.flush()

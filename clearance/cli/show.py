@@ -1,0 +1,68 @@
+"""`clearance show RUN`: prints a run of a service as it is now."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from clearance.cli._following import AsJson
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+
+if TYPE_CHECKING:
+    from clearance.client.answers import Finding, RunDetail
+
+
+def show(
+    run: Annotated[str, typer.Argument(help="Its number, such as R-0001.")],
+    as_json: AsJson = False,
+    service: Service = SERVICE,
+    token_file: Token = "",
+    patience: Patience = PATIENCE,
+) -> None:
+    """Print a run of a service: its verdict, the checks, the worst cases. The exit code is not the verdict."""
+    import json
+
+    from clearance.cli._service import numbered, opened
+
+    with opened(service, token_file, patience) as client:
+        found = client.run(numbered(run))
+        if as_json:
+            typer.echo(json.dumps(found.document, indent=2))
+            return
+        findings = client.findings(found)
+        typer.echo("\n".join([*_head(found), *_checks(found), *_findings(found, findings), client.link(found)]))
+
+
+def _head(found: RunDetail) -> list[str]:
+    from clearance.cli._following import counts, plain, superseded
+
+    state = found.verdict or found.state
+    lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
+    lines += [plain(text) for text in (found.reason, found.error, found.waits, superseded(found)) if text]
+    if found.stage is not None:
+        lines.append(f"Running: {found.stage.kind} {found.stage.method or ''}".rstrip())
+    lines += [counts(found), f"Campaign: {plain(found.campaign_name)}, sha256 {found.campaign_digest[:16]}"]
+    times = {"Submitted": found.created, "started": found.started, "ended": found.finished}
+    lines.append(", ".join(f"{word} {at.strftime('%Y-%m-%dT%H:%M:%SZ')}" for word, at in times.items() if at))
+    if found.labels:
+        lines.append("Labels: " + ", ".join(f"{key}={value}" for key, value in found.labels.items()))
+    if found.baseline is not None:
+        lines.append(found.baseline.sentence)
+    return lines
+
+
+def _checks(found: RunDetail) -> list[str]:
+    from clearance.cli._following import plain
+
+    checks = [] if found.summary is None else found.summary.checks
+    return [f"  {check.standing:5}  {check.title}: {plain(check.text)}" for check in checks]
+
+
+def _findings(found: RunDetail, findings: list[Finding]) -> list[str]:
+    unit = found.unit
+    return [
+        f"{f.label}: {found.quantity} {f.cost:.6g} {unit}, margin {f.margin:+.6g} {unit}; "
+        + ", ".join(f"{path} = {value!r}" for path, value in f.parameters.items())
+        for f in findings
+    ]

@@ -1,0 +1,128 @@
+"""`clearance submit FILE`: submits a campaign to a service and follows it to its verdict, for a CI job.
+
+The exit code is that of `clearance run`.
+"""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from campaigns.documents import JsonObject
+from clearance.cli import WrongInputError
+from clearance.cli import _launch as launch
+from clearance.cli._following import AsJson, Out
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+
+if TYPE_CHECKING:
+    from clearance.client.answers import Submitted
+
+
+def submit(
+    file: Annotated[Path, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")],
+    service: Service = SERVICE,
+    token_file: Token = "",
+    name: Annotated[str, typer.Option(help="Name of the run; default: the campaign's name.")] = "",
+    tag: Annotated[
+        list[str] | None, typer.Option(help="Tag, may be repeated; default: the campaign's tags.", show_default=False)
+    ] = None,
+    priority: Annotated[int, typer.Option(help="Runs with a higher priority start first.", min=-10, max=10)] = 0,
+    sweep: Annotated[
+        str,
+        typer.Option(
+            metavar="PATH=V1,V2,...", show_default=False,
+            help="A run for each value of a fixed parameter; the exit code is that of the worst of them.",
+        ),
+    ] = "",
+    wait: Annotated[bool, typer.Option(help="Wait for the verdict; otherwise print only the run's number.")] = True,
+    out: Out = None,
+    as_json: AsJson = False,
+    patience: Patience = PATIENCE,
+    label: launch.Label = None,
+    baseline: launch.Baseline = "",
+    reuse: Annotated[
+        bool,
+        typer.Option("--reuse", help="Take an earlier verdict on the same campaign by the same code, if there is one."),
+    ] = False,
+    junit: launch.Junit = None,
+    summary: launch.Summary = None,
+    sarif: launch.Sarif = None,
+    group: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", show_default=False,
+            help="Concurrency group, such as project/branch: cancels your runs of the same group that have not ended.",
+        ),
+    ] = "",
+    cancel_on_exit: Annotated[
+        bool, typer.Option("--cancel-on-exit", help="Cancel the run when this command is ended (SIGTERM, Ctrl-C).")
+    ] = False,
+) -> None:  # fmt: skip
+    """Submit a campaign to a service and wait for its verdict, which is the exit code."""
+    from campaigns.asked.load import load_text, read_text
+    from clearance.cli._campaign import found
+    from clearance.cli._ended import Source
+    from clearance.cli._following import follow_to_the_end
+    from clearance.cli._out import writable
+    from clearance.cli._service import opened
+    from clearance.cli._sweep import parsed
+    from clearance.cli._sweep import sweep as launched
+    from clearance.local.interrupt import terminated
+
+    writable(out)
+    given = launch.Launch.read(label, baseline, junit, summary, sarif)
+    _asked_right(given, sweep, wait, reuse, cancel_on_exit, group)
+    if sweep:
+        parsed(sweep)  # before anything is sent
+    path = found(file)
+    text = read_text(path)
+    document = load_text(text, str(file)).document()
+    asked: JsonObject = {"name": name or None, "tags": tag or None, "labels": given.labels, "priority": priority}
+    how: JsonObject = {"baseline": given.baseline or None, "reuse": reuse, "group": group or None}
+    with opened(service, token_file, patience, str(file)) as client:
+        if sweep:
+            raise typer.Exit(launched(client, document, sweep, wait, out, as_json, **asked))
+        with terminated() if cancel_on_exit else nullcontext():
+            try:
+                queued = client.submit(document, text=text, **asked, **how)
+            except KeyboardInterrupt:
+                typer.echo(
+                    "the submission was interrupted, so a run may be queued: `clearance runs` lists them", err=True
+                )
+                raise
+            if not wait:
+                _print_submitted(queued)
+                return
+            run, reused = queued.id, queued.reused
+            _print_superseded(queued)
+            typer.echo(f"{run} is at {client.link(run)}", err=True)
+            source, cancel = Source(str(path), text), cancel_on_exit and not reused
+            raise typer.Exit(follow_to_the_end(client, run, out, as_json, given, reused, cancel, source))
+
+
+def _print_superseded(queued: Submitted) -> None:
+    if queued.superseded:
+        typer.echo(f"{', '.join(queued.superseded)} of the group {queued.group} superseded", err=True)
+
+
+def _print_submitted(queued: Submitted) -> None:
+    """Only the number on standard output, for programs."""
+    for note in filter(None, [queued.reused, "" if queued.baseline is None else queued.baseline.sentence]):
+        typer.echo(note, err=True)
+    _print_superseded(queued)
+    typer.echo(queued.id)
+
+
+def _asked_right(given: launch.Launch, sweep: str, wait: bool, reuse: bool, cancel: bool, group: str) -> None:
+    """Raises `WrongInputError` for options that do not belong together."""
+    if sweep and (given.baseline or given.wanted or reuse or cancel or group):
+        raise WrongInputError(
+            "--sweep takes none of --baseline, --junit, --summary, --sarif, --reuse, --group and --cancel-on-exit"
+        )
+    if not wait and (given.wanted or cancel):
+        raise WrongInputError(
+            "--no-wait does not wait for the verdict: --junit, --summary, --sarif and --cancel-on-exit need it"
+        )

@@ -1,0 +1,67 @@
+"""`clearance token create|list|revoke`: API tokens for programs (RFC 6750)."""
+
+from __future__ import annotations
+
+import time
+from typing import Annotated
+
+import typer
+
+from backend.db import access, audit
+from backend.db.roles import Scope
+from clearance.cli._operator import operator
+from clearance.cli._where import DATA, Data, Database, opened
+
+app = typer.Typer(help="API tokens for programs: create, list, revoke.", no_args_is_help=True)
+
+Name = Annotated[str, typer.Argument(help="What the token is for, such as ci.")]
+
+
+@app.command()
+def create(
+    name: Name,
+    scope: Annotated[
+        Scope,
+        typer.Option(help="What it permits: read; run, that is also launching and cancelling; admin, everything."),
+    ] = "run",
+    owner: Annotated[str, typer.Option(help="The user whose role limits it.")] = access.LOCAL,
+    days: Annotated[
+        int | None, typer.Option(min=1, max=3650, help="Days until it expires; default: never.", show_default=False)
+    ] = None,
+    data: Data = DATA,
+    database: Database = "",
+) -> None:
+    """Create a token and print it: the only time it is shown. Send it as `Authorization: Bearer TOKEN`."""
+    with opened(data, database, create=True) as connection:
+        token = access.create_token(connection, name, owner, scope, None if days is None else days * 86400.0)
+        told = {"owner": owner, "scope": scope, "days": days}
+        audit.note_command(connection, operator(), "token.created", name, told)
+    typer.echo(f"Token {name!r}, shown only once:", err=True)
+    typer.echo(token)
+
+
+@app.command("list")
+def list_(data: Data = DATA, database: Database = "") -> None:
+    """List the tokens: name, owner, scope, created, expires, last used, revoked."""
+    with opened(data, database) as connection:
+        rows = access.tokens(connection)
+    table: list[tuple[str, ...]] = [("name", "owner", "scope", "created", "expires", "last used", "revoked")]
+    for row in rows:
+        times = (row.created, row.expires, row.last_used, row.revoked)
+        table.append((row.name, row.owner, row.scope, *map(_shown, times)))
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    for line in table:
+        typer.echo("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
+
+
+@app.command()
+def revoke(name: Name, data: Data = DATA, database: Database = "") -> None:
+    """Revoke a token: from now on it is refused."""
+    with opened(data, database) as connection:
+        access.revoke_token(connection, name)
+        audit.note_command(connection, operator(), "token.revoked", name, {})
+    typer.echo(f"Token {name!r} was revoked.")
+
+
+def _shown(at: float | None) -> str:
+    return "-" if at is None else time.strftime("%Y-%m-%d %H:%M", time.localtime(at))

@@ -1,0 +1,112 @@
+"""`clearance validate FILE...`: validates campaign files against this installation, or against a service."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from clearance.cli import WrongInputError
+from clearance.cli import _code as code
+from clearance.cli._service import PATIENCE, Patience, Token
+from clearance.cli._skipped import report_unusable
+
+if TYPE_CHECKING:
+    from campaigns import Campaign
+
+HELP = "Campaigns as YAML or JSON, or the names of campaigns in the library."
+Service = Annotated[
+    str,
+    typer.Option(metavar="URL", show_default=False, help="Check against the components of this service instead."),
+]
+
+
+def validate(
+    files: Annotated[list[Path] | None, typer.Argument(metavar="FILE...", help=HELP)] = None,
+    normal: Annotated[
+        bool, typer.Option("--normal", help="Print the campaign with every default written out.")
+    ] = False,
+    allow_code: code.AllowCode = False,
+    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of a campaign instead.")] = False,
+    service: Service = "",
+    token_file: Token = "",
+    patience: Patience = PATIENCE,
+) -> None:
+    """Check campaign files: print their problems, or their digest and the stages of a run."""
+    import json
+
+    from campaigns import Campaign, CampaignError
+    from clearance.cli import WRONG_INPUT, _explain
+
+    if schema:
+        typer.echo(json.dumps(Campaign.model_json_schema(), indent=2))
+        return
+    if not files:
+        raise WrongInputError("give a campaign file, or --schema")
+    if service and (normal or allow_code):
+        raise WrongInputError("--service takes neither --normal nor --allow-code: a service runs no code of a campaign")
+    wrong = 0
+    for file in files:
+        try:
+            if service:
+                _by_service(file, service, token_file, patience)
+            else:
+                _here(file, normal, allow_code)
+        except CampaignError as error:
+            if len(files) == 1:
+                raise
+            _explain(error)
+            wrong += 1
+    if wrong:
+        typer.echo(f"{wrong} of {len(files)} campaigns cannot be used", err=True)
+        raise typer.Exit(WRONG_INPUT)
+
+
+def _here(file: Path, normal: bool, allow_code: bool) -> None:
+    import json
+
+    from campaigns import CampaignError, check
+    from worker.running.catalogue.installed import catalogue
+
+    campaign = code.read(file, allow_code)
+    problems = check(campaign, catalogue())
+    if problems:
+        if campaign.simulator is not None:
+            report_unusable()
+        raise CampaignError(str(file), problems)
+    if normal:
+        typer.echo(json.dumps(campaign.document(), indent=2))
+        return
+    _print_usable(campaign, "here")
+
+
+def _by_service(file: Path, service: str, token_file: str, patience: float) -> None:
+    """The service's own answer: its components, methods and simulators are those that would run the campaign."""
+    from campaigns import CampaignError, Problem
+    from clearance.cli._campaign import read_campaign
+    from clearance.cli._service import opened
+
+    campaign = read_campaign(file)
+    with opened(service, token_file, patience, str(file)) as client:
+        found = client.check(campaign.document())
+    if not found.ok:
+        raise CampaignError(str(file), [Problem(p.field, p.given, p.message) for p in found.problems])
+    if found.digest != campaign.digest:
+        raise WrongInputError(
+            f"{service} reads {file} as another campaign (sha256 {(found.digest or '')[:16]}, here "
+            f"{campaign.digest[:16]}): it is of another version; use the command line of its version"
+        )
+    _print_usable(campaign, f"by {service}")
+
+
+def _print_usable(campaign: Campaign, where: str) -> None:
+    from campaigns.stages.plan import plan
+
+    stages = plan(campaign)
+    typer.echo(f"{campaign.name}: can be run {where}. Digest {campaign.digest[:16]}")
+    typer.echo(f"{len(campaign.uncertain)} uncertain parameters, about {sum(s.planned for s in stages)} evaluations:")
+    for stage in stages:
+        # How many validation takes depends on the worst cases found: the plan has an estimate.
+        number = f"about {stage.planned}" if stage.kind == "validate" else f"{stage.planned}"
+        typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {number}")

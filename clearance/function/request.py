@@ -1,0 +1,265 @@
+"""`search`: checks its arguments, makes the campaign that they describe, and runs it in this process.
+
+Everything is checked before anything is evaluated. The campaign runs through the same stages as `clearance run`; only
+the system is a function of this process. Start reading at `search`.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from clearance.function.result import Result
+from worker.engine.systems.simulators.declared.function import (
+    NAME,
+    Declaration,
+    Function,
+    Output,
+    Parameter,
+    Settings,
+    accepts,
+    check,
+    finite,
+    only_loaded,
+)
+
+if TYPE_CHECKING:
+    from campaigns.documents import JsonObject
+
+METHODS = ("direct", "cma_es")
+"""Two global methods that search differently: both must find the same worst case before anything is cleared."""
+PER_PARAMETER = 500
+"""Evaluations of each search, for each parameter."""
+MAX_SEED = 2**53
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The declaration of the function, where it is, and what is searched: ranges [unit] and nominal values [unit]."""
+
+    declaration: Declaration
+    call: Callable[..., Any]
+    place: Mapping[str, str]
+    ranges: Mapping[str, Range]
+    nominal: Mapping[str, float]
+    result: str
+
+
+def search(
+    fly: Callable[..., Any],
+    parameters: Mapping[str, Range] | None = None,
+    threshold: float | None = None,
+    *,
+    nominal: Mapping[str, float] | None = None,
+    methods: Sequence[str] | Mapping[str, int] = METHODS,
+    budget: int | None = None,
+    certify: int = 300,
+    seed: int = 1,
+    vectorized: bool | None = None,
+    progress: bool = False,
+    name: str = "",
+    quantity: str = "",
+    unit: str = "",
+    worse: Literal["low", "high"] = "low",
+    result: str = "",
+) -> Result:
+    """Search for the worst case of a function, and state what may be claimed.
+
+    fly: called as `fly(mass=..., drag=...)` with floats, returns one number; with `vectorized`, called with arrays (m,)
+    and returns an array (m,). Or a function decorated with `clearance.simulator`.
+    parameters: the range (low, high) of each uncertain parameter, by keyword of the function; for a decorated function,
+    by default those that it declares.
+    threshold: the value [unit] above which an evaluation is clear; at or below it, it is a violation.
+    nominal: the nominal case; the middle of its range for a parameter that is not named.
+    methods: search methods by name, or by name with the evaluations of each.
+    budget: evaluations of each search whose method has none of its own; 500 for each parameter if not given.
+    certify: size of the independent random sample that bounds the probability of a violation; 0 for none.
+    seed: of everything random. progress: show bars in a terminal. name: of the campaign.
+    quantity, unit: of the returned number, for sentences, tables and axes. worse: only "low".
+    result: which result of a decorated function decides, if it has several.
+
+    An evaluation that raises, or returns anything but a finite number, fails with its reason, and the search goes on.
+    Ctrl-C raises `Interrupted`, a KeyboardInterrupt that has what was evaluated until then.
+
+    Raises ValueError or TypeError with a sentence before anything is evaluated if an argument cannot be used.
+    """
+    if only_loaded():
+        raise RuntimeError(
+            "a search was started while its file is only loaded for its functions: "
+            "put the call of clearance.search under `if __name__ == '__main__':`"
+        )
+    _plain(threshold, budget, certify, seed, worse)
+    asked = _asked(fly, parameters, nominal, vectorized, quantity, unit, result)
+    document = _document(asked, threshold, name, _searches(methods, budget, len(asked.ranges)), certify, seed)
+    from clearance.function.running import run
+
+    return run(asked, document, progress)
+
+
+def _plain(threshold: object, budget: object, certify: object, seed: object, worse: object) -> None:
+    """The arguments that are checked one by one."""
+    if threshold is None or not finite(threshold):
+        raise ValueError(f"threshold must be a finite number, given {threshold!r:.60}")
+    if worse != "low":
+        raise ValueError(
+            f"worse={worse!r:.60} is not supported, a verdict needs a number that is worse when low: "
+            "return the margin, such as limit - value, and give threshold=0"
+        )
+    for label, value, least in (("budget", budget, 1), ("certify", certify, 0), ("seed", seed, 0)):
+        if label == "budget" and value is None:
+            continue
+        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= MAX_SEED:
+            raise ValueError(f"{label} must be a whole number of at least {least}, given {value!r:.60}")
+
+
+def _asked(
+    fly: object, parameters: object, nominal: object, vectorized: bool | None, quantity: str, unit: str, result: str
+) -> Asked:
+    if isinstance(fly, Function):
+        for label, own in (("vectorized", vectorized), ("quantity", quantity), ("unit", unit)):
+            if own:
+                raise ValueError(f"{label}: a decorated function declares this itself; leave it out")
+        return _of_decorated(fly, parameters, nominal, result)
+    if not callable(fly):
+        raise TypeError(f"the first argument must be a function, given {fly!r:.60}")
+    if result:
+        raise ValueError("result: only a function decorated with clearance.simulator has several results")
+    ranges = _ranges(parameters)
+    middle = _nominal(nominal, {name: low + 0.5 * (high - low) for name, (low, high) in ranges.items()}, ranges)
+    given = {n: Parameter(low, high, middle[n], text=n) for n, (low, high) in ranges.items()}
+    label = str(getattr(fly, "__name__", type(fly).__name__))
+    settings = Settings(vectorized=bool(vectorized), isolated=False)
+    output = Output(unit=_line("unit", unit, 30), quantity=_line("quantity", quantity, 60) or "value")
+    declaration = Declaration(
+        _named(label), _title(label), inspect.getdoc(fly) or "", given, {"value": output}, settings
+    )
+    check(declaration)
+    accepts(fly, given)
+    return Asked(declaration, fly, {}, ranges, middle, "value")
+
+
+def _of_decorated(fly: Function[..., Any], parameters: object, nominal: object, result: str) -> Asked:
+    declaration = fly.declaration
+    declared = {name: (float(p.low), float(p.high)) for name, p in declaration.parameters.items()}
+    ranges = declared if parameters is None else _ranges(parameters)
+    for name, (low, high) in ranges.items():
+        if name not in declared:
+            raise ValueError(f"{declaration.name} has no parameter {name!r}; it has {', '.join(declared)}")
+        least, most = declared[name]
+        if not least <= low < high <= most:
+            raise ValueError(f"{name}: range {low:g} to {high:g} must be within {least:g} to {most:g} as declared")
+    middle = _nominal(nominal, {name: float(p.usual) for name, p in declaration.parameters.items()}, declared)
+    for name, (low, high) in ranges.items():
+        if not low <= middle[name] <= high:
+            raise ValueError(
+                f"{name}: nominal value {middle[name]:g} must be within the range {low:g} to {high:g}; give nominal"
+            )
+    may = [name for name, output in declaration.results.items() if output.worse == "low"]
+    if not may or (result and result not in may):
+        raise ValueError(
+            f"result: {result or 'none'} of {declaration.name} cannot decide; "
+            f"a result that is worse when low is needed ({', '.join(may) or 'it has none'})"
+        )
+    return Asked(declaration, fly.call, _place(fly), ranges, middle, result or may[0])
+
+
+def _place(fly: Function[..., Any]) -> dict[str, str]:
+    """Where a process of its own finds the function; empty if it is called in this one."""
+    if not fly.declaration.settings.isolated:
+        return {}
+    qualified, module = fly.call.__qualname__, sys.modules.get(fly.__module__)
+    file = getattr(module, "__file__", None)
+    if "<locals>" in qualified or "<lambda>" in qualified or module is None or file is None:
+        raise ValueError(
+            f"{fly.declaration.name} is isolated, but a process of its own cannot find it, because it is not in a file "
+            "or not at its top level: put it in a file, or declare it with isolated=False"
+        )
+    if module.__name__ == "__main__" or getattr(module, "__spec__", None) is None:
+        return {"file": str(file), "name": qualified}
+    return {"module": module.__name__, "name": qualified}
+
+
+def _ranges(parameters: object) -> dict[str, Range]:
+    if not isinstance(parameters, Mapping) or not parameters:
+        raise TypeError(f"parameters must be a dict such as {{'mass': (1.5, 2.3)}}, given {parameters!r:.60}")
+    found = {}
+    for name, given in parameters.items():
+        try:
+            low, high = given
+        except (TypeError, ValueError):
+            raise TypeError(f"{name}: give a range (low, high), given {given!r:.60}") from None
+        for value in (low, high):
+            if not finite(value):
+                raise ValueError(f"{name}: low and high must be finite numbers, at most 1e12, given {value!r:.60}")
+        if not low < high:
+            raise ValueError(f"{name}: low {low:g} must be below high {high:g}")
+        found[name] = (float(low), float(high))
+    return found
+
+
+def _nominal(given: object, usual: Mapping[str, float], limits: Mapping[str, Range]) -> dict[str, float]:
+    if given is None:
+        return dict(usual)
+    if not isinstance(given, Mapping):
+        raise TypeError(f"nominal must be a dict of values by parameter, given {given!r:.60}")
+    for name, value in given.items():
+        if name not in limits:
+            raise ValueError(f"nominal: there is no parameter {name!r}; there is {', '.join(limits)}")
+        low, high = limits[name]
+        if not finite(value) or not low <= value <= high:
+            raise ValueError(f"nominal: {name} must be a number within {low:g} to {high:g}, given {value!r:.60}")
+    return {name: float(given.get(name, value)) for name, value in usual.items()}
+
+
+def _searches(methods: object, budget: int | None, dimension: int) -> list[JsonObject]:
+    usual = PER_PARAMETER * dimension if budget is None else budget
+    if isinstance(methods, str):
+        methods = [methods]
+    if not isinstance(methods, (Mapping, Sequence)) or not methods:
+        raise TypeError(f"methods must be names such as ['direct', 'cma_es'], given {methods!r:.60}")
+    spent = dict(methods) if isinstance(methods, Mapping) else dict.fromkeys(methods, usual)
+    if len(spent) < len(methods):
+        raise ValueError("methods: the same method is given twice; list each once")
+    for name, value in spent.items():
+        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+            raise ValueError(f"methods: the evaluations of {name} must be a whole number above 0, given {value!r:.60}")
+    return [{"method": name, "evaluations": value} for name, value in spent.items()]
+
+
+def _document(
+    asked: Asked, threshold: float | None, name: str, searches: list[JsonObject], certify: int, seed: int
+) -> JsonObject:
+    """The campaign as `clearance run` reads one."""
+    return {
+        "name": _line("name", name, 120) or asked.declaration.title,
+        "simulator": {
+            "name": asked.declaration.name,
+            "parameters": dict(asked.nominal),
+        },
+        "uncertain": {f"simulator.{n}": {"low": low, "high": high} for n, (low, high) in asked.ranges.items()},
+        "criterion": {"result": asked.result, "threshold": threshold},
+        "stages": {"search": searches, **({"certify": {"samples": certify}} if certify else {})},
+        "seed": seed,
+    }
+
+
+def _named(label: str) -> str:
+    """The name of a function as that of a simulator: small letters, digits and _."""
+    name = re.sub(r"[^a-z0-9_]+", "_", label.lower()).strip("_")[:60]
+    return name if NAME.fullmatch(name) else "function"
+
+
+def _title(label: str) -> str:
+    return "".join(c for c in label if c.isprintable())[:100] or "function"
+
+
+def _line(label: str, text: object, longest: int) -> str:
+    if not isinstance(text, str) or not (text.isprintable() and len(text) <= longest):
+        raise ValueError(f"{label} must be one line of text of at most {longest} characters, given {text!r:.60}")
+    return text.strip()

@@ -1,0 +1,269 @@
+"""What a search returns: the verdict with its checks, the findings, and every evaluation as arrays.
+
+Start reading at `Result`; `of` makes one from the store of a run.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from campaigns import Campaign, Catalogue
+    from campaigns.results import Finding as Stored
+    from campaigns.results import Verdict as Concluded
+    from worker.engine.problem.problem import Problem
+    from worker.running.runs.store import MemoryStore
+
+Floats = NDArray[np.float64]
+Texts = NDArray[np.str_]
+Array = TypeVar("Array", Floats, Texts)
+
+
+class Check(NamedTuple):
+    """One condition of "cleared": its title, whether it holds ("holds", "open", "fails"), and a sentence."""
+
+    title: str
+    standing: str
+    text: str
+
+
+class Verdict(str):
+    """What may be claimed: "cleared", "violated" or "inconclusive", with the sentence that explains it.
+
+    It is a string: `result.verdict == "cleared"`. checks: every condition of "cleared"; scope: what the sentence holds
+    for.
+    """
+
+    sentence: str
+    scope: str
+    checks: tuple[Check, ...]
+
+    def __new__(cls, word: str, sentence: str = "", scope: str = "", checks: Sequence[Check] = ()) -> Verdict:
+        made = super().__new__(cls, word)
+        made.sentence, made.scope, made.checks = sentence, scope, tuple(checks)
+        return made
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        return str(self), self.sentence, self.scope, self.checks
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """The nominal case: parameters [unit] by name; cost and margin to the threshold [unit], None where it failed."""
+
+    parameters: Mapping[str, float]
+    cost: float | None
+    margin: float | None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One distinct worst case: parameters [unit] by name, the number returned and its margin to the threshold [unit].
+
+    label: F1 is the worst. methods: the search methods that found it by themselves; empty if only polishing did.
+    at_bounds: "low" or "high" by parameter. validation: whether a repeated evaluation agrees, in words.
+    """
+
+    label: str
+    cost: float
+    margin: float
+    parameters: Mapping[str, float]
+    methods: tuple[str, ...]
+    at_bounds: Mapping[str, str] = field(default_factory=dict)
+    validation: str = ""
+
+
+@dataclass(frozen=True)
+class Held:
+    """What a result is made from, for its pictures, its report and its folder."""
+
+    campaign: Campaign
+    problem: Problem
+    store: MemoryStore
+    known: Catalogue
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Evaluations:
+    """Every evaluation, in the order of the stages: m evaluations of n parameters.
+
+    names (n,): the parameters in the order of the columns of points. points (m, n) [unit]. costs (m,) [unit]: what the
+    function returned, NaN unless the status is "ok". status (m,): "ok", "failed", "timeout". stage (m,): "nominal",
+    "sensitivity", "search", "certify", "validate". method (m,): the search method, empty for other stages.
+    reasons: why an evaluation failed, by row. threshold [unit]. The arrays are read-only.
+    """
+
+    names: tuple[str, ...]
+    points: Floats
+    costs: Floats
+    status: Texts
+    stage: Texts
+    method: Texts
+    reasons: Mapping[int, str]
+    threshold: float
+    quantity: str
+    unit: str
+    held: Held
+
+    def to_dataframe(self) -> Any:
+        """One row for each evaluation; a column of ours whose name is taken by a parameter ends with `_`.
+
+        Raises ImportError with a sentence if pandas is not installed.
+        """
+        try:
+            pandas = importlib.import_module("pandas")
+        except ImportError:
+            raise ImportError(
+                "to_dataframe needs pandas, which is not installed: pip install pandas; "
+                "points, costs, status and method have the same data as arrays"
+            ) from None
+        columns: dict[str, object] = dict(zip(self.names, self.points.T, strict=True))
+        reasons = np.array([self.reasons.get(k, "") for k in range(len(self.costs))], dtype=object)
+        for name in ("cost", "status", "stage", "method", "reason"):
+            value = {"cost": self.costs, "reason": reasons}.get(name, getattr(self, name, None))
+            columns[name + "_" * (name in self.names)] = value
+        return pandas.DataFrame(columns)
+
+    def __repr__(self) -> str:
+        failed = int((self.status != "ok").sum())
+        return f"<{len(self.costs)} evaluations of {', '.join(self.names)}; {failed} failed>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Evaluations):
+    """The result of a search: what may be claimed and why, the worst cases, and every evaluation.
+
+    findings: the distinct worst cases, the worst first. worst: the first of them, None if nothing could be evaluated.
+    """
+
+    verdict: Verdict
+    findings: tuple[Finding, ...]
+    nominal: Nominal
+
+    @property
+    def worst(self) -> Finding | None:
+        """The worst finding."""
+        return self.findings[0] if self.findings else None
+
+    def save(self, folder: str | Path) -> Path:
+        """Write the folder of `clearance run --out`, which `clearance audit` checks; returns its path."""
+        from clearance.function.saving import save
+
+        return save(self.held, Path(folder))
+
+    def report(self, file: str | Path) -> Path:
+        """Write the report of the run as one self-contained HTML file; returns its path."""
+        from clearance.function.saving import report
+
+        return report(self.held, Path(file))
+
+    def __repr__(self) -> str:
+        lowest = (
+            "no value" if self.worst is None else f"worst {self.quantity} {self.worst.cost:.6g} {self.unit}".rstrip()
+        )
+        return f"<Result {self.verdict}: {lowest}, {len(self.costs)} evaluations>"
+
+    def __str__(self) -> str:
+        from clearance.function.shown import text
+
+        return text(self)
+
+    def _repr_html_(self) -> str:
+        from clearance.function.shown import page
+
+        return page(self)
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a search; `evaluations` has what was evaluated until then. There is no verdict."""
+
+    def __init__(self, evaluations: Evaluations) -> None:
+        self.evaluations = evaluations
+        many = len(evaluations.costs)
+        super().__init__(
+            f"the search was interrupted after {many} evaluations, so there is no verdict; "
+            "they are in the attribute `evaluations` of this exception"
+        )
+
+
+def of(held: Held, verdict: Concluded) -> Result:
+    """The result of a run that has ended."""
+    from campaigns.results import NominalResult
+    from campaigns.results.verdicts import described
+
+    failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
+    checks = [
+        Check(c.title, c.standing, f"{c.text}; {c.but}" if c.but else c.text) for c in described(verdict.checks, failed)
+    ]
+    first = held.store.stages[0].result
+    assert isinstance(first, NominalResult)
+    nominal = Nominal(_by_name(held, first.parameters), first.cost, first.margin, first.reason)
+    return Result(
+        **vars(evaluations(held)),
+        verdict=Verdict(verdict.verdict.value, verdict.sentence, verdict.scope, checks),
+        findings=tuple(_finding(held, f) for f in held.store.found()),
+        nominal=nominal,
+    )
+
+
+def _finding(held: Held, f: Stored) -> Finding:
+    from campaigns.results.verdicts import validated
+
+    bounds = {path.removeprefix("simulator."): str(at) for path, at in f.at_bounds.items()}
+    return Finding(
+        f.label, f.cost, f.margin, _by_name(held, f.parameters), tuple(f.methods), bounds, validated(f.validation)
+    )
+
+
+def _by_name(held: Held, parameters: Mapping[str, float]) -> dict[str, float]:
+    """Values by path as values by the user's names, in the user's order."""
+    return {name: parameters[f"simulator.{name}"] for name in held.names}
+
+
+def evaluations(held: Held) -> Evaluations:
+    """What was evaluated until now, such as before an interrupt."""
+    from campaigns.results.base import STATUS
+
+    problem, store = held.problem, held.store
+    paths = [r.path for r in problem.ranges]
+    order = [paths.index(f"simulator.{name}") for name in held.names]
+    points, costs, status, stage, method = [], [], [], list[str](), list[str]()
+    reasons: dict[int, str] = {}
+    for position, record in enumerate(store.stages):
+        columns = store.evaluations(position)
+        if columns is None:
+            continue
+        reasons |= {len(stage) + k: why for k, why in columns.reasons.items()}
+        points.append(problem.values(columns.points)[:, order])
+        costs.append(columns.costs[:, 0])
+        status += [STATUS[s] for s in columns.status.tolist()]
+        stage += [record.plan.kind] * len(columns.status)
+        method += [record.plan.method or ""] * len(columns.status)
+    return Evaluations(
+        names=held.names,
+        points=_fixed(np.concatenate(points) if points else np.empty((0, len(order)))),
+        costs=_fixed(np.concatenate(costs) if costs else np.empty(0)),
+        status=_fixed(np.array(status, dtype=np.str_)),
+        stage=_fixed(np.array(stage, dtype=np.str_)),
+        method=_fixed(np.array(method, dtype=np.str_)),
+        reasons=reasons,
+        threshold=problem.threshold,
+        quantity=problem.quantity,
+        unit=problem.unit,
+        held=held,
+    )
+
+
+def _fixed(array: Array) -> Array:
+    """The array, read-only from now on."""
+    array.flags.writeable = False
+    return array

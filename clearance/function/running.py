@@ -1,0 +1,82 @@
+"""Runs the campaign of a search in this process, through the stages of `clearance run`. Start reading at `run`."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+from collections.abc import Callable, Iterator
+
+from worker.running.runs import sources as sources  # first: it records the files before they are loaded
+
+# isort: split
+from campaigns import Campaign, CampaignError, Catalogue, check
+from campaigns.asked.load import load_document
+from campaigns.documents import JsonObject
+from clearance.function.request import Asked
+from clearance.function.result import Held, Interrupted, Result, evaluations, of
+from clearance.local.interrupt import deferred
+from worker.engine.problem.problem import Problem
+from worker.engine.stages.parts.base import Tally
+from worker.engine.systems.base import CampaignUnusable
+from worker.running.catalogue.files import PythonFunction
+from worker.running.catalogue.installed import catalogue
+from worker.running.opening import opened
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
+
+Show = Callable[[int, Tally], None]
+
+
+def run(asked: Asked, document: JsonObject, progress: bool) -> Result:
+    """The result of the campaign; raises ValueError for one that cannot be run, `Interrupted` after Ctrl-C."""
+    function = PythonFunction(asked.declaration, dict(asked.place), asked.call)
+    known = catalogue().model_copy(update={"simulators": [function.entry]})
+    campaign = _campaign(document, known)
+    problem = Problem(campaign, opened.simulated(campaign, function, known))
+    store = MemoryStore()
+    held = Held(campaign, problem, store, known, tuple(asked.ranges))
+    try:
+        with _interruptible() as stopped, _shown(campaign, progress) as show:
+            verdict = execute(campaign, store, stopped, progress=show, problem=problem)
+    except CampaignUnusable as error:
+        raise ValueError("; ".join(problem.message for problem in error.problems)) from None
+    except KeyboardInterrupt:
+        partial = evaluations(held)
+        raise Interrupted(partial) from None
+    return of(held, verdict)
+
+
+def _campaign(document: JsonObject, known: Catalogue) -> Campaign:
+    try:
+        campaign = load_document(document, "the search")
+        problems = check(campaign, known)
+    except CampaignError as error:
+        problems = list(error.problems)
+    if problems:
+        raise ValueError("the search cannot be run: " + "; ".join(map(str, problems)))
+    return campaign
+
+
+@contextlib.contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Ctrl-C that is not lost where this is the main thread and has no other handler."""
+    usual = threading.current_thread() is threading.main_thread() and (
+        signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    )
+    if not usual:
+        yield lambda: False
+        return
+    with deferred(lambda: False) as stopped:
+        yield stopped
+
+
+@contextlib.contextmanager
+def _shown(campaign: Campaign, progress: bool) -> Iterator[Show]:
+    if not progress:
+        yield lambda position, tally: None
+        return
+    from clearance.local.progress import Progress
+
+    with Progress(campaign) as bars:
+        yield bars.show

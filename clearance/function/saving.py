@@ -1,0 +1,71 @@
+"""Writes a result: the folder of `clearance run --out`, and the report of the service. Start reading at `save`."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import sqlalchemy as sa
+
+from backend.db import queue
+from backend.db.engine import connect, migrate, now, read, write
+from backend.db.store import PATIENCE, RunStore
+from campaigns.documents import JsonObject
+from clearance.function.result import Held
+from clearance.local.results import write_evidence, write_results
+from clearance.local.summary import summary
+from worker.running.runs import sources
+
+
+def save(held: Held, folder: Path) -> Path:
+    """Write everything into the folder, which is made if there is none; raises OSError if it cannot be written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    assert held.store.verdict is not None
+    result = summary(held.campaign, held.store, held.store.verdict)
+    write_results(folder, held.campaign, held.store, result, held.problem)
+    write_evidence(folder, held.campaign, held.store, held.known)
+    return folder
+
+
+def report(held: Held, file: Path) -> Path:
+    """Write the report; the run is stored in a temporary database, from which the service makes it."""
+    with tempfile.TemporaryDirectory(prefix="clearance-report-", ignore_cleanup_errors=True) as folder:
+        url = f"sqlite:///{Path(folder) / 'run.db'}"
+        migrate(url)
+        engine = connect(url)
+        try:
+            page = _page(engine, held)
+        finally:
+            engine.dispose()
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(page, encoding="utf-8")
+    return file
+
+
+def _page(engine: sa.Engine, held: Held) -> str:
+    from backend.reports.service import report_html
+
+    campaign, store = held.campaign, held.store
+    planned = sum(record.plan.planned for record in store.stages)
+    asked: JsonObject = {"name": campaign.name, "tags": campaign.tags, "owner": "clearance.search", "planned": planned}
+    run = write(engine, lambda c: queue.submit(c, campaign, **asked, catalogue=held.known), PATIENCE)
+    claim = queue.Queue(engine).claim("clearance.search", [s.version for s in held.known.simulators])
+    assert claim is not None
+    stored = RunStore(engine, claim)
+    stored.plan([record.plan for record in store.stages])
+    assert store.versions is not None
+    assert store.verdict is not None
+    stored.record_versions(store.versions, sources.code())
+    if store.sources is not None:
+        stored.record_sources(*store.sources)
+    for position, record in enumerate(store.stages):
+        stored.begin(position)
+        columns = store.evaluations(position)
+        if columns is not None:
+            stored.append(position, 0, columns)
+        assert record.result is not None
+        findings = store.findings if record.plan.kind == "validate" else ()
+        stored.finish(position, record.result, record.seconds, findings)
+    stored.conclude(store.verdict)
+    with read(engine) as reader:
+        return report_html(reader, run, now(reader), Path("no fonts")).html

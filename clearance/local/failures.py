@@ -1,0 +1,67 @@
+"""Why evaluations of a run failed: the distinct reasons, how many evaluations each has, and where the first one is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from campaigns.documents import JsonObject
+from campaigns.results.base import EXCLUDED, OK, STATUS
+from worker.running.runs.store import MemoryStore
+
+MOST = 12
+"""Reasons that are printed; evaluations.csv has that of every evaluation."""
+OUTPUT = "; its last output: "
+"""Before the last lines that a simulator wrote, which may differ from evaluation to evaluation."""
+UNKNOWN = "no reason was stored"
+
+
+@dataclass
+class Failure:
+    """A reason without the simulator's output, the evaluations that failed for it, and the first of them."""
+
+    status: str
+    reason: str
+    stage: int
+    index: int
+    output: str
+    """The last lines that the simulator wrote in the first of them; empty if there are none."""
+    evaluations: int = 0
+
+    @property
+    def document(self) -> JsonObject:
+        """Its form in result.json."""
+        return dict(vars(self))
+
+
+def failures(store: MemoryStore) -> list[Failure]:
+    """The reasons of failed and timed-out evaluations of all stages, the most frequent first."""
+    found: dict[tuple[str, str], Failure] = {}
+    for stage in range(len(store.stages)):
+        for index, status, text in _lost(store, stage):
+            reason, _, output = text.partition(OUTPUT)
+            one = found.setdefault((status, reason), Failure(status, reason, stage, index, output))
+            one.evaluations += 1
+    return sorted(found.values(), key=lambda one: -one.evaluations)
+
+
+def _lost(store: MemoryStore, stage: int) -> Iterator[tuple[int, str, str]]:
+    """Index, status and reason of every evaluation of a stage without a cost that was not excluded."""
+    columns = store.evaluations(stage)
+    for index, code in enumerate([] if columns is None else columns.status.tolist()):
+        if columns is not None and code not in (OK, EXCLUDED):
+            yield index, STATUS[code], columns.reasons.get(index) or UNKNOWN
+
+
+def lines(store: MemoryStore) -> list[str]:
+    """The reasons for the terminal; empty if nothing failed."""
+    found = failures(store)
+    if not found:
+        return []
+    told = ["Failed evaluations by reason, with the stage and index of the first:"]
+    for one in found[:MOST]:
+        output = f"{OUTPUT}{' '.join(one.output.split())}" if one.output else ""
+        told.append(f"  {one.evaluations:,} {one.status} ({one.stage}:{one.index}): {one.reason}{output}")
+    if len(found) > MOST:
+        told.append(f"  and {len(found) - MOST:,} further reasons, in evaluations.csv and result.json of --out")
+    return told

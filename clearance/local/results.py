@@ -1,0 +1,156 @@
+"""The files of `clearance run --out DIR`: result.json, campaign.json, evaluations.csv, a trace per case.
+
+evaluations.npz contains the exact evaluations on the unit cube, for `clearance run --continue DIR`; evidence.json
+the other evidence of the verdict, for `clearance audit DIR`. Start reading at `write_results`.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from backend.db.rows import plain
+from campaigns import Campaign, Catalogue, load_file
+from campaigns.cells import Writer
+from campaigns.checked.snapshot import snapshot, values_changed
+from campaigns.documents import JsonObject
+from campaigns.results.base import OK, STATUS
+from campaigns.stages.plan import plan
+from campaigns.unreadable import UNREADABLE
+from campaigns.versions import Versions, short
+from worker.engine.problem.criteria import criteria
+from worker.engine.problem.criteria import values as criterion_values
+from worker.engine.problem.problem import Problem
+from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord, Trace
+from worker.running.catalogue.installed import catalogue
+from worker.running.opening import opened
+from worker.running.runs.continuation import CannotContinue
+from worker.running.runs.store import MemoryStore
+
+ARRAYS = "evaluations.npz"
+
+
+def write_results(
+    folder: Path, campaign: Campaign, store: MemoryStore, result: JsonObject, problem: Problem | None = None
+) -> None:
+    """Write everything into the folder; numbers with all their digits.
+
+    problem: the campaign's problem, if its system is not one of this installation.
+    """
+    (folder / "result.json").write_text(json.dumps(result, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    (folder / "campaign.json").write_text(json.dumps(campaign.document(), indent=2) + "\n", encoding="utf-8")
+    _write_evaluations(folder / "evaluations.csv", problem or opened.problem(campaign), store)
+    _write_bits(folder / ARRAYS, store)
+    for trace in store.traces.values():
+        _write_trace(folder / f"trace-{trace.name}.csv", trace)
+
+
+def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore, known: Catalogue | None = None) -> None:
+    """Write what an audit needs besides the results; known: the catalogue, if not that of this installation."""
+    text = json.dumps(evidence(campaign, store, known), allow_nan=False)
+    (folder / "evidence.json").write_text(text + "\n", encoding="utf-8")
+
+
+def evidence(campaign: Campaign, store: MemoryStore, known: Catalogue | None = None) -> JsonObject:
+    """The evidence behind the result: every stage's own result, and the description of the campaign's components."""
+    return {
+        "results": [plain(stage.result) for stage in store.stages],
+        "components": snapshot(campaign, known or catalogue()).model_dump(mode="json"),
+    }
+
+
+def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
+    """The campaign and the evaluations that `write_results` left; raises `CannotContinue` if they are missing."""
+    for name in ("campaign.json", "result.json", ARRAYS):
+        if not (folder / name).is_file():
+            raise CannotContinue(
+                f"it contains no {name}; give the folder of a `clearance run --out`, or a run such as R-0001"
+            )
+    campaign = load_file(folder / "campaign.json")
+    stages = [StageRecord(StagePlan(*planned)) for planned in plan(campaign)]
+    try:
+        chunks = _read_bits(folder / ARRAYS, len(stages))
+    except UNREADABLE as error:
+        raise CannotContinue(f"{ARRAYS} in it cannot be read ({error}); run the campaign again") from None
+    return campaign, MemoryStore(stages=stages, chunks={at: [columns] for at, columns in chunks.items()})
+
+
+def versions_of(folder: Path) -> Versions:
+    """The versions behind the run of a folder, as far as stored there."""
+    try:
+        return Versions.of(json.loads((folder / "result.json").read_text(encoding="utf-8"))["versions"])
+    except UNREADABLE:
+        return Versions()
+
+
+def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
+    """Raises `CannotContinue` if the results of a folder are of another campaign, or of other components.
+
+    Evaluations are points of the unit cube: with other bounds they would be points that were never simulated.
+    """
+    try:
+        stated = str(json.loads((folder / "result.json").read_text(encoding="utf-8"))["digest"])
+        file = folder / "evidence.json"  # earlier versions wrote none
+        held = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        components = Catalogue.model_validate(held["components"]) if "components" in held else None
+        others = [] if components is None else values_changed(campaign, components, catalogue())
+    except UNREADABLE as error:
+        raise CannotContinue(f"its results cannot be read ({error}); run the campaign again") from None
+    if stated != campaign.digest:
+        raise CannotContinue(
+            f"its campaign.json is not the campaign of its results: its digest is {short(campaign.digest)}, "
+            f"result.json states {short(stated)}; restore the file, or run the changed campaign as a new one"
+        )
+    if others:
+        raise CannotContinue(f"its evaluations used different components: {'; '.join(others)}")
+
+
+def _write_bits(path: Path, store: MemoryStore) -> None:
+    arrays: JsonObject = {}
+    for position in range(len(store.stages)):
+        columns = store.evaluations(position)
+        if columns is not None:
+            arrays |= {
+                f"{name}_{position}": getattr(columns, name) for name in ("points", "costs", "status", "seconds")
+            }
+            arrays[f"reasons_{position}"] = np.array(json.dumps(columns.reasons))
+    np.savez(path, **arrays)
+
+
+def _read_bits(path: Path, stages: int) -> dict[int, Columns]:
+    found = {}
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+        for at in range(stages):
+            if f"points_{at}" in arrays:
+                points, costs, status, seconds = (arrays[f"{n}_{at}"] for n in ("points", "costs", "status", "seconds"))
+                reasons = {int(i): why for i, why in json.loads(str(arrays[f"reasons_{at}"])).items()}
+                found[at] = Columns(points, costs, status, seconds, reasons)
+    return found
+
+
+def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = Writer(file)
+        beside = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in criteria(problem)[1:]]
+        paths = [r.path for r in problem.ranges]
+        writer.writerow(["stage", "kind", "method", "index", "status", "cost", *beside, *paths, "reason"])
+        for position, record in enumerate(store.stages):
+            columns = store.evaluations(position)
+            if columns is None:
+                continue
+            plan = record.plan
+            values = problem.values(columns.points)
+            results = criterion_values(problem, columns.costs)
+            for i, (status, value) in enumerate(zip(columns.status.tolist(), results.tolist(), strict=True)):
+                costs = [repr(v) if status == OK else "" for v in value]
+                row = [position, plan.kind, plan.method or "", i, STATUS[status], *costs]
+                writer.writerow([*row, *map(repr, values[i].tolist()), columns.reasons.get(i, "")])
+
+
+def _write_trace(path: Path, trace: Trace) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = Writer(file)
+        writer.writerow([f"{c.name} [{c.unit}]" for c in trace.columns])
+        writer.writerows([repr(v) for v in row] for row in trace.data.tolist())

@@ -1,0 +1,62 @@
+"""The summary of a run in this process: what `--json` prints and result.json contains."""
+
+from __future__ import annotations
+
+from campaigns import Campaign
+from campaigns.documents import JsonObject
+from campaigns.results import CertifyResult, SearchResult, ValidateResult, Verdict, verdicts
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from clearance.local.failures import failures
+from worker.running.runs.store import MemoryStore
+
+MOST_FAILURES = 200
+"""Distinct reasons of failed evaluations in a result."""
+
+
+def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObject:
+    """The content of `--json` and result.json."""
+    failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
+    validated = store.stages[-1].result
+    parts = verdict.model_dump(mode="json")
+    return {
+        "verdict": verdict.verdict,
+        "reason": verdict.reason,
+        **{name: parts[name] for name in ("sentence", "scope", "said", "holds_for", "values")},
+        "nominal": parts["nominal"],
+        "worst": None if verdict.worst is None else verdict.worst.model_dump(exclude={"finding"}),
+        "stages": [_stage(store, position) for position in range(len(store.stages))],
+        "comparison": [row.model_dump() for row in validated.comparison]
+        if isinstance(validated, ValidateResult)
+        else [],
+        "evaluations": parts["evaluations"],
+        "checks": [check.model_dump() for check in verdicts.described(verdict.checks, failed)],
+        "statistics": parts["statistics"],
+        **({"regression": parts["regression"]} if "regression" in parts else {}),
+        "findings": [finding.model_dump() for finding in store.findings],
+        **({"failures": [one.document for one in lost[:MOST_FAILURES]]} if (lost := failures(store)) else {}),
+        "digest": campaign.digest,
+        "seed": campaign.seed,
+        "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")}
+        | {k: parts["provenance"][k] for k in ("components", "simulator", "command") if k in parts["provenance"]},
+    }
+
+
+def _stage(store: MemoryStore, position: int) -> JsonObject:
+    record, columns = store.stages[position], store.evaluations(position)
+    result = record.result
+    status = [] if columns is None else columns.status.tolist()
+    best = None
+    if columns is not None and status.count(OK):
+        best = float(columns.costs[columns.status == OK, 0].min())
+    stop = result.stop if isinstance(result, SearchResult | CertifyResult) else None
+    return {
+        "kind": record.plan.kind,
+        "method": record.plan.method,
+        "best": best,
+        "evaluations": len(status),
+        "failed": status.count(FAILED) + status.count(TIMEOUT),
+        "excluded": status.count(EXCLUDED),
+        "seconds": record.seconds,
+        "stop": None if stop is None else stop.text,
+        "minima": [m.model_dump() for m in result.minima] if isinstance(result, SearchResult) else [],
+    }

@@ -1,0 +1,92 @@
+"""Potential field of relative position and velocity in space, for moving obstacles.
+
+    F = k_att (p_tar - h) + sum over obstacles with v_RO > 0 and gap < rho_0 of F_rep1 + F_rep2
+    v_RO = (v - v_obs) . n           rho_m = v_RO^2 / (2 A_max)           gap = rho_s - rho_m
+    F_rep1 = -eta / gap^2 (1 + v_RO / A_max) n
+    F_rep2 = eta v_RO / (rho_s A_max gap^2) (v - v_obs - v_RO n)
+
+h, v: position and velocity of the vehicle; n: unit vector to the nearest point of the obstacle's surface (to the
+centre, for a sphere); rho_s: distance from the surface; rho_m: distance needed to brake at A_max; any number of
+obstacles of any shape. Farther from the goal than s the attraction is conic: its force stays k_att s (2.7).
+Source: Ge and Cui, Dynamic motion planning for mobile robots using potential field method (2002); Srikanthakumar,
+equations 3.21 and 3.28 to 3.35, extended to space as in section 3.5. The case called "not defined" there
+(rho_s < rho_m) is limited to gap = floor, as is rho_s: a reconstruction, not reached in case 4. The force jumps at
+gap = rho_0 and at v_RO = 0.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple
+
+from worker.engine.kernels.component import Avoider, Parameter
+from worker.engine.kernels.maths import kernel
+from worker.engine.physics.fields import attraction, relative
+from worker.engine.physics.space import Vector, norm3
+
+
+class GeCui(NamedTuple):
+    k_att: Annotated[float, Parameter("N/m", "Attraction per distance to the goal", 0.0, 1e6)] = 1.0
+    eta: Annotated[float, Parameter("N m2", "Strength of the repulsion", 0.0, 1e9, symbol="η")] = 1.3e4
+    rho_0: Annotated[float, Parameter("m", "Range of the repulsion, after braking", 1e-2, 1e5, symbol="ρ_0")] = 50.0
+    A_max: Annotated[float, Parameter("m/s2", "Greatest deceleration", 1e-3, 1e3)] = 10.0
+    floor: Annotated[float, Parameter("m", "Distance below which the repulsion is constant", 1e-6, 1e3)] = 2.0
+    s: Annotated[float, Parameter("m", "Distance from the goal beyond which the attraction is constant", 1e-3, 1e9)] = (
+        1e9
+    )
+
+
+class Goal(NamedTuple):
+    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
+    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
+    z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6)]
+
+
+@kernel
+def first(t: float, q: Vector, v: Vector, goal: Goal, memory: tuple[()], p: GeCui) -> Vector:
+    x, y, z = goal.x - q[0], goal.y - q[1], goal.z - q[2]
+    k = attraction(norm3((x, y, z)), p.k_att, p.s)
+    return k * x, k * y, k * z
+
+
+@kernel
+def weigh(
+    force: Vector, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Goal, m: tuple[()], p: GeCui
+) -> Vector:
+    vx = v[0] - body.vx
+    vy = v[1] - body.vy
+    vz = v[2] - body.vz
+    closing = -(vx * body.nx + vy * body.ny + vz * body.nz)  # n is the reversed normal
+    along, across = relative(body.gap, closing, p.eta, p.rho_0, p.A_max, p.floor)
+    inward = across * closing - along
+    return (
+        force[0] + across * vx + inward * body.nx,
+        force[1] + across * vy + inward * body.ny,
+        force[2] + across * vz + inward * body.nz,
+    )
+
+
+@kernel
+def steer(
+    t: float, q: Vector, v: Vector, goal: Goal, force: Vector, memory: tuple[()], p: GeCui
+) -> tuple[Vector, tuple[()]]:
+    return force, ()
+
+
+@kernel
+def remember(p: GeCui) -> tuple[()]:
+    return ()
+
+
+component = Avoider(
+    name="ge_cui_3d",
+    title="Potential field for moving obstacles",
+    dimension=3,
+    demand="force",
+    parameters=GeCui,
+    goal=Goal,
+    memory=0,
+    steer=steer,
+    remember=remember,
+    weigh=weigh,
+    first=first,
+)

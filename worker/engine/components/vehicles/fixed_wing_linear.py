@@ -1,0 +1,210 @@
+"""Fixed-wing aircraft, small disturbances about level flight at a reference speed; kinematics stay nonlinear.
+
+    d(position)/dt = R (u, v, w)                         d(phi, theta, psi)/dt: Euler rates of (p, q, r)
+    du/dt = X_u u' + X_w w' + X_q q + X_theta theta' + X_de de' + X_dt dt'
+    dw/dt = Z_u u' + Z_w w' + Z_q q + Z_theta theta' + Z_de de' + Z_dt dt'
+    dq/dt = M_u u' + M_w w' + M_q q +                   M_de de' + M_dt dt'
+    dv/dt = Y_v v + Y_p p + Y_r r + Y_phi phi + Y_da da + Y_dr dr
+    dp/dt = L_v v + L_p p + L_r r +             L_da da + L_dr dr
+    dr/dt = N_v v + N_p p + N_r r +             N_da da + N_dr dr
+
+A prime is the difference from the trim at the reference speed; Z_q holds +u_0 and Y_r holds -u_0. The derivatives are
+central differences of the nonlinear aircraft (same airframe, same coefficients) at that trim, at the nominal values.
+Only these depend on the mass and coefficients of each evaluation:
+
+    X_u, X_w, Z_u, Z_w, X_dt, Z_de, Y_v, Y_da, Y_dr in proportion to 1 / m;  X_dt to C_dt;  M_de to C_mde
+
+All others keep their nominal values: making them uncertain has no effect. Weight does not change with the mass.
+Wind enters as the velocity through the air in u', v, w'. Inputs are limited by the aircraft's stops. The flight starts
+trimmed for level flight of the nonlinear aircraft at start.speed, which need not be the reference speed.
+Source: Srikanthakumar, equations 3.38, 3.39 and 3.44 and the text below it; coefficients as for the nonlinear one.
+Limits: it underestimates the effect of the mass, and for large disturbances the effect may have the wrong sign: use it
+only for comparison.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, NamedTuple
+
+from worker.engine.kernels.component import Derived, Parameter, Trim, Vehicle, VehicleLook, extended
+from worker.engine.kernels.maths import kernel
+from worker.engine.kernels.views import Surroundings
+from worker.engine.physics import aircraft, trim
+from worker.engine.physics.aerodynamics import Airframe, Controls, stopped
+from worker.engine.physics.aircraft import Start, State, kinematics, level, through_air
+from worker.engine.physics.space import attitude
+
+
+class Reference(NamedTuple):
+    reference_speed: Annotated[
+        float, Parameter("m/s", "Speed of the level flight about which it is linearised", 3.0, 100.0, symbol="V_0")
+    ] = 20.0
+
+
+FixedWingLinear = extended("FixedWingLinear", Airframe, Reference)
+
+
+class Trimmed(NamedTuple):
+    """Trim at the start speed, as of the nonlinear aircraft; trim and derivatives at the reference speed."""
+
+    alpha: float
+    elevator: float
+    throttle: float
+    m: float
+    C_mde: float
+    C_dt: float
+    u_0: float
+    w_0: float
+    theta_0: float
+    elevator_0: float
+    throttle_0: float
+    X_u: float
+    X_w: float
+    X_q: float
+    X_theta: float
+    X_de: float
+    X_dt: float
+    Z_u: float
+    Z_w: float
+    Z_q: float
+    Z_theta: float
+    Z_de: float
+    Z_dt: float
+    M_u: float
+    M_w: float
+    M_q: float
+    M_theta: float
+    M_de: float
+    M_dt: float
+    Y_v: float
+    Y_p: float
+    Y_r: float
+    Y_phi: float
+    Y_da: float
+    Y_dr: float
+    L_v: float
+    L_p: float
+    L_r: float
+    L_phi: float
+    L_da: float
+    L_dr: float
+    N_v: float
+    N_p: float
+    N_r: float
+    N_phi: float
+    N_da: float
+    N_dr: float
+
+
+class Held(NamedTuple):
+    stop: float
+
+
+Constants = extended("Constants", Trimmed, Held)
+
+LONGITUDINAL = tuple(trim.STATES.index(s) for s in ("u", "w", "q", "theta", "de", "dt"))
+LATERAL = tuple(trim.STATES.index(s) for s in ("v", "p", "r", "phi", "da", "dr"))
+ROWS = ((0, LONGITUDINAL), (2, LONGITUDINAL), (4, LONGITUDINAL), (1, LATERAL), (3, LATERAL), (5, LATERAL))
+"""Rows of `trim.derivatives` and the columns that count in each, in the order X, Z, M, Y, L, N."""
+
+
+def solve(values: Mapping[str, float]) -> Trimmed:
+    """Both trims and the derivatives at the nominal parameters; NoTrim where one of the speeds cannot be flown."""
+    body, speed = trim.airframe(values), values["vehicle.reference_speed"]
+    about = trim.trimmed(body, speed)
+    u_0, _, w_0, *_ = trim.level(speed, *about)
+    table = trim.derivatives(body, speed, about)
+    entries = [float(table[row, column]) for row, columns in ROWS for column in columns]
+    start = trim.trimmed(body, values["start.speed"])
+    return Trimmed(*start, body.m, body.C_mde, body.C_dt, u_0, w_0, *about, *entries)
+
+
+@kernel
+def derive(p: Any, at: Trimmed) -> tuple[float, ...]:
+    lighter = at.m / p.m
+    return (
+        *at[0:11],
+        at.X_u * lighter,
+        at.X_w * lighter,
+        at.X_q,
+        at.X_theta,
+        at.X_de,
+        at.X_dt * lighter * p.C_dt / at.C_dt,
+        at.Z_u * lighter,
+        at.Z_w * lighter,
+        at.Z_q,
+        at.Z_theta,
+        at.Z_de * lighter,
+        at.Z_dt,
+        at.M_u,
+        at.M_w,
+        at.M_q,
+        at.M_theta,
+        at.M_de * p.C_mde / at.C_mde,
+        at.M_dt,
+        at.Y_v * lighter,
+        at.Y_p,
+        at.Y_r,
+        at.Y_phi,
+        at.Y_da * lighter,
+        at.Y_dr * lighter,
+        *at[35:47],
+        p.stop,
+    )
+
+
+@kernel
+def begin(start: Start, p: Any) -> State:
+    return level(start, p.alpha)
+
+
+@kernel
+def derivative(t: float, x: State, u: Controls, env: Surroundings, p: Any) -> State:
+    a = attitude(x[3], x[4], x[5])
+    motion, turning = kinematics(x, a)
+    air = through_air(x, a, env)
+    inputs = stopped(u, p.stop)
+    de = inputs[0] - p.elevator_0
+    dt = inputs[3] - p.throttle_0
+    da = inputs[1]
+    dr = inputs[2]
+    u_p = air[0] - p.u_0
+    w_p = air[2] - p.w_0
+    theta = x[4] - p.theta_0
+    v, phi, roll, q, yaw = air[1], x[3], x[9], x[10], x[11]
+    linear = (
+        p.X_u * u_p + p.X_w * w_p + p.X_q * q + p.X_theta * theta + p.X_de * de + p.X_dt * dt,
+        p.Y_v * v + p.Y_p * roll + p.Y_r * yaw + p.Y_phi * phi + p.Y_da * da + p.Y_dr * dr,
+        p.Z_u * u_p + p.Z_w * w_p + p.Z_q * q + p.Z_theta * theta + p.Z_de * de + p.Z_dt * dt,
+    )
+    angular = (
+        p.L_v * v + p.L_p * roll + p.L_r * yaw + p.L_da * da + p.L_dr * dr,
+        p.M_u * u_p + p.M_w * w_p + p.M_q * q + p.M_de * de + p.M_dt * dt,
+        p.N_v * v + p.N_p * roll + p.N_r * yaw + p.N_da * da + p.N_dr * dr,
+    )
+    return *motion, *turning, *linear, *angular
+
+
+component = Vehicle(
+    name="fixed_wing_linear",
+    title="Fixed-wing aircraft, linear",
+    dimension=3,
+    parameters=FixedWingLinear,
+    start=Start,
+    states=aircraft.STATES,
+    inputs=aircraft.INPUTS,
+    limits=aircraft.LIMITS,
+    begin=begin,
+    derivative=derivative,
+    position=aircraft.position,
+    velocity=aircraft.velocity,
+    pose=aircraft.pose,
+    outside=aircraft.outside,
+    measured=aircraft.measured,
+    felt=aircraft.felt,
+    derived=Derived(Constants, derive),
+    trim=Trim(Trimmed, solve),
+    frame="ned",
+    look=VehicleLook(mesh="aircraft", heading="psi"),
+)

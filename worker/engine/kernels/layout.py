@@ -1,0 +1,197 @@
+"""The layout of the flat parameter vector and of the loop's state.
+
+Parameters: vehicle, controller, avoider, start, goal, criterion, then obstacles, environment, faults and further
+criteria as the campaign lists them; then the vehicle's trim; then the constants that components derive. State: vehicle,
+controller, actuators, environment, obstacles. Start reading at `Parts`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from worker.engine.kernels.component import (
+    Avoider,
+    Component,
+    Controller,
+    Criterion,
+    Declared,
+    Derived,
+    Environment,
+    Fault,
+    Obstacle,
+    Vehicle,
+    declared,
+)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A fault and, for an actuator fault, the index of the input that it acts on."""
+
+    fault: Fault
+    on: int = 0
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The components of one closed loop."""
+
+    vehicle: Vehicle
+    controller: Controller
+    avoider: Avoider
+    obstacles: tuple[Obstacle, ...]
+    criterion: Criterion
+    environment: tuple[Environment, ...] = ()
+    faults: tuple[Placed, ...] = ()
+    sampled: bool = False
+    objectives: tuple[Criterion, ...] = ()
+    """Further criteria besides the deciding one."""
+
+    @property
+    def criteria(self) -> dict[str, Criterion]:
+        """All criteria by the prefix of their parameters, the deciding one first."""
+        return {"criterion": self.criterion} | {f"objectives.{i}": c for i, c in enumerate(self.objectives)}
+
+    @property
+    def all(self) -> tuple[Component, ...]:
+        """Every component."""
+        found: list[Component] = [self.vehicle, self.controller, self.avoider, *self.criteria.values()]
+        found += [*self.obstacles, *self.environment, *(placed.fault for placed in self.faults)]
+        return tuple(found)
+
+    @property
+    def late(self) -> bool:
+        """Whether a fault delays sampled guidance, so that earlier demands must be stored."""
+        return self.sampled and any(f.fault.path == "guidance" for f in self.faults)
+
+
+@dataclass(frozen=True)
+class Section:
+    """The position of a component's parameters in the flat vector, and their prefix in a campaign."""
+
+    prefix: str
+    fields: type
+    first: int
+    parameters: tuple[Declared, ...]
+
+    @property
+    def last(self) -> int:
+        return self.first + len(self.parameters)
+
+
+@dataclass(frozen=True)
+class Span:
+    """The position of a component's parameters or derived constants in the extended vector."""
+
+    fields: type
+    first: int
+    last: int
+
+
+def sections(parts: Parts) -> tuple[Section, ...]:
+    """The sections of the flat vector, in order."""
+    named: list[tuple[str, type]] = [
+        ("vehicle", parts.vehicle.parameters),
+        ("controller", parts.controller.parameters),
+        ("avoider", parts.avoider.parameters),
+        ("start", parts.vehicle.start),
+        ("goal", parts.avoider.goal),
+        ("criterion", parts.criterion.parameters),
+        *((f"obstacles.{i}", o.parameters) for i, o in enumerate(parts.obstacles)),
+        *((f"environment.{i}", e.parameters) for i, e in enumerate(parts.environment)),
+        *((f"faults.{i}", f.fault.parameters) for i, f in enumerate(parts.faults)),
+        *((f"objectives.{i}", c.parameters) for i, c in enumerate(parts.objectives)),
+    ]
+    found: list[Section] = []
+    for prefix, fields in named:
+        found.append(Section(prefix, fields, found[-1].last if found else 0, declared(fields)))
+    return tuple(found)
+
+
+def derivations(parts: Parts, flat: Sequence[Section]) -> Iterator[tuple[Section, Derived]]:
+    """The sections whose components derive constants from them, in order."""
+    known: dict[str, Vehicle | Controller | Avoider | Obstacle | Environment | Fault | Criterion] = {
+        "vehicle": parts.vehicle,
+        "controller": parts.controller,
+        "avoider": parts.avoider,
+        **{f"obstacles.{i}": o for i, o in enumerate(parts.obstacles)},
+        **{f"environment.{i}": e for i, e in enumerate(parts.environment)},
+        **{f"faults.{i}": f.fault for i, f in enumerate(parts.faults)},
+        **parts.criteria,
+    }
+    for section in flat:
+        part = known.get(section.prefix)
+        if part is not None and part.derived is not None:
+            yield section, part.derived
+
+
+def spans(parts: Parts, flat: Sequence[Section]) -> dict[str, Span]:
+    """The span that each component receives; trim and derived constants follow all parameters."""
+    end = flat[-1].last
+    found = {s.prefix: Span(s.fields, s.first, s.last) for s in flat}
+    if parts.vehicle.trim is not None:
+        fields: Any = parts.vehicle.trim.fields
+        found["trim"] = Span(fields, end, end + len(fields._fields))
+        end = found["trim"].last
+    for section, derived in derivations(parts, flat):
+        constants: Any = derived.constants
+        found[section.prefix] = Span(constants, end, end + len(constants._fields))
+        end = found[section.prefix].last
+    return found
+
+
+@dataclass(frozen=True)
+class States:
+    """The number of states of each part, in the order of the state vector."""
+
+    vehicle: int
+    controller: int
+    actuators: int
+    environment: int
+    obstacles: int
+
+    @property
+    def total(self) -> int:
+        return self.vehicle + self.controller + self.actuators + self.environment + self.obstacles
+
+
+def states(parts: Parts) -> States:
+    """How many states each part of the loop has."""
+    return States(
+        len(parts.vehicle.states),
+        parts.controller.states,
+        sum(f.fault.states for f in parts.faults if f.fault.path == "actuator"),
+        sum(e.states for e in parts.environment),
+        sum(o.states for o in parts.obstacles),
+    )
+
+
+@dataclass(frozen=True)
+class Channels:
+    """The channels of all criteria, grouped by reduction: the size of each group, the range of each criterion."""
+
+    refined: int
+    steps: int
+    crossing: int
+    of: dict[str, tuple[int, int]]
+    """First and last channel of each criterion by prefix, in channel order."""
+
+    @property
+    def total(self) -> int:
+        return self.refined + self.steps + self.crossing
+
+
+def channels(parts: Parts) -> Channels:
+    """The channels of each criterion: one, or one per obstacle."""
+    of: dict[str, tuple[int, int]] = {}
+    ends = [0]
+    for over in ("refined", "steps", "crossing"):
+        end = ends[-1]
+        for prefix, criterion in parts.criteria.items():
+            if criterion.over == over:
+                of[prefix] = end, end + (len(parts.obstacles) if criterion.of == "obstacles" else 1)
+                end = of[prefix][1]
+        ends.append(end)
+    return Channels(ends[1], ends[2] - ends[1], ends[3] - ends[2], of)

@@ -1,0 +1,99 @@
+"""The instants that divide a simulation into stretches: guidance samples and discontinuities.
+
+Start reading at `Timetable`.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.flights import Flights
+
+STRETCHES = 40
+"""Number of stretches without sampled guidance; the coarse tolerance is used only from the stretch that got stuck."""
+
+BEFORE = 1e-8
+"""Fraction of a stretch by which slopes stay before its end, if there are discontinuities."""
+
+APART = 1e-9
+"""The smallest distance between instants [s]."""
+
+STUCK, PER_STRETCH = 1_500, 0.1
+"""Calls of the right-hand side within which a simulation must make progress: a constant, and a number per stretch."""
+
+
+@dataclass(frozen=True)
+class Stretches:
+    """The stretches of one simulation: n + 1 instants [s]; whether guidance is sampled at the start of each of the n.
+
+    before: fraction of a stretch by which slopes stay before its end; patience: calls within which it must progress.
+    """
+
+    instants: Floats
+    asks: NDArray[np.bool_]
+    before: float
+    patience: int
+
+
+class Timetable:
+    """The stretches of a closed loop's simulations; cached for simulations with the same switching instants."""
+
+    def __init__(self, flights: Flights) -> None:
+        self.flights = flights
+        self.horizon = flights.campaign.given_scenario.horizon
+        self.ticks = _ticks(flights, self.horizon)
+        self._last: tuple[set[float], Stretches] | None = None
+
+    def of(self, p: tuple[float, ...]) -> Stretches:
+        """The stretches of a simulation with these extended parameters. Thread-safe."""
+        switches, last = _switches(self.flights, p, self.horizon), self._last
+        if last is None or last[0] != switches:
+            last = self._last = (switches, self._made(switches))
+        return last[1]
+
+    def _made(self, switches: set[float]) -> Stretches:
+        instants, sampled = _joined(self.ticks, switches), set(self.ticks)
+        asks = np.array([t in sampled for t in instants[:-1]])
+        patience = STUCK + round(PER_STRETCH * len(asks))
+        return Stretches(np.array(instants), asks, BEFORE if switches else 0.0, patience)
+
+
+def _switches(flights: Flights, p: tuple[float, ...], horizon: float) -> set[float]:
+    """The instants of discontinuities of faults and the environment.
+
+    With sampled guidance, perception between samples has no effect, so its switches are left out.
+    """
+    parts, spans = flights.parts, flights.loop.extended
+    inner = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults) if f.fault.path in ("navigation", "actuator")}
+    outer = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults)}
+    around = {f"environment.{i}": e for i, e in enumerate(parts.environment)}
+    found: set[float] = set()
+    for prefix, part in ((inner if parts.sampled else outer) | around).items():
+        if part.switches is not None:
+            at = spans[prefix]
+            found.update(part.switches(at.fields(*p[at.first : at.last]), horizon))
+    return found
+
+
+def _joined(ticks: list[float], switches: set[float]) -> list[float]:
+    """Both in order; at the same instant a tick takes precedence over a switch, and the earlier of two switches."""
+    joined = list(ticks)
+    for t in sorted(switches):
+        at = bisect(joined, t)
+        if ticks[0] < t < ticks[-1] and min(t - joined[at - 1], joined[at] - t) > APART:
+            joined.insert(at, t)
+    return joined
+
+
+def _ticks(flights: Flights, horizon: float) -> list[float]:
+    period = flights.campaign.given_scenario.guidance.period
+    if period == 0.0:
+        if flights.parts.avoider.memory == 0:
+            return [k * horizon / STRETCHES for k in range(STRETCHES)] + [horizon]
+        period = flights.step
+    return [k * period for k in range(round(horizon / period))] + [horizon]

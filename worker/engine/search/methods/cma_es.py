@@ -1,0 +1,91 @@
+"""CMA-ES with restarts: samples from a normal distribution that adapts to the shape of the valley.
+
+Hansen and Ostermeier, Completely derandomized self-adaptation in evolution strategies (Evol. Comput. 9, 2001), as
+pycma; restarts with twice the population each time (Auger and Hansen, IPOP, CEC 2005) or, by default, alternating with
+small ones (Hansen, BIPOP, GECCO 2009). A point without a value ranks last in its generation. Global by its restarts.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from worker.engine.search.base import Batch, Floats, Method, MethodLook, Search, Space
+from worker.engine.search.parts.lowest import Lowest
+from worker.engine.search.parts.pycma import ending, last, strategy
+
+
+@dataclass(frozen=True)
+class Options:
+    """Deviations are fractions of each parameter's range."""
+
+    restarts: Annotated[
+        Literal["bipop", "ipop"], Field(description="Alternate small and growing populations, or only growing ones")
+    ] = "bipop"
+    population: Annotated[int, Field(ge=0, le=10_000, description="First population; 0: 4 + 3 ln(n)")] = 0
+    deviation: Annotated[float, Field(gt=0, le=1, description="Deviation of the first generation")] = 0.3
+    growth: Annotated[float, Field(ge=1, le=10, description="Growth factor of the population at a restart")] = 2.0
+
+
+def search(space: Space, options: Options) -> Search:
+    """One generation is one request; it restarts until the budget ends."""
+    default = max(options.population or 4 + int(3 * np.log(space.dimension)), 4)
+    large, spent = default, {"large": 0, "small": 0}
+    spent["large"] += yield from _descend(space, default, options.deviation)
+    while True:
+        if options.restarts == "bipop" and spent["small"] < spent["large"]:
+            share = space.random.random() ** 2
+            population = int(default * (0.5 * large / default) ** share)
+            deviation = options.deviation * 10.0 ** (-2.0 * space.random.random())
+            spent["small"] += yield from _descend(space, max(population, default), deviation, spent["large"] // 2)
+        else:
+            large = int(np.ceil(large * options.growth))
+            spent["large"] += yield from _descend(space, large, options.deviation)
+
+
+def _descend(space: Space, population: int, deviation: float, most: float = np.inf) -> Generator[Floats, Batch, int]:
+    """One run of the strategy from a random point; returns its evaluations."""
+    start = space.random.random(space.dimension)
+    best = Lowest(start)
+    text = "the search ended"
+    try:
+        running = strategy(start, deviation, population, space.random)
+        while best.evaluations < most:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                asked = running.ask()
+            points = np.clip(np.array(asked), 0.0, 1.0)
+            batch = yield points.copy()
+            values = batch.ranked()
+            best.see(points, values)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                running.tell(asked, last(values).tolist())
+                stopped = running.stop()
+            if stopped:
+                text = ending(stopped)
+                break
+        else:
+            text = "its share of the evaluations is used up"
+        return best.evaluations
+    finally:
+        best.report(space, text)
+
+
+method = Method(
+    name="cma_es",
+    title="CMA-ES",
+    kind="global",
+    how="Global by restarts. Adapts to the valley's shape",
+    source="Hansen and Ostermeier 2001, as pycma",
+    evaluations=5000,
+    options=Options,
+    search=search,
+    extend=lambda options, more: options,
+    look=MethodLook(colour="cma", marker="pentagon"),
+)

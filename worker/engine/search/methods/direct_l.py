@@ -1,0 +1,30 @@
+"""DIRECT-L: DIRECT with a bias towards the neighbourhood of its best point.
+
+Gablonsky, Kelley, A locally-biased form of the DIRECT algorithm (J. Global Optim. 21, 2001): a rectangle's size is its
+longest side, which gives fewer distinct sizes, and one rectangle per size is divided, the oldest of ties. Faster if
+there are few local minima; otherwise as `direct`, on which it is based.
+"""
+
+from __future__ import annotations
+
+from worker.engine.search.base import Method, MethodLook, Search, Space
+from worker.engine.search.methods.direct import Boxes, Options, divided, extend
+
+
+def search(space: Space, options: Options) -> Search:
+    """One iteration is one request, as in `direct`."""
+    return divided(Boxes(space.dimension), options, biased=True)
+
+
+method = Method(
+    name="direct_l",
+    title="DIRECT-L",
+    kind="global",
+    how="Global, deterministic. Divides the box near the best point",
+    source="Gablonsky, Kelley 2001",
+    evaluations=2000,
+    options=Options,
+    search=search,
+    extend=extend,
+    look=MethodLook(colour="direct-l", marker="box"),
+)

@@ -1,0 +1,139 @@
+"""Monte Carlo: random points from the campaign's distributions, drawn from one random stream.
+
+Metropolis and Ulam, The Monte Carlo method (1949); Latin hypercubes: McKay, Beckman, Conover (Technometrics 21, 1979);
+scrambled Sobol points: Owen (1998). No guarantee about the worst case. Plain points are an independent sample and
+support a bound on P(violation) (Clopper and Pearson 1934); the other two fill the space more evenly and support none.
+An excluded point is drawn again and counted; a failed one is counted and never replaced.
+
+Early stopping, when the interval is narrow enough, needs interim analyses: an interval for a fixed size would hold too
+rarely. Analysis k may therefore spend a fraction 1 / (k (k + 1)) of the permitted error (alpha spending), which adds up
+to at most the whole for any number of analyses (Bonferroni). The sample sizes at the analyses grow by half.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from campaigns.results.base import EXCLUDED, OK
+from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
+
+BLOCK = 4096
+FIRST_LOOK, GROWTH = 100, 1.5
+
+
+@dataclass(frozen=True)
+class Options:
+    """How points are drawn, and whether the sample may end before its budget."""
+
+    sampling: Annotated[
+        Literal["plain", "latin_hypercube", "sobol"],
+        Field(description="Only plain points are an independent sample, which gives a bound"),
+    ] = "plain"
+    interval: Annotated[
+        float, Field(ge=0, lt=1, description="Stop when the interval of P(violation) is narrower than this; 0: never")
+    ] = 0.0
+    continued: Annotated[bool, Field(description="Extends a sample whose result was seen: gives no bound")] = False
+
+
+def search(space: Space, options: Options) -> Search:
+    points, drawn, violations, samples = _points(space, options.sampling), 0, 0, 0
+    while drawn < space.budget:
+        until = next(n for n in _sizes() if n > drawn) if options.interval > 0.0 else drawn + BLOCK
+        block = np.array([next(points) for _ in range(min(until, space.budget) - drawn)])
+        batch = yield space.quantile(block)
+        drawn += len(block)
+        violations, samples = violations + _violations(batch, space.threshold), samples + _samples(batch)
+        if options.interval > 0.0 and drawn == until:
+            level = interim_analyses(drawn, space.confidence)[1]
+            low, high = interval(violations, samples, level)
+            if high - low < options.interval:
+                return Ended(
+                    "precise",
+                    "P(violation) is known to within {width:.3g} after {draws} draws",
+                    width=high - low,
+                    draws=drawn,
+                )
+    return Ended("drawn", "drew all {samples} samples", samples=drawn)
+
+
+def interim_analyses(drawn: int, confidence: float) -> tuple[int, float]:
+    """The number of interim analyses of a sample with early stopping after so many draws, and the confidence that the
+    last one needs for all of them to hold jointly."""
+    sizes = _sizes()
+    analyses = next(k for k, size in enumerate(sizes, 1) if size >= drawn)
+    return analyses, 1.0 - (1.0 - confidence) / (analyses * (analyses + 1))
+
+
+def interval(violations: int, samples: int, confidence: float) -> tuple[float, float]:
+    """The two-sided interval of Clopper and Pearson."""
+    from scipy.stats import beta  # a campaign's process must start fast
+
+    error = (1.0 - confidence) / 2
+    low = beta.ppf(error, violations, samples - violations + 1) if violations else 0.0
+    high = beta.ppf(1.0 - error, violations + 1, samples - violations) if violations < samples else 1.0
+    return float(low), float(high)
+
+
+def extend(options: Options, more: int) -> Options:
+    """Extends the sample with the next random numbers and marks it as extended; raises `ValueError` if that would be a
+    different sample."""
+    if options.sampling == "latin_hypercube":
+        raise ValueError(
+            "a Latin hypercube is designed for its number of samples and cannot be extended; start again with the "
+            "larger budget, or sample plain"
+        )
+    if options.interval > 0.0:
+        raise ValueError(
+            "this sample stops once its interval is narrow enough; for more precision, start it again with a narrower "
+            "interval"
+        )
+    return replace(options, continued=True)
+
+
+def _sizes() -> Iterator[int]:
+    """Draws at which a sample with early stopping has an interim analysis."""
+    size = float(FIRST_LOOK)
+    while True:
+        yield math.ceil(size)
+        size *= GROWTH
+
+
+def _violations(batch: Batch, threshold: float) -> int:
+    """Failed evaluations count as violations, because their outcome is unknown."""
+    clear = (batch.status == OK) & (batch.costs[:, 0] > threshold)
+    return _samples(batch) - int(np.count_nonzero(clear))
+
+
+def _samples(batch: Batch) -> int:
+    return int(np.count_nonzero(batch.status != EXCLUDED))
+
+
+def _points(space: Space, sampling: str) -> Iterator[Floats]:
+    """Uniform samples on [0, 1), one point after another; blocks are only for speed."""
+    from scipy.stats import qmc
+
+    if sampling == "latin_hypercube":
+        yield from qmc.LatinHypercube(space.dimension, rng=space.random).random(space.budget)
+    sobol = qmc.Sobol(space.dimension, rng=space.random) if sampling == "sobol" else None
+    while True:
+        yield from space.random.random((BLOCK, space.dimension)) if sobol is None else sobol.random(BLOCK)
+
+
+method = Method(
+    name="monte_carlo",
+    title="Monte Carlo",
+    kind="random",
+    how="Random points, the reference method",
+    source="Metropolis and Ulam 1949",
+    evaluations=1000,
+    options=Options,
+    search=search,
+    extend=extend,
+    look=MethodLook(colour="mc", marker="cross", short="MC"),
+)

@@ -1,0 +1,154 @@
+"""Which local minima are distinct: descents from many points, then a test for a barrier between their ends.
+
+Ursem, Multinational evolutionary algorithms (CEC 1999), for the hill-valley test; Preuss, Niching the CMA-ES via
+nearest-better clustering (GECCO 2010), for the choice of points to descend from. Start reading at `distinct`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from worker.engine.search.base import Batch, Floats, Search, side_by_side
+from worker.engine.search.parts.descent import Settings, descend
+
+BETWEEN = np.array([0.5, 0.25, 0.75])
+"""Positions on the straight line between two minima at which a barrier is tested."""
+NEAREST = 3
+"""Number of nearest minima that each minimum is compared with."""
+LOOKED_AT = 2000
+"""The lowest evaluations among which points to descend from are chosen: the choice compares every pair."""
+ROUGH = Settings(differences="forward", iterations=25)
+"""Settings of the descents that assign points to basins."""
+FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60)
+"""Settings of the descents that polish the minimum of a basin."""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Two minima are merged if they are closer than `distance` (largest fraction of any range) or have no barrier above
+    `barrier` (in the cost's unit) between them; at most `at_most` are retained."""
+
+    distance: float
+    barrier: float
+    at_most: int
+
+
+@dataclass
+class Basin:
+    """A distinct minimum: its lowest point (n,) and cost, and the candidates (by index) that ended in it."""
+
+    point: Floats
+    cost: float
+    members: list[int]
+
+
+def promising(points: Floats, ranked: Floats, at_most: int) -> NDArray[np.int64]:
+    """Rows of points (m, n) to descend from: low, and far from anything lower (nearest-better distance).
+
+    ranked (m,): costs, infinite if there is no cost. The lowest comes first; returns at most `at_most` rows.
+    """
+    order = np.argsort(ranked, kind="stable")[:LOOKED_AT]
+    order = order[np.isfinite(ranked[order])]
+    if len(order) <= 1:
+        return order
+    low = points[order]
+    nearest = np.empty(len(order))
+    nearest[0] = np.inf
+    for first in range(1, len(order), 256):
+        rows = np.arange(first, min(first + 256, len(order)))
+        apart = np.abs(low[rows, None, :] - low[None, : rows[-1] + 1, :]).max(axis=2)
+        apart[np.arange(rows[-1] + 1)[None, :] >= rows[:, None]] = np.inf
+        nearest[rows] = apart.min(axis=1)
+    chosen = np.argsort(-nearest, kind="stable")[:at_most]
+    return order[np.sort(chosen)]
+
+
+def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) -> Generator[Floats, Batch, str]:
+    """Descend from candidate points (c, n) of known costs (c,), merge ends in the same basin, and polish each basin.
+
+    `found` contains the current basins after every step, lowest first, so that none is lost when the budget ends.
+    """
+    ends = [Basin(p.copy(), float(c), [i]) for i, (p, c) in enumerate(zip(points, costs, strict=True))]
+    found[:] = _close(ends, rules.distance / 3)
+    yield from _descend(found, ROUGH)
+    yield from _merge(found, rules)
+    del found[rules.at_most :]
+    yield from _descend(found, FINE)
+    yield from _poll(found)
+    found[:] = _close(found, rules.distance)
+    return "polished every distinct minimum"
+
+
+def _close(basins: list[Basin], distance: float) -> list[Basin]:
+    """The basins, lowest first; those closer than `distance` to a lower one are merged into it."""
+    kept: list[Basin] = []
+    for basin in sorted(basins, key=lambda b: b.cost):
+        near = next((k for k in kept if np.abs(k.point - basin.point).max() < distance), None)
+        if near is None:
+            kept.append(basin)
+        else:
+            near.members += basin.members
+    return kept
+
+
+def _descend(basins: list[Basin], settings: Settings) -> Generator[Floats, Batch, None]:
+    """SQP from every basin in parallel; a descent that ends no lower than it started changes nothing."""
+    if basins:
+        yield from side_by_side([_lowered(basin, settings) for basin in basins])
+    basins.sort(key=lambda b: b.cost)
+
+
+def _lowered(basin: Basin, settings: Settings) -> Search:
+    end = yield from descend(basin.point, settings)
+    if end.cost < basin.cost:
+        basin.point, basin.cost = end.point.copy(), end.cost
+    return end.text
+
+
+def _merge(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
+    """Merge basins, lowest first: each joins one of the nearest lower ones unless there is a barrier in between."""
+    waiting = _close(found, rules.distance)
+    kept: list[Basin] = []
+    while waiting:
+        basin = waiting.pop(0)
+        near = sorted(kept, key=lambda k: float(np.abs(k.point - basin.point).max()))[:NEAREST]
+        joined = None
+        if near:
+            line = BETWEEN[None, :, None]
+            others = np.array([k.point for k in near])[:, None, :]
+            batch = yield (others + line * (basin.point - others)).reshape(-1, len(basin.point))
+            heights = batch.ranked().reshape(len(near), len(BETWEEN))
+            connected = (heights <= basin.cost + rules.barrier).all(axis=1)
+            joined = near[int(np.argmax(connected))] if connected.any() else None
+        if joined is None:
+            kept.append(basin)
+        else:
+            joined.members += basin.members
+        found[:] = sorted(kept + waiting, key=lambda b: b.cost)
+
+
+def _poll(basins: list[Basin], step: float = 1e-3, smallest: float = 1e-9) -> Generator[Floats, Batch, None]:
+    """Compass search around every basin in parallel, for edges and kinks where gradients fail."""
+    steps = np.full(len(basins), step)
+    for _ in range(200):
+        active = np.flatnonzero(steps >= smallest)
+        if len(active) == 0:
+            break
+        polls = [_compass(basins[i].point, steps[i]) for i in active]
+        ranked = (yield np.concatenate(polls)).ranked().reshape(len(active), -1)
+        for i, poll, values in zip(active, polls, ranked, strict=True):
+            low = int(np.argmin(values))
+            if values[low] < basins[i].cost:
+                basins[i].point, basins[i].cost = poll[low].copy(), float(values[low])
+            else:
+                steps[i] /= 4.0
+    basins.sort(key=lambda b: b.cost)
+
+
+def _compass(point: Floats, step: float) -> Floats:
+    arms = step * np.concatenate([np.eye(len(point)), -np.eye(len(point))])
+    return np.clip(point + arms, 0.0, 1.0)

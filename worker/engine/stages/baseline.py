@@ -1,0 +1,121 @@
+"""Baseline: the findings of an earlier run on this model, one evaluation each.
+
+A finding whose parameters this campaign cannot have is named with the reason and not evaluated. One that drew its own
+noise is evaluated with the same seed. The evaluations are stored as all others, so that the minimum counts them, and
+validation descends from each of them (`worker.engine.stages.parts.findings`). Start reading at `run`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from campaigns.asked.regression import Baseline, BaselineCase
+from campaigns.claims.numbers import number
+from campaigns.claims.say import Part, count, joined, say
+from campaigns.claims.spans import Said
+from campaigns.results.base import OK, STATUS
+from campaigns.results.baseline import BaselineResult, Reevaluated
+from worker.engine.problem.problem import Problem
+from worker.engine.stages.parts.base import Asking, Context, Seeded, drive
+from worker.engine.stages.parts.outcome import Outcome, Stage
+from worker.engine.stages.parts.store import Columns
+from worker.engine.systems.base import Floats
+
+ROUNDING = 1e-9
+"""Fraction of a range by which a value may be beyond a bound that was computed in another way."""
+
+
+def run(context: Context, position: int) -> Outcome[BaselineResult]:
+    """Evaluate every finding of the baseline that this campaign can evaluate, those with their own noise first."""
+    problem, baseline = context.problem, context.campaign.baseline
+    assert baseline is not None
+    reasons = {case.label: _unusable(problem, case) for case in baseline.cases}
+    usable = [case for case in baseline.cases if not reasons[case.label]]
+    usable.sort(key=lambda case: case.realisation is None)
+    points = [_point(problem, case) for case in usable]
+    seeds = [case.realisation for case in usable if case.realisation is not None]
+    columns = drive(context, position, _asking(points, seeds), len(points) + 1).columns
+    index = {case.label: row for row, case in enumerate(usable)}
+    cases = [_case(problem, case, reasons[case.label], index.get(case.label), columns) for case in baseline.cases]
+    said = _said(problem, baseline, cases)
+    return Outcome(BaselineResult(run=baseline.run, cases=cases, drawn_realisations=len(seeds), said=said))
+
+
+def _asking(points: list[Floats], seeds: list[int]) -> Asking[str]:
+    if seeds:
+        yield Seeded(np.array(points[: len(seeds)]), np.array(seeds, dtype=np.int64))
+    if len(points) > len(seeds):
+        yield np.array(points[len(seeds) :])
+    return "evaluated the findings of the baseline"
+
+
+def _unusable(problem: Problem, case: BaselineCase) -> str:
+    """Why this campaign cannot evaluate a finding, as clauses; empty if it can."""
+    ranges = {r.path: r for r in problem.ranges}
+    found = []
+    for path, value in case.parameters.items():
+        known = ranges.get(path)
+        if path not in problem.paths:
+            found.append(f"there is no parameter {path}")
+        elif known is None:
+            fixed = float(problem.system.nominal[problem.paths[path]])
+            if fixed != value:
+                found.append(f"{path} = {value:.9g} is not uncertain any more, it is {fixed:.9g}")
+        else:
+            slack = ROUNDING * (known.high - known.low)
+            if not known.low - slack <= value <= known.high + slack:
+                bounds = f"{number(known.low)} to {number(known.high)}"
+                found.append(f"{path} = {value:.9g} is outside the bounds {bounds} of this campaign")
+    if case.realisation is not None and not problem.realisations.random:
+        found.append(f"it drew the noise seed {case.realisation}, and nothing in this campaign is random")
+    return "; ".join(found)
+
+
+def _point(problem: Problem, case: BaselineCase) -> Floats:
+    """The finding as a point (n,): its own one if this campaign has the same bounds, so that the bits are the same."""
+    own = np.array(case.point)
+    if len(own) == problem.dimension and problem.named(own) == case.parameters:
+        return own
+    return np.clip(problem.point(case.parameters), 0.0, 1.0)
+
+
+def _case(problem: Problem, case: BaselineCase, reason: str, row: int | None, columns: Columns | None) -> Reevaluated:
+    if row is None or columns is None:
+        return Reevaluated(label=case.label, index=None, parameters=case.parameters, reason=reason)
+    ok = columns.status[row] == OK
+    return Reevaluated(
+        label=case.label,
+        index=row,
+        parameters=problem.named(columns.points[row]),
+        point=columns.points[row].tolist(),
+        status=STATUS[int(columns.status[row])],
+        cost=float(columns.costs[row, 0]) if ok else None,
+        reason="" if ok else columns.reasons.get(row, ""),
+        assumed=[r.path for r in problem.ranges if r.path not in case.parameters],
+        realisation=case.realisation,
+    )
+
+
+def _said(problem: Problem, baseline: Baseline, cases: list[Reevaluated]) -> Said:
+    known = [case for case in cases if case.cost is not None]
+    clauses: list[Part] = [
+        say(count(len(known), "known"), " of ", count(len(cases), "cases"), f" findings of {baseline.run} evaluated")
+    ]
+    clauses += [
+        say(f"{case.label} {'was not evaluated' if case.index is None else 'has no value'}: {case.reason}")
+        for case in cases
+        if case.cost is None
+    ]
+    clauses += [
+        say(f"{', '.join(case.assumed)} of {case.label} {'is' if len(case.assumed) == 1 else 'are'} nominal: ")
+        + say(f"{baseline.run} did not vary {'it' if len(case.assumed) == 1 else 'them'}")
+        for case in known
+        if case.assumed
+    ]
+    if baseline.threshold != problem.threshold:
+        before, now = number(baseline.threshold), number(problem.threshold)
+        clauses.append(f"the threshold of {baseline.run} was {before} {problem.unit}, here it is {now} {problem.unit}")
+    return joined("; ", clauses)
+
+
+stage = Stage("baseline", run)

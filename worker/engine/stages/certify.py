@@ -1,0 +1,142 @@
+"""Certify: an independent sample from the campaign's distributions, declared before the run, and what follows from it.
+
+It has its own random stream, separate from every search; no point comes from an optimiser. Excluded draws are counted
+and drawn again. If the scenario has noise, every draw simulates its own realisation
+(`worker.engine.stages.parts.seeds`), so that the probability is that of the noisy system; of a simulator that does not
+repeat, every draw is one call. A full grid, if requested, supports no claim beyond its own points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from campaigns.asked.stages import Certify
+from campaigns.claims.say import count, number, say, symbol
+from campaigns.results import CertifyResult
+from campaigns.results.base import EXCLUDED
+from campaigns.results.sample import GridPoint, GridResult
+from worker.engine.problem.problem import Problem
+from worker.engine.search.base import Batch, Ended, Floats
+from worker.engine.stages.parts import noise, seeds
+from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, drive
+from worker.engine.stages.parts.outcome import Outcome, Stage
+from worker.engine.stages.parts.sample import DRAWN, Noise, Sample
+from worker.engine.stages.parts.store import Columns
+from worker.engine.stages.parts.streams import stream
+from worker.engine.systems.base import System
+
+STREAM = 2**21
+"""Index of the random stream; searches use those from 0 on."""
+
+BLOCK = 4096
+MOST_DRAWS = 20
+"""The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""
+
+
+@dataclass
+class _Drawn:
+    draws: int = 0
+    evaluated: int = 0
+
+
+def run(context: Context, position: int) -> Outcome[CertifyResult]:
+    """Draw and simulate the sample, then the grid."""
+    problem, asked = context.problem, context.campaign.stages.certify
+    assert asked is not None
+    drawn = _Drawn()
+    grid = 0 if asked.grid is None else asked.grid.points**problem.dimension
+    random = stream(context.campaign.seed, STREAM)
+    single = problem.system.single() if noise.noisy(context) else None
+    searching = _search(problem, asked, random, drawn, single)
+    driven = drive(context, position, searching, MOST_DRAWS * asked.samples + grid + 1)
+    assert driven.columns is not None
+    own = problem.realisations.random
+    kind = DRAWN if own else Noise.of_calls(context, single=True)
+    sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
+    quantile = sample.quantile(asked.quantile, problem.quantity, problem.unit)
+    statement = sample.statement()
+    short = say("; only ", count(sample.size), " of ", count(asked.samples), " samples were not excluded")
+    said = say(statement.said, "; ", quantile.said, short if sample.size < asked.samples else ())
+    tally = driven.tally
+    result = CertifyResult(
+        sample=statement.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
+        grid=_grid(context, asked.grid.points, driven.columns, drawn.draws) if asked.grid is not None else None,
+        drawn_realisations=drawn.draws if own else 0,
+        evaluations=tally.evaluations,
+        failed=tally.failed,
+        excluded=tally.excluded,
+        seconds=tally.seconds,
+        stop=driven.how,
+        said=said,
+    )
+    return Outcome(result)
+
+
+def _search(
+    problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn, single: System | None
+) -> Asking[str]:
+    most = MOST_DRAWS * asked.samples
+    while drawn.evaluated < asked.samples and drawn.draws < most:
+        draws = min(BLOCK, asked.samples - drawn.evaluated, most - drawn.draws)
+        drawn_points = problem.quantile(random.random((draws, problem.dimension)))
+        own = seeds.of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
+        if single is not None:
+            batch: Batch = yield Through(drawn_points, single)
+        else:
+            batch = yield drawn_points if own is None else Seeded(drawn_points, own)
+        drawn.draws += draws
+        drawn.evaluated += int(np.count_nonzero(batch.status != EXCLUDED))
+    if asked.grid is None:
+        return Ended("drawn", "drew {flights} samples", flights=drawn.evaluated)
+    points = asked.grid.points
+    total = points**problem.dimension
+    for first in range(0, total, BLOCK):
+        yield _of_grid(np.arange(first, min(first + BLOCK, total)), points, problem.dimension)
+    ended = "drew {flights} samples and evaluated a grid of {grid}"
+    return Ended("drawn", ended, flights=drawn.evaluated, grid=total)
+
+
+def _of_grid(index: Any, points: int, dimension: int) -> Floats:
+    """Points of the full grid by index; the last parameter varies fastest."""
+    indices = np.stack(np.unravel_index(index, (points,) * dimension), axis=1)
+    return np.asarray(indices / (points - 1))
+
+
+def _rows(columns: Columns, first: int, last: int) -> Columns:
+    rows = slice(first, last)
+    return Columns(columns.points[rows], columns.costs[rows], columns.status[rows], columns.seconds[rows], {})
+
+
+def _grid(context: Context, points: int, columns: Columns, first: int) -> GridResult:
+    """The lowest point of the grid and its spacing; nothing is known between its points."""
+    problem = context.problem
+    rows = _rows(columns, first, len(columns.status))
+    sample = Sample.of(rows, problem, context.campaign.confidence)
+    lowest = None
+    if len(sample.costs):
+        row = int(np.nanargmin(rows.costs[:, 0]))
+        cost = float(rows.costs[row, 0])
+        lowest = GridPoint(cost=cost, margin=cost - problem.threshold, parameters=problem.named(rows.points[row]))
+    found = say("none of them could be evaluated")
+    if lowest is not None:
+        found = say("lowest ", symbol(problem.quantity), " ", number(lowest.cost, problem.unit))
+    return GridResult(
+        points=points,
+        total=len(rows.status),
+        spacing={r.path: (r.high - r.low) / (points - 1) for r in problem.ranges},
+        lowest=lowest,
+        violations=sample.violations,
+        failed=sample.failed,
+        excluded=sample.excluded,
+        said=say(
+            *("full grid of ", count(points), " points on every axis, ", count(len(rows.status)), " in all: ", found),
+            *(", ", count(sample.violations), " violate the criterion", sample.failures()),
+            "; nothing is claimed between these points",
+        ),
+    )
+
+
+stage = Stage("certify", run)

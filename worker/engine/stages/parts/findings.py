@@ -1,0 +1,275 @@
+"""Findings: all distinct worst cases, from the local minima of every method and the low end of all evaluations.
+
+Gathers candidates stage by stage, descends from them, merges what ends in one basin, polishes, evaluates neighbours
+(the objective is not smooth), slices and the boundary. Any evaluation below the worst case becomes a candidate itself,
+until the run has no lower stored evaluation. `worker.engine.search.parts.basins` tests which minima are distinct. Start
+reading at `search`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from campaigns.results.base import OK
+from campaigns.results.baseline import BaselineResult
+from campaigns.results.finding import Neighbours
+from worker.engine.search.base import Batch, Search, Space
+from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
+from worker.engine.search.parts.lowest import Lowest
+from worker.engine.stages.parts import seeds
+from worker.engine.stages.parts.base import Context
+from worker.engine.stages.parts.boundary import Around, after
+from worker.engine.stages.parts.store import Columns
+from worker.engine.systems.base import Floats
+
+EACH, ALL = 12, 60
+"""Limits on the points to descend from: per stage, and in total."""
+SAME_COST, SAME_PLACE = 0.01, 0.05
+"""A method found a worst case if its evaluations came this close: fraction of nominal minus worst, of every range."""
+FINDINGS_STREAM = 2**20
+"""Spawn key of this stage's random numbers; searches are numbered from 0."""
+ROUNDING = 1e-6
+"""Fraction of nominal minus worst by which a nearby point may be lower without becoming a new candidate."""
+ROUNDS = 20
+"""The largest number of rounds in which lower evaluations become candidates."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A point (n,) to descend from, its cost, and the stage that evaluated it."""
+
+    point: Floats
+    cost: float
+    position: int
+    minimum: int | None = None
+    """Which of the stage's own minima it is; None if it is another evaluation."""
+
+
+@dataclass
+class Evidence:
+    """What was evaluated around one worst case: its neighbours, slices through it, the boundary of a violation."""
+
+    neighbours: Neighbours | None = None
+    after: Around | None = None
+
+
+@dataclass
+class Found:
+    """The state of the search: candidates, basins, the evidence of each basin, the lowest of all evaluations."""
+
+    candidates: list[Candidate] = field(default_factory=list)
+    basins: list[Basin] = field(default_factory=list)
+    left_out: int = 0
+    rounds: int = 0
+    seen: Lowest = field(default_factory=Lowest)
+    evidence: dict[bytes, Evidence] = field(default_factory=dict)
+
+    def of(self, basin: Basin) -> Evidence:
+        """The evidence of one worst case; empty until it is gathered."""
+        return self.evidence.setdefault(basin.point.tobytes(), Evidence())
+
+    def basin_of(self, position: int, cost: float) -> int | None:
+        """The basin of a stage's best point, identified by its cost; None if it is in no listed basin."""
+        wanted = {i for i, c in enumerate(self.candidates) if c.position == position and c.cost == cost}
+        return next((i for i, basin in enumerate(self.basins) if wanted & set(basin.members)), None)
+
+    def basin_at(self, point: Floats) -> int | None:
+        """The basin in which a candidate at this point ended; None if there is none, or if it is in no listed basin."""
+        wanted = {i for i, c in enumerate(self.candidates) if np.array_equal(c.point, point)}
+        return next((i for i, basin in enumerate(self.basins) if wanted & set(basin.members)), None)
+
+    def minima_of(self, position: int) -> dict[int, int]:
+        """The basin of each of a stage's own minima that is in a listed basin, by the index of the minimum."""
+        mine = {i: c.minimum for i, c in enumerate(self.candidates) if c.position == position and c.minimum is not None}
+        return {mine[m]: i for i, basin in enumerate(self.basins) for m in basin.members if m in mine}
+
+
+def search(context: Context, position: int, found: Found) -> Search:
+    """Request the evaluations that distinguish the worst cases; `found` is always up to date."""
+    asking = _search(context, position, found)
+    try:
+        points = next(asking)
+        while True:
+            batch = yield points
+            found.seen.see(points, batch.ranked())
+            points = asking.send(batch)
+    except StopIteration as end:
+        rule: str = end.value
+        return rule
+    finally:
+        asking.close()
+
+
+def settle(context: Context, position: int, found: Found) -> bool:
+    """Make the lowest stored evaluation the worst case if the budget ended too early; returns whether that was needed.
+
+    Of the basins not yet distinguished, the lowest are kept, as many as the campaign retains.
+    """
+    lower = _lower(context, position, found, settled=True)
+    if lower is not None:
+        found.candidates.append(lower)
+        found.basins.insert(0, Basin(lower.point, lower.cost, [len(found.candidates) - 1]))
+    at_most = context.campaign.stages.findings.at_most
+    found.left_out += max(0, len(found.basins) - at_most)
+    del found.basins[at_most:]
+    return lower is not None
+
+
+def _search(context: Context, position: int, found: Found) -> Search:
+    found.candidates = gather(context, position)
+    yield from _drawn(context, position, found)
+    if not found.candidates:
+        return "no evaluation succeeded"
+    random = _space(context).random
+    yield from _distinguished(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
+    yield from _evidence(context, found, random)
+    while found.rounds < ROUNDS and (lower := _lower(context, position, found)) is not None:
+        if _same(context, found, lower):
+            continue
+        found.rounds += 1
+        found.candidates.append(lower)
+        fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
+        yield from _distinguished(context, found, [*found.basins, fresh])
+        yield from _evidence(context, found, random)
+    return "polished every distinct worst case and evaluated its neighbours"
+
+
+def gather(context: Context, position: int) -> list[Candidate]:
+    """The candidates of all stages before this one, the lowest first; the best of every stage is among them, and every
+    finding of a baseline."""
+    found: list[Candidate] = []
+    best: list[Candidate] = []
+    searched = context.searched
+    for at, columns in seeds.stated(context, range(position)):
+        ranked = _ranked(columns)
+        known = isinstance(context.results.get(at), BaselineResult)  # every finding of a baseline is followed
+        rows = np.flatnonzero(np.isfinite(ranked)) if known else promising(columns.points, ranked, EACH)
+        mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at) for i in map(int, rows)]
+        best += mine if known else mine[:1]
+        found += mine
+        if at in searched:
+            found += [Candidate(np.array(m.point), m.cost, at, i) for i, m in enumerate(searched[at].minima)]
+    kept = sorted(found, key=lambda c: c.cost)[:ALL]
+    return sorted(kept + [b for b in best if not any(b is k for k in kept)], key=lambda c: c.cost)
+
+
+def reached(context: Context, columns: Columns, basin: Basin) -> int | None:
+    """The evaluations that a stage needed to come close to this worst case; None if it never did."""
+    near = SAME_COST * scale(context, basin.cost)
+    low = (columns.status == OK) & (columns.costs[:, 0] <= basin.cost + near)
+    close = low & (np.abs(columns.points - basin.point) <= SAME_PLACE).all(axis=1)
+    return int(np.argmax(close)) + 1 if close.any() else None
+
+
+def scale(context: Context, worst: float) -> float:
+    """Nominal minus worst [the criterion's unit]; the size of the worst if the nominal cost is not above it."""
+    nominal = context.nominal_cost
+    fall = 0.0 if nominal is None else nominal - worst
+    return fall if fall > 0.0 else max(abs(worst), 1e-12)
+
+
+def _drawn(context: Context, position: int, found: Found) -> Search:
+    """Points that drew their own noise, evaluated again under the campaign's realisations, as candidates."""
+    for _, columns, _ in seeds.drawn(context, range(position)):
+        points = columns.points[promising(columns.points, _ranked(columns), EACH)]
+        ranked = (yield points).ranked() if len(points) else np.empty(0)
+        found.candidates += [
+            Candidate(p.copy(), float(c), position) for p, c in zip(points, ranked, strict=True) if np.isfinite(c)
+        ]
+    found.candidates.sort(key=lambda c: c.cost)
+    return "evaluated the lowest drawn points under the stated realisations"
+
+
+def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Search:
+    """Descend from these starts and merge; the end of a descent takes over what its start represented."""
+    points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
+    basins: list[Basin] = []
+    try:
+        yield from distinct(points, costs, _rules(context, float(costs.min())), basins)
+    finally:  # when the budget ends, none is lost
+        found.basins = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]
+        _keep_the_worst(context, found)
+    return "polished every distinct minimum"
+
+
+def _evidence(context: Context, found: Found, random: np.random.Generator) -> Search:
+    """The neighbours of every worst case that has none yet, then slices and the boundary."""
+    for basin in found.basins:
+        if found.of(basin).neighbours is None:
+            yield from _neighbours(context, found, basin, random)
+    for basin in found.basins:
+        if found.of(basin).after is None:
+            found.of(basin).after = yield from after(context.problem, basin.point, basin.cost)
+    return "evaluated the surroundings of every worst case"
+
+
+def _same(context: Context, found: Found, lower: Candidate) -> bool:
+    """Replace the worst case by a nearby point that is lower only by rounding; it is not a new candidate."""
+    worst = found.basins[0]
+    near = np.abs(worst.point - lower.point).max() <= context.campaign.stages.validate_.reach
+    if not near or worst.cost - lower.cost > ROUNDING * scale(context, worst.cost):
+        return False
+    found.evidence[lower.point.tobytes()] = found.of(worst)
+    worst.point, worst.cost = lower.point, lower.cost
+    return True
+
+
+def _lower(context: Context, position: int, found: Found, settled: bool = False) -> Candidate | None:
+    """The lowest evaluation of the run if it is lower than the worst case; settled: this stage has ended."""
+    known = found.basins[0].cost if found.basins else np.inf
+    candidates = []
+    if found.seen.point is not None:
+        candidates.append(Candidate(found.seen.point, found.seen.cost, position))
+    for at, columns in seeds.stated(context, range(position + settled)):
+        row = int(np.argmin(_ranked(columns)))
+        candidates.append(Candidate(columns.points[row].copy(), float(_ranked(columns)[row]), at))
+    low = min(candidates, key=lambda c: c.cost, default=None)
+    return low if low is not None and low.cost < known else None
+
+
+def _ranked(columns: Columns) -> Floats:
+    return np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+
+
+def _rules(context: Context, worst: float) -> Rules:
+    asked = context.campaign.stages.findings
+    return Rules(asked.distance, asked.barrier * scale(context, worst), asked.at_most)
+
+
+def _space(context: Context) -> Space:
+    n = context.problem.dimension
+    random = np.random.default_rng(np.random.SeedSequence(context.campaign.seed, spawn_key=(FINDINGS_STREAM,)))
+    return Space(n, 0, random, np.empty((0, n)), context.problem.quantile, lambda minimum: None)
+
+
+def _keep_the_worst(context: Context, found: Found) -> None:
+    """Keep the minima that are worst cases: worse than the nominal case, violating, or the lowest."""
+    nominal = context.nominal_cost
+    limit = max(np.inf if nominal is None else nominal, context.problem.threshold)
+    kept = [b for i, b in enumerate(found.basins) if i == 0 or b.cost < limit]
+    found.left_out += len(found.basins) - len(kept)
+    found.basins[:] = kept
+
+
+def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.Generator) -> Search:
+    """Evaluate a few hundred neighbours of a worst case, which moves to the lowest of them."""
+    asked = context.campaign.stages.validate_
+    if asked.neighbours == 0:
+        return "no neighbours were requested"
+    offsets = random.uniform(-asked.reach, asked.reach, (asked.neighbours, len(basin.point)))
+    points = np.clip(basin.point + offsets, 0.0, 1.0)
+    batch: Batch = yield points
+    ranked = batch.ranked()
+    low = int(np.argmin(ranked))
+    neighbours = Neighbours(
+        flown=len(points),
+        failed=int(np.count_nonzero(batch.status != OK)),
+        lowest=float(ranked[low]) if np.isfinite(ranked[low]) else None,
+        lower_by=max(0.0, basin.cost - float(ranked[low])),
+    )
+    if ranked[low] < basin.cost:
+        basin.point, basin.cost = points[low].copy(), float(ranked[low])
+    found.of(basin).neighbours = neighbours
+    return "evaluated every neighbour"

@@ -1,0 +1,76 @@
+"""The best evaluation of every search by a simulator that does not repeat, which may be a lucky draw of the noise.
+
+Each is called again, independently of the search. Start reading at `called`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from campaigns.results import Finding
+from campaigns.results.finding import Validation
+from campaigns.results.validate import Incumbent
+from worker.engine.stages.parts import noise, repeated
+from worker.engine.stages.parts.base import Context, all_columns
+from worker.engine.stages.parts.offered import Stored
+
+AT_MOST = 3
+"""How many of the stored violations that one independent call confirmed are called again as often as a finding."""
+
+Confirmed = tuple[Stored, Validation]
+
+
+def called(context: Context, findings: Sequence[Finding]) -> list[Incumbent]:
+    """The best of every search; none for a system that repeats. One that is a finding is not called again."""
+    if not noise.noisy(context):
+        return []
+    known = {tuple(f.point): f.validation for f in findings if f.validation is not None}
+    found = []
+    for at, result in context.searched.items():
+        stored = _best(context, at)
+        if stored is None:
+            continue
+        name = f"best of {result.title}"
+        validation = known.get(tuple(stored.point.tolist()))
+        if validation is None or validation.cost != stored.cost:
+            (validation,) = repeated.cases(context, [(name, stored.point, stored.cost)])
+        found.append(
+            Incumbent(
+                position=at,
+                method=result.method,
+                title=result.title,
+                cost=stored.cost,
+                parameters=context.problem.named(stored.point),
+                validation=validation.model_copy(update={"name": name, "neighbours": None}),
+            )
+        )
+    return found
+
+
+def violating(context: Context, nominal: Validation, best: Sequence[Incumbent]) -> list[Confirmed]:
+    """The best of the searches, and the nominal case, of which an independent call violates; the lowest first."""
+    held = [(_best(context, b.position), b.validation) for b in best]
+    if nominal.cost is not None:
+        held.append((Stored(0, 0, context.problem.nominal_point, nominal.cost, None), nominal))
+    found = [(stored, v) for stored, v in held if stored is not None and v.violates]
+    return sorted(found, key=lambda pair: pair[0].cost)
+
+
+def confirmed(context: Context, also: Sequence[Confirmed]) -> list[Confirmed]:
+    """Of stored violations that one independent call confirmed, the lowest that further calls, by which it was not
+    chosen, confirm."""
+    for stored, _ in also[:AT_MOST]:
+        (validation,) = repeated.cases(context, [(stored.case.name, stored.point, stored.cost)])
+        if validation.violates:
+            return [(stored, validation)]
+    return []
+
+
+def _best(context: Context, position: int) -> Stored | None:
+    result = context.searched[position]
+    if result.best is None or result.best.index is None:
+        return None
+    ((_, columns),) = all_columns(context, [position])
+    return Stored(position, result.best.index, np.array(columns.points[result.best.index]), result.best.cost, None)

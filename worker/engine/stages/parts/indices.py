@@ -1,0 +1,139 @@
+"""Sensitivity indices over the whole box: Morris' elementary effects and Sobol's variance fractions, by SALib.
+
+Morris, Factorial sampling plans for preliminary computational experiments (Technometrics 33, 1991), with mu* of
+Campolongo et al. (2007); Saltelli et al., Variance based sensitivity analysis of model output (Computer Physics
+Communications 181, 2010). Start reading at `morris` and `sobol`; each requests one batch and returns its study.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Any, TypedDict
+
+import numpy as np
+
+from campaigns.asked.stages import Morris, SobolIndices
+from campaigns.claims.say import count, listed, number, say
+from campaigns.claims.spans import Said
+from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.sensitivity import MorrisRow, MorrisStudy, SobolRow, SobolStudy
+from worker.engine.problem.problem import Problem
+from worker.engine.search.base import Batch
+from worker.engine.systems.base import Floats
+
+MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
+"""Index of the random stream; searches use those from 0 on."""
+
+
+def morris(
+    problem: Problem, asked: Morris, random: np.random.Generator, confidence: float
+) -> Generator[Floats, Batch, MorrisStudy]:
+    """mu, mu* and sigma of each parameter's effect, per whole range, in the criterion's unit."""
+    from SALib.analyze import morris as analysis
+    from SALib.sample import morris as sampling
+
+    box = _box(problem)
+    points = np.asarray(sampling.sample(box, asked.trajectories, num_levels=asked.levels, seed=random))
+    batch = yield points
+
+    def study(rows: list[MorrisRow] | None, said: Said) -> MorrisStudy:
+        counts = _counts(batch, confidence)
+        return MorrisStudy(**counts, trajectories=asked.trajectories, levels=asked.levels, indices=rows, said=said)
+
+    reason = _unusable(problem, batch)
+    if reason is not None:
+        return study(None, reason)
+    values = batch.costs[:, 0]
+    found = analysis.analyze(
+        box, points, values, conf_level=confidence, num_levels=asked.levels, seed=int(random.integers(2**31))
+    )
+    columns = {"mu": "mu", "mu_star": "mu_star", "mu_star_confidence": "mu_star_conf", "sigma": "sigma"}
+    rows = [MorrisRow(path=path, **values) for path, values in _rows(problem, found, columns)]
+    return study(rows, say("largest effects: ", _leading(problem, {row.path: row.mu_star for row in rows})))
+
+
+def sobol(
+    problem: Problem, asked: SobolIndices, random: np.random.Generator, confidence: float
+) -> Generator[Floats, Batch, SobolStudy]:
+    """First-order and total fractions of the variance, under the distributions, with the half width of their interval.
+
+    The indices split a variance among independent parameters: correlations are ignored.
+    """
+    from SALib.analyze import sobol as analysis
+    from SALib.sample import sobol as sampling
+
+    box = _box(problem)
+    uniform = np.asarray(sampling.sample(box, asked.samples, calc_second_order=False, seed=random))
+    batch = yield problem.distributions.marginals(uniform)
+
+    def study(rows: list[SobolRow] | None, said: Said) -> SobolStudy:
+        return SobolStudy(**_counts(batch, confidence), samples=asked.samples, indices=rows, said=said)
+
+    values = batch.costs[:, 0]
+    reason = _unusable(problem, batch)
+    if reason is None and np.ptp(values) <= 1e-12 * max(1.0, float(np.abs(values).max())):
+        reason = say("not computed: all evaluations have the same value, so there is no variance to explain")
+    if reason is not None:
+        return study(None, reason)
+    found = analysis.analyze(
+        box, values, calc_second_order=False, conf_level=confidence, seed=int(random.integers(2**31))
+    )
+    columns = {"first": "S1", "first_confidence": "S1_conf", "total": "ST", "total_confidence": "ST_conf"}
+    rows = [SobolRow(path=path, **values) for path, values in _rows(problem, found, columns)]
+    apart = "; correlations are ignored" if problem.distributions.mixed else ""
+    leading = _leading(problem, {row.path: row.total for row in rows})
+    return study(rows, say("largest total indices: ", leading, apart))
+
+
+class _Box(TypedDict):
+    num_vars: int
+    names: list[str]
+    bounds: list[list[float]]
+
+
+def _box(problem: Problem) -> _Box:
+    """The unit cube as SALib's problem definition."""
+    names = [r.path for r in problem.ranges]
+    return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+
+
+class _Counts(TypedDict):
+    evaluations: int
+    failed: int
+    excluded: int
+    confidence: float
+
+
+def _counts(batch: Batch, confidence: float) -> _Counts:
+    excluded = int(np.count_nonzero(batch.status == EXCLUDED))
+    failed = int(np.count_nonzero(batch.status != OK)) - excluded
+    return {"evaluations": len(batch.status), "failed": failed, "excluded": excluded, "confidence": confidence}
+
+
+def _unusable(problem: Problem, batch: Batch) -> Said | None:
+    """Why no index is computed: the designs need the value of every evaluation, and missing ones are not imputed."""
+    missing = int(np.count_nonzero(batch.status != OK))
+    if not missing:
+        return None
+    return say(
+        *("not computed: ", count(missing), " of ", count(len(batch.status))),
+        " evaluations failed or were excluded, and the design needs the value of every one; "
+        "narrow the bounds until all evaluations succeed",
+    )
+
+
+def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[str, dict[str, float | None]]]:
+    """One row per parameter; a non-finite value is None."""
+    rows = []
+    for k, r in enumerate(problem.ranges):
+        values = {name: float(found[key][k]) for name, key in columns.items()}
+        rows.append((r.path, {name: v if np.isfinite(v) else None for name, v in values.items()}))
+    return rows
+
+
+def _leading(problem: Problem, values: dict[str, float | None]) -> Said:
+    ordered, parameters = (
+        sorted(values.items(), key=lambda item: -(item[1] or 0.0)),
+        problem.symbols,
+    )
+    return listed([say(parameters[path], " ", number(value or 0.0, digits=3)) for path, value in ordered[:3]])

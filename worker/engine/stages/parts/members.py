@@ -1,0 +1,67 @@
+"""Attributes the evaluations of a portfolio to its members."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import chain
+
+import numpy as np
+
+from campaigns.results.base import OK
+from campaigns.results.search import Member
+from worker.engine.search.base import Method, Parallel, Several
+from worker.engine.stages.parts.store import Columns
+
+
+@dataclass
+class Members:
+    """Records a method's requests by member; an evaluation belongs to the first member that requested its point."""
+
+    announced: list[tuple[str, int]] = field(default_factory=list)
+    owner: dict[bytes, str] = field(default_factory=dict)
+
+    def attribute(self, member: str, points: int) -> None:
+        """The next `count` points of the coming request belong to this member."""
+        self.announced.append((member, points))
+
+    def listening(self, search: Parallel) -> Parallel:
+        """The same search, with its requests recorded."""
+        batch = None
+        try:
+            while True:
+                request = next(search) if batch is None else search.send(batch)
+                groups = [points for _, points in request.groups] if isinstance(request, Several) else [request]
+                said, self.announced = self.announced, []
+                names = [member for member, count in said for _ in range(count)]
+                for name, point in zip(names, chain(*groups), strict=False):
+                    self.owner.setdefault(point.tobytes(), name)
+                batch = yield request
+        except StopIteration as end:
+            rule: str = end.value
+            return rule
+        finally:
+            search.close()
+
+    def rows(self, columns: Columns, methods: Mapping[str, Method]) -> list[Member]:
+        """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
+        if not self.owner:
+            return []
+        names = [self.owner.get(point.tobytes(), "") for point in columns.points]
+        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        before = np.r_[np.inf, np.minimum.accumulate(ranked)[:-1]]
+        rows = []
+        for member in dict.fromkeys(names):
+            mine = np.array([name == member for name in names])
+            best = float(ranked[mine].min())
+            known = methods.get(member)
+            rows.append(
+                Member(
+                    member=member,
+                    title=known.title if known else member,
+                    evaluations=int(mine.sum()),
+                    best=best if np.isfinite(best) else None,
+                    improvements=int(np.count_nonzero(mine & (ranked < before))),
+                )
+            )
+        return rows

@@ -1,0 +1,30 @@
+"""The types of a stage and its outcome; stages are discovered, one file each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from campaigns.results import Finding, StageResult
+from worker.engine.stages.parts.base import Context
+from worker.engine.stages.parts.store import Trace
+
+R = TypeVar("R", bound=StageResult, covariant=True)
+
+
+@dataclass(frozen=True)
+class Outcome(Generic[R]):
+    """The outcome of a stage: its result, and the findings and traces that are stored with it."""
+
+    result: R
+    findings: tuple[Finding, ...] = ()
+    traces: tuple[Trace, ...] = ()
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A kind of stage, as `campaigns.stages` declares it, and the function that runs it at a position."""
+
+    kind: str
+    run: Callable[[Context, int], Outcome[StageResult]]

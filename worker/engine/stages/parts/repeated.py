@@ -1,0 +1,102 @@
+"""Independent calls of a simulator that does not repeat, each in a fresh process.
+
+A case violates if at least one of its independent calls does; the evaluation that made a search choose the case does
+not count, because the search has selected it. Start reading at `cases`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from campaigns.claims.say import case, count, joined, listed, number, say, unnamed
+from campaigns.claims.spans import Said
+from campaigns.results.base import OK
+from campaigns.results.finding import Calls, Validation
+from worker.engine.stages.parts import claims
+from worker.engine.stages.parts.base import Cancelled, Context
+from worker.engine.systems.base import Floats
+
+Asked = tuple[str, Floats, float | None]
+"""A name, a point (n,), and the stored cost, if any."""
+
+
+def cases(context: Context, asked: Sequence[Asked], calls: int | None = None) -> list[Validation]:
+    """Every case by this many independent calls, or as many as the campaign states. Raises `Cancelled`."""
+    many = context.campaign.stages.validate_.repeats if calls is None else calls
+    return [_case(context, *each, _called(context, each[1], many)) for each in asked]
+
+
+def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold: float, confidence: float) -> Calls:
+    """What these independent calls show."""
+    violating = sum(v is not None and v <= threshold for v in values)
+    failed = sum(v is None for v in values)
+    low, high = claims.interval(violating, len(values), confidence, failed)
+    return Calls(
+        values=list(values),
+        reasons=list(dict.fromkeys(reasons))[:5],
+        violating=violating,
+        failed=failed,
+        confidence=confidence,
+        low=low,
+        high=high,
+        said=_said(violating, failed, len(values), low, high),
+    )
+
+
+def agreement(validated: Sequence[Validation]) -> tuple[bool, Said]:
+    """Whether all cases are validated, and the sentence that says what their calls show."""
+    parts = [say(case(v.name), " ", v.repeats.said) for v in validated if v.repeats is not None]
+    of = say("in independent calls, each in a fresh process, ", joined(", ", parts))
+    unknown = [case(v.name) for v in validated if not v.ok]
+    but = say("; not confirmed for ", listed(unknown)) if unknown else ()
+    return not unknown, unnamed(say(of, but))
+
+
+def _said(violating: int, failed: int, many: int, low: float, high: float) -> Said:
+    lost = say(", ", count(failed, "failed"), " failed") if failed else ()
+    of = say(count(violating, "repeats_violating"), " of ", count(many, "repeats"), lost)
+    return say("violates in ", of, " [", number(low, "", "low", 2), ", ", number(high, "", "high", 2), "]")
+
+
+def _called(context: Context, point: Floats, many: int) -> tuple[list[float | None], list[str]]:
+    """The values of these calls, and the reasons of those that failed."""
+    vector, system = context.problem.vectors(point[None, :]), context.problem.system.single()
+    values: list[float | None] = []
+    reasons: list[str] = []
+    while len(values) < many:
+        if context.cancelled():
+            raise Cancelled
+        fresh = system.fresh()
+        # Each evaluation in a fresh slot has a process of its own; without slots each needs a fresh system.
+        count = min(4 * fresh.slots or 1, many - len(values))
+        try:
+            batch, why = fresh.evaluate(np.repeat(vector, count, axis=0))
+        finally:
+            if fresh is not system:
+                fresh.close()
+        for row in range(count):
+            ok = batch.status[row] == OK and np.isfinite(batch.costs[row, 0])
+            values.append(float(batch.costs[row, 0]) if ok else None)
+            reasons += [] if ok else [why.get(row, "the call failed")]
+    return values, reasons
+
+
+def _case(
+    context: Context, name: str, point: Floats, cost: float | None, called: tuple[list[float | None], list[str]]
+) -> Validation:
+    threshold = context.problem.threshold
+    repeats = of_values(*called, threshold, context.campaign.confidence)
+    violates = repeats.violating > 0
+    agrees = cost is not None and cost > threshold and not violates and not repeats.failed
+    return Validation(
+        name=name,
+        step=None,
+        cost=cost,
+        allowed=None,
+        agrees=agrees,
+        violates=violates,
+        ok=agrees or violates,
+        repeats=repeats,
+    )

@@ -1,0 +1,80 @@
+"""The interface of the storage for results of a run, from which a resumed run reads them.
+
+`Store` is the interface: the database behind a lease (`backend.db.store`) or memory (`worker.running.runs.store`).
+Every write of a store that has lost its lease raises, so a stale worker never overwrites anything. The data passed are
+plain records (`campaigns.stored.records`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from campaigns.capsules.sources import Sources
+from campaigns.results import Finding, StageResult, Verdict
+from campaigns.stored.records import (
+    Ahead,
+    Columns,
+    Floats,
+    StagePlan,
+    StageRecord,
+    Trace,
+    join,
+)
+from campaigns.versions import Code, Versions
+
+__all__ = [
+    "Ahead",
+    "Columns",
+    "Floats",
+    "StagePlan",
+    "StageRecord",
+    "Store",
+    "Trace",
+    "join",
+]
+
+
+class Store(Protocol):
+    """The storage that a runner needs. Positions are those of the plan; indices count from 0 within a stage."""
+
+    def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
+        """Write the plan of a new run; return the state of every stage (a resumed run finds its earlier state)."""
+
+    def record_versions(self, versions: Versions, code: Code) -> None:
+        """Store the versions of the code when the first stage begins; raises `OtherCode` if other code has run
+        already."""
+
+    def record_sources(self, files: Sources, texts: Mapping[str, bytes]) -> None:
+        """Store the sources of the run's components that are not shipped, with their texts by module."""
+
+    def begin(self, position: int) -> None:
+        """Mark a stage running."""
+
+    def evaluations(self, position: int) -> Columns | None:
+        """All stored evaluations of a stage, in order; None if there are none."""
+
+    def ahead(self, position: int) -> Ahead | None:
+        """The stored evaluations of a stage that an earlier one is missing for; None if there are none."""
+
+    def append(self, position: int, first: int, columns: Columns, ahead: Ahead | None = None) -> None:
+        """Store evaluations from index `first` on, and update the counts and best of the stage and the run.
+
+        ahead: further ones, not stored before, which an earlier one is missing for; None for a stage without them.
+        """
+
+    def finish(
+        self,
+        position: int,
+        result: StageResult,
+        seconds: float,
+        findings: Sequence[Finding] = (),
+        traces: Sequence[Trace] = (),
+    ) -> None:
+        """Store a stage's result, findings and traces, and mark it done, atomically."""
+
+    def found(self) -> list[Finding]:
+        """The findings stored so far, the worst first."""
+
+    def conclude(self, verdict: Verdict) -> None:
+        """Store the verdict; the run is done."""

@@ -1,0 +1,44 @@
+"""Sensitivity: each parameter over its bounds, the others nominal; Morris and Sobol indices if requested.
+
+Srikanthakumar, chapter 3: d_min against each parameter. One at a time shows main effects near the nominal point and
+no interactions; the indices (`worker.engine.stages.parts.indices`) cover the whole box.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+from campaigns.asked.stages import Sensitivity
+from campaigns.results import SensitivityResult
+from worker.engine.search.base import Batch, Floats
+from worker.engine.stages.parts import indices
+from worker.engine.stages.parts.base import Context, drive
+from worker.engine.stages.parts.outcome import Outcome, Stage
+from worker.engine.stages.parts.slices import curves
+from worker.engine.stages.parts.streams import stream
+
+
+def run(context: Context, position: int) -> Outcome[SensitivityResult]:
+    """The curves in one batch, each kind of index in another."""
+    asked = context.campaign.stages.sensitivity
+    assert asked is not None
+    found: list[SensitivityResult] = []
+    drive(context, position, _search(context, asked, found), 2**62)
+    return Outcome(found[0])
+
+
+def _search(context: Context, asked: Sensitivity, found: list[SensitivityResult]) -> Generator[Floats, Batch, str]:
+    problem, seed, confidence = context.problem, context.campaign.seed, context.campaign.confidence
+    through = yield from curves(problem, problem.nominal_point, asked.points)
+    morris = sobol = None
+    if asked.morris is not None:
+        random = stream(seed, indices.MORRIS_STREAM)
+        morris = yield from indices.morris(problem, asked.morris, random, confidence)
+    if asked.sobol is not None:
+        random = stream(seed, indices.SOBOL_STREAM)
+        sobol = yield from indices.sobol(problem, asked.sobol, random, confidence)
+    found.append(SensitivityResult(points=asked.points, curves=through, morris=morris, sobol=sobol))
+    return "evaluated every curve"
+
+
+stage = Stage("sensitivity", run)

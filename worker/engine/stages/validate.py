@@ -1,0 +1,248 @@
+"""Validate: simulate every distinct worst case again by independent means before anything is claimed about it.
+
+First `worker.engine.stages.parts.findings` distinguishes the worst cases, polishes them and evaluates their neighbours;
+then each is confirmed at half the step and with the reference integrator (`confirm`), as are the violations that any
+stage has stored and a random choice of all evaluations (`offered`). The evidence that the encounter took place comes
+last (`encounter`). Start reading at `run`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from campaigns.claims.say import Part, case, joined, listed, say
+from campaigns.claims.spans import Said
+from campaigns.results import Finding, SensitivityResult, ValidateResult
+from campaigns.results.base import OK
+from campaigns.results.baseline import BaselineResult, Reevaluated
+from campaigns.results.finding import ClosestApproach, FoundBy, Validation
+from campaigns.results.sensitivity import Curve
+from campaigns.results.validate import Gathered
+from worker.engine.stages.parts import boundary, findings, incumbents, noise, offered, repeated, seeds
+from worker.engine.stages.parts.base import Context, Driven, all_columns, drive
+from worker.engine.stages.parts.comparison import compare
+from worker.engine.stages.parts.confirm import Case, cases
+from worker.engine.stages.parts.encounter import encounter
+from worker.engine.stages.parts.outcome import Outcome, Stage
+from worker.engine.stages.parts.store import Trace
+from worker.engine.stages.parts.traced import traced
+from worker.engine.systems.base import Words
+
+
+def run(context: Context, position: int) -> Outcome[ValidateResult]:
+    """Distinguish the worst cases of all stages, then validate the nominal case and each of them."""
+    found = findings.Found()
+    driven = drive(context, position, findings.search(context, position, found), _budget(context), repeats=True)
+    unfinished = findings.settle(context, position, found)
+    asked = [Case("nominal", context.problem.nominal_point, context.nominal_cost)]
+    nominal, *confirmed = cases(context, [*asked, *(Case("", b.point, b.cost) for b in found.basins)])
+    polished = [_finding(context, i, found, case) for i, case in enumerate(confirmed)]
+    everything = range(position + 1)
+    violations, also = offered.violations(context, everything)
+    best = incumbents.called(context, polished)
+    others = incumbents.violating(context, nominal, best) if noise.noisy(context) else []
+    others = [*others, *incumbents.confirmed(context, also)] if noise.noisy(context) else also
+    order = sorted([*polished, *_unrepresented(context, polished, others, everything)], key=lambda f: f.cost)
+    labels = {id(f): f"F{number}" for number, f in enumerate(order, 1)}
+    basins = [labels[id(f)] for f in polished]
+    shown = [_labelled(f, labels[id(f)]) for f in order]
+    system = context.problem.system
+    flies = context.campaign.scenario is not None
+    flights, untraced = _flights(context, shown) if flies else _traces(context, shown)
+    named = tuple(_closest(f, t if flies else None) for f, t in zip(shown, flights, strict=True))
+    tolerance = context.campaign.stages.validate_.tolerance
+    validated = [nominal, *(f.validation for f in named if f.validation is not None)]
+    ok, said = repeated.agreement(validated) if noise.noisy(context) else _agreement(system.words, validated)
+    result = ValidateResult(
+        ok=ok,
+        said=said,
+        tolerance=tolerance,
+        nominal=nominal,
+        findings=_gathered(context, driven, found, unfinished),
+        comparison=compare(context, named, found, basins),
+        violations=violations,
+        spot_checks=offered.spot_checks(context, everything),
+        encounter=encounter(context, position, system.trace("nominal", {}) if flies else None, _curves(context, named)),
+        incumbents=best,
+        untraced=untraced,
+        since=_since(context, named, found, basins),
+    )
+    return Outcome(result, named, tuple(t for t in flights if t is not None))
+
+
+def _since(
+    context: Context, named: Sequence[Finding], found: findings.Found, labels: Sequence[str]
+) -> list[str | None]:
+    """The finding whose basin contains each case of the baseline; labels: those of the basins."""
+    results = [result for result in context.results.values() if isinstance(result, BaselineResult)]
+    distance = context.campaign.stages.findings.distance
+    return [_matching(case, named, found, labels, distance) for result in results for case in result.cases]
+
+
+def _matching(
+    case: Reevaluated, named: Sequence[Finding], found: findings.Found, labels: Sequence[str], distance: float
+) -> str | None:
+    """The stored evaluation itself, one with the same noise at the same place, or the basin that its descent ended
+    in."""
+    if case.cost is None:
+        return None
+    point = np.array(case.point)
+    for finding in named:
+        same = case.realisation == finding.realisation
+        apart = float(np.abs(np.array(finding.point) - point).max())
+        if same and (apart == 0.0 or (case.realisation is not None and apart < distance)):
+            return finding.label
+    basin = found.basin_at(point)
+    return None if basin is None else labels[basin]
+
+
+Traces = tuple[list[Trace | None], dict[str, str]]
+"""Of each finding, and by its label why a simulator gave none."""
+
+
+def _flights(context: Context, shown: Sequence[Finding]) -> Traces:
+    return [context.problem.system.trace(f.label, f.parameters, f.realisation) for f in shown], {}
+
+
+def _traces(context: Context, shown: Sequence[Finding]) -> Traces:
+    exact = not noise.noisy(context)
+    found = [traced(context.problem.system, f.label, f.parameters, f.cost, exact) for f in shown]
+    return [trace for trace, _ in found], {f.label: why for f, (_, why) in zip(shown, found, strict=True) if why}
+
+
+def _closest(finding: Finding, flight: Trace | None) -> Finding:
+    """The finding with the closest approach of its trace, if there is one."""
+    if flight is None:
+        return finding
+    return finding.model_copy(update={"closest": ClosestApproach.of(flight.meta.closest, len(flight.data))})
+
+
+def _labelled(finding: Finding, label: str) -> Finding:
+    assert finding.validation is not None
+    return finding.model_copy(
+        update={"label": label, "validation": finding.validation.model_copy(update={"name": label})}
+    )
+
+
+def _budget(context: Context) -> int:
+    """The budget: distinguishing the worst cases, plus neighbours, slices and boundary for all that are kept and for as
+    many found meanwhile."""
+    stages = context.campaign.stages
+    each = stages.validate_.neighbours + boundary.most(context.problem.dimension)
+    return stages.findings.evaluations + 2 * stages.findings.at_most * each
+
+
+def _gathered(context: Context, driven: Driven, found: findings.Found, unfinished: bool) -> Gathered:
+    asked = context.campaign.stages.findings
+    complete = driven.stop == "rule" and not unfinished
+    beyond = "" if complete else ": some findings may be duplicates, or not fully polished"
+    return Gathered(
+        distance=asked.distance,
+        barrier=asked.barrier,
+        at_most=asked.at_most,
+        candidates=len(found.candidates),
+        left_out=found.left_out,
+        rounds=found.rounds,
+        complete=complete,
+        said=say(driven.how.said, beyond),
+    )
+
+
+def _finding(context: Context, i: int, found: findings.Found, case: Validation) -> Finding:
+    """The worst case in basin `i`, validated; it gets its label when all are sorted."""
+    problem, basin = context.problem, found.basins[i]
+    evidence, searched = found.of(basin), context.searched
+    known = [
+        FoundBy(position=at, method=searched[at].method, evaluations=needed)
+        for at, columns in all_columns(context, list(searched))
+        if (needed := findings.reached(context, columns, basin)) is not None
+    ]
+    slices, beyond = evidence.after or (None, None)
+    return Finding(
+        label="",
+        cost=basin.cost,
+        margin=basin.cost - problem.threshold,
+        parameters=problem.named(basin.point),
+        point=[float(u) for u in basin.point],
+        methods=list(dict.fromkeys(k.method for k in known)),
+        found=known,
+        at_bounds=problem.at_bounds(basin.point),
+        validation=case.model_copy(update={"neighbours": evidence.neighbours}),
+        slices=slices,
+        boundary=beyond,
+    )
+
+
+def _unrepresented(
+    context: Context, polished: Sequence[Finding], also: Sequence[tuple[offered.Stored, Validation]], positions: range
+) -> list[Finding]:
+    """Findings besides the polished ones: the worst confirmed violation if none of them is confirmed, and the lowest
+    evaluation with its own noise if it is lower than all of them."""
+    found = []
+    if also and not any(f.validation is not None and f.validation.violates for f in polished):
+        found.append(_stored(context, *also[0]))
+    low = _lowest_drawn(context, positions)
+    if low is not None and low.cost < min([f.cost for f in (*polished, *found)], default=np.inf):
+        found.append(_stored(context, low, *cases(context, [low.case])))
+    return found
+
+
+def _lowest_drawn(context: Context, positions: range) -> offered.Stored | None:
+    found = []
+    for at, columns, own in seeds.drawn(context, positions):
+        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        row = int(np.argmin(ranked))
+        if np.isfinite(ranked[row]):
+            found.append(offered.Stored(at, row, columns.points[row].copy(), float(ranked[row]), int(own[row])))
+    return min(found, key=lambda s: s.cost, default=None)
+
+
+def _stored(context: Context, at: offered.Stored, case: Validation) -> Finding:
+    """A stored evaluation as a finding, exactly as it was evaluated."""
+    problem, search = context.problem, context.searched.get(at.position)
+    method = None if search is None else search.method
+    return Finding(
+        label="",
+        cost=at.cost,
+        margin=at.cost - problem.threshold,
+        parameters=problem.named(at.point),
+        point=[float(u) for u in at.point],
+        methods=[] if method is None else [method],
+        found=[] if method is None else [FoundBy(position=at.position, method=method, evaluations=at.index + 1)],
+        at_bounds=problem.at_bounds(at.point),
+        validation=case,
+    )
+
+
+def _curves(context: Context, named: Sequence[Finding]) -> Iterator[Curve]:
+    """All slices: through the nominal point, if sensitivity was requested, and through the findings."""
+    for result in context.results.values():
+        if isinstance(result, SensitivityResult):
+            yield from result.curves
+    for finding in named:
+        if finding.slices is not None:
+            yield from finding.slices.curves
+
+
+def _agreement(words: Words, cases: Sequence[Validation]) -> tuple[bool, Said]:
+    """Whether all cases are validated, and the sentence that says so."""
+    wrong = [c.name for c in cases if not c.ok]
+    apart = [c.name for c in cases if c.violates and not c.agrees]
+    agreed = [c.name for c in cases if c.agrees]
+    said: list[Part] = []
+    if wrong:
+        said.append(say(f"{words.disagrees} by more than the tolerance for ", _cases(wrong)))
+    elif agreed:
+        said.append(say(f"{words.agree} for ", _cases(agreed)))
+    if apart:
+        said.append(say(f"{words.every} of ", _cases(apart), " violate, but differ by more than the tolerance"))
+    return not wrong, joined("; ", said)
+
+
+def _cases(names: Sequence[str]) -> Said:
+    return listed([case(name) for name in names])
+
+
+stage = Stage("validate", run)

@@ -1,0 +1,320 @@
+"""The interface of systems that a campaign can evaluate: parameters in, result values and reasons out.
+
+Problem, stages, verdicts and runs use only `System`. The closed loop of components implements it, and so does every
+simulator of another package. Start reading at `System`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaigns.asked.problem import Problem as Wrong
+from campaigns.claims.spans import Said
+from campaigns.results.finding import ClosestApproach
+from campaigns.results.validate import Unseen
+from campaigns.stored.records import Trace as Trace
+from worker.engine.search.base import Batch
+
+Floats = NDArray[np.float64]
+Seeds = NDArray[np.int64]
+Reasons = dict[int, str]
+"""By row of a batch: why the evaluation failed or was excluded."""
+
+Condition = Literal["closest approach", "motion", "avoidance"]
+"""Evidence that an encounter took place, by the names of the verdict's checks."""
+
+
+class CampaignUnusable(ValueError):
+    """The campaign cannot be run on this installation; the message gives the reasons."""
+
+    def __init__(self, problems: Sequence[Wrong]) -> None:
+        self.problems = list(problems)
+        super().__init__("the campaign cannot be run here: " + "; ".join(map(str, problems)))
+
+
+class NoTrace(Exception):
+    """There is no trace of this case, although the system gives traces; the message says why."""
+
+
+class NoResult(NoTrace):
+    """There is no trace, because the evaluation that was to return it timed out (`timeout`) or failed; `reason`."""
+
+    def __init__(self, reason: str, timeout: bool) -> None:
+        super().__init__(f"the evaluation that was to return it has no result: {reason}")
+        self.reason, self.timeout = reason, timeout
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """An input of a system: path in a campaign, unit, nominal value, limits, one line of text, and the printed symbol,
+    if any."""
+
+    path: str
+    unit: str
+    nominal: float
+    low: float
+    high: float
+    text: str
+    symbol: str = ""
+
+
+@dataclass(frozen=True)
+class Result:
+    """An output of an evaluation: name, title, short name of the quantity, unit, and which end is worse."""
+
+    name: str
+    title: str
+    quantity: str
+    unit: str
+    worse: Literal["low", "high"]
+
+
+@dataclass(frozen=True)
+class Realised:
+    """The noise realisations that every evaluation simulates, and how their costs combine.
+
+    random: whether the seed affects an evaluation at all.
+    """
+
+    seeds: tuple[int, ...] = (0,)
+    combine: str = "worst"
+    random: bool = False
+
+    @property
+    def several(self) -> bool:
+        return len(self.seeds) > 1
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One case evaluated by an independent means: its name, the cost or why there is none, the step [s] if any."""
+
+    kind: Literal["half_step", "integrator", "again"]
+    name: str
+    cost: float | None
+    reason: str = ""
+    step: float | None = None
+
+
+@dataclass(frozen=True)
+class Confirmed:
+    """A case evaluated again as in the campaign, and by every independent means that the system has."""
+
+    cost: float | None
+    comparisons: tuple[Comparison, ...]
+    step: float | None = None
+    """The step of the first evaluation [s]; None for a system without a step."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Evidence of the encounter in the nominal case."""
+
+    closest: ClosestApproach
+    moved: float | None
+    """Length of the path [m]; None for a trace without rows."""
+    unseen: Unseen
+
+
+@dataclass(frozen=True)
+class Scope:
+    """The text of a verdict's scope: what is evaluated, its settings (may be empty), and its version."""
+
+    what: Said
+    settings: Said
+    version: str
+
+
+@dataclass(frozen=True)
+class Words:
+    """Terms used in sentences for an evaluation and its confirmation."""
+
+    one: str
+    agree: str
+    """The clause for agreement: `the step-halving check and DOP853 agree`."""
+    disagrees: str
+    every: str
+    """`all integrations`."""
+    again: str
+    """`simulated again at half the step and with the reference integrator`."""
+    reference: str
+    """The means that random evaluations are compared with."""
+    check: str = "validation"
+    """The name of the verdict's check that covers the confirmation."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings that provenance stores besides the system's digest; None if not applicable."""
+
+    lanes: int | None = None
+    step: float | None = None
+    """[s]"""
+    integrator: str | None = None
+
+
+class Evaluated(NamedTuple):
+    """One evaluation: costs (k,), NaN unless ok; its status, numbered as `STATUS`; its reason, empty without one."""
+
+    costs: Floats
+    status: int
+    reason: str
+
+
+class System(ABC):
+    """A system that a campaign can evaluate.
+
+    A *vector* is one set of all parameters (size,), in their units and in the order of `parameters`; a system may
+    append further numbers, which `nominal` then includes. *Costs* are results where lower is worse: a result that is
+    worse when high changes its sign. An evaluation depends only on its vector and seed, never on its batch.
+    """
+
+    parameters: tuple[Parameter, ...]
+    nominal: Floats
+    """The vector of nominal values (size,), size >= len(parameters)."""
+    results: tuple[Result, ...]
+    """The results in the order of a batch's columns; the first one decides and is worse when low. Names are unique."""
+    realisations: Realised = Realised()
+    repeatable: bool = True
+    """Whether, as declared, the same vector and seed give the same bits in every process on the same kind of machine.
+    Of a simulator this is also measured."""
+    block: int = 0
+    """Preferred number of rows per call; threads get whole blocks. 0: no concurrent calls."""
+    shows: tuple[Condition, ...] = ()
+    """The evidence that `encounter` can give; the verdict has only these checks of the encounter."""
+    settings: Settings = Settings()
+    elsewhere: str = ""
+    """What evaluates on other machines; empty: this process or others of its machine."""
+    given: str = ""
+    """The command line that the campaign file gave; empty: the system is one of this installation."""
+    own: tuple[str, ...] = ()
+    """The modules of the operator's own components that it uses."""
+    cost: float | None = None
+    """Time per evaluation as measured over the latest batch [s]; None before the first. The batch size follows from it,
+    so that progress and cancellation stay prompt."""
+
+    @property
+    def slots(self) -> int:
+        """Number of evaluations that run side by side and end in any order; `submit` starts one. 0: only `evaluate`."""
+        return 0
+
+    @property
+    def recycle(self) -> int:
+        """Calls after which a process of a slot is replaced by a fresh one; 0: never."""
+        return 0
+
+    @property
+    @abstractmethod
+    def digest(self) -> str:
+        """Identifies everything that could change a result, except the vector, the seeds and the machine."""
+
+    @property
+    @abstractmethod
+    def scope(self) -> Scope:
+        """The text of a verdict's scope."""
+
+    @property
+    @abstractmethod
+    def words(self) -> Words:
+        """Terms for its evaluations in sentences."""
+
+    @property
+    def caveat(self) -> str:
+        """Sentences that a "cleared" verdict must add about what was not checked; empty by default."""
+        return ""
+
+    @abstractmethod
+    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
+        """Evaluate vectors (m, size): costs (m, k) for k results, NaN unless ok, status (m,), and the reasons.
+
+        By default under the realisations that the campaign states; with seeds (m,), each vector under its own seed. A
+        failed evaluation is a status with a reason; an exception ends the run. One that is ok has a reason only if a
+        call of it failed before it succeeded (`campaigns.results.base.FLAKY`).
+        """
+
+    def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
+        """Start the evaluation of one vector (size,) in a slot, as `evaluate` would; for a system with slots."""
+        raise NotImplementedError(f"{type(self).__name__} has no slots")
+
+    def started(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
+        """As `submit`; a system without slots has evaluated the vector when this returns."""
+        if self.slots:
+            return self.submit(vector, seed)
+        batch, reasons = self.evaluate(vector[None, :], None if seed is None else np.array([seed]))
+        ended: Future[Evaluated] = Future()
+        ended.set_result(Evaluated(batch.costs[0], int(batch.status[0]), reasons.get(0, "")))
+        return ended
+
+    @abstractmethod
+    def confirm(
+        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
+    ) -> list[Confirmed]:
+        """Evaluate vectors (m, size) again and by independent means; seeds: those of vectors with their own noise.
+
+        When cancelled, it returns the results until then: fewer than m.
+        """
+
+    @abstractmethod
+    def compare(
+        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
+    ) -> list[Comparison]:
+        """Evaluate vectors (m, size), all of which have a cost, by the strongest independent means only.
+
+        When cancelled, it returns the results until then: fewer than m.
+        """
+
+    def fresh(self) -> System:
+        """The same system without any state of earlier evaluations, which the caller closes; itself if it has none."""
+        return self
+
+    def single(self) -> System:
+        """The same system with one call for each evaluation; itself if that is what it does."""
+        return self
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
+        """Time histories of one case; None for a system without traces.
+
+        values: parameters by path; missing ones are nominal. Raises KeyError for an unknown path, and NoTrace if it
+        cannot be given for this case.
+        """
+        return None
+
+    def encounter(self, nominal: Trace | None) -> Shown | None:
+        """Evidence that the encounter took place in the nominal case with this trace; None if there is none.
+
+        It may run evaluations, such as the nominal case without avoidance.
+        """
+        return None
+
+    def warm(self) -> None:  # noqa: B027  optional
+        """Prepare the first evaluation, such as by compiling, so that this time is not counted as evaluation time."""
+
+    @property
+    def source(self) -> Path | None:
+        """The Python file that an evaluation executes; None for a system without one."""
+        return None
+
+    def bars(self) -> list[tuple[str, Said]]:
+        """Reasons that rule out "cleared" for any result: the check's code and the sentence; empty by default."""
+        return []
+
+    def close(self) -> None:  # noqa: B027  optional
+        """Release resources such as processes and files."""
+
+    @property
+    def names(self) -> dict[str, int]:
+        """The index of each parameter in a vector, by path."""
+        return {p.path: k for k, p in enumerate(self.parameters)}
+
+
+def in_own_sign(results: Sequence[Result], costs: Floats) -> Floats:
+    """Costs (m, k), where lower is worse, as the results' values in their own sign."""
+    return np.stack([0.0 - c if r.worse == "high" else c for c, r in zip(costs.T, results, strict=True)], 1)

@@ -1,0 +1,92 @@
+"""Evidence that the nominal case is an encounter: closest approach, path length, and the same case without avoidance.
+
+Start reading at `shown`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+from campaigns import Campaign
+from campaigns.asked.scenario import FaultPart
+from campaigns.results.finding import ClosestApproach
+from campaigns.results.validate import Unseen
+from campaigns.stored.records import Trace
+from worker.engine.systems.base import Condition, Floats, Shown
+from worker.engine.systems.closed_loop.flights import Flights
+from worker.engine.systems.closed_loop.parts import Installed
+from worker.engine.systems.closed_loop.trace import trace
+
+UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6})
+"""No obstacle is ever seen: the avoider steers to the goal as if there were none."""
+
+
+def conditions(flights: Flights) -> tuple[Condition, ...]:
+    """The available evidence: only criteria on obstacles have a closest approach."""
+    near: tuple[Condition, ...] = ("closest approach",) if flights.parts.criterion.of == "obstacles" else ()
+    return (*near, "motion", "avoidance")
+
+
+def shown(flights: Flights, nominal: Trace) -> Shown:
+    """The evidence for the nominal case with this trace; simulates one more case in plain Python."""
+    return Shown(
+        ClosestApproach.of(nominal.meta.closest, len(nominal.data)),
+        _moved(nominal),
+        _unseen(flights.campaign, flights.installed, nominal),
+    )
+
+
+def _moved(flight: Trace) -> float | None:
+    """The length of the path [m]; None for a trace without rows."""
+    path = flight.data[:, 1:4]
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) if len(path) else None
+
+
+def _unseen(campaign: Campaign, installed: Installed, nominal: Trace) -> Unseen:
+    """The nominal case with an avoider that sees nothing, one simulation in plain Python: its cost, and the largest
+    distance between the two paths at one instant [m]."""
+    realisation = nominal.meta.realisation
+    # With several realisations, use the one that the nominal trace shows: the worst, which determines the cost.
+    flight = _flown(_Blind.of(campaign, installed, None if realisation is None else realisation.seed))
+    rows = min(len(flight.path), len(nominal.data))
+    apart = np.linalg.norm(flight.path[:rows] - nominal.data[:rows, 1:4], axis=1)
+    return flight.told.model_copy(update={"deviation": float(apart.max()) if rows else None})
+
+
+@dataclass(frozen=True)
+class _Blind:
+    """A closed loop that sees no obstacle; two are equal if their nominal cases are, bit by bit."""
+
+    identity: tuple[str, str, bytes, int | None]
+    flights: Flights = field(compare=False)
+
+    @classmethod
+    def of(cls, campaign: Campaign, installed: Installed, seed: int | None) -> _Blind:
+        blind = unseen(campaign)
+        flights = Flights(blind, installed, compiled=False, lanes=1)
+        asked = blind.model_dump_json(include={"scenario", "criterion", "objectives"})
+        return cls((flights.loop.digest, asked, flights.nominal.tobytes(), seed), flights.under(seed))
+
+
+@dataclass(frozen=True)
+class _Flown:
+    told: Unseen
+    path: Floats
+    """Positions (rows, 3) [m]."""
+
+
+@lru_cache(maxsize=32)
+def _flown(blind: _Blind) -> _Flown:
+    """Kept for the next run of the same scenario: half a second for each run that a process repeats or varies."""
+    flight = trace(blind.flights, "unseen", {})
+    told = Unseen(cost=flight.meta.cost, status=flight.meta.status, reason=flight.meta.reason, deviation=None)
+    return _Flown(told, flight.data[:, 1:4].copy())
+
+
+def unseen(campaign: Campaign) -> Campaign:
+    """The campaign with all obstacles hidden from the avoider."""
+    scenario = campaign.given_scenario
+    return campaign.model_copy(update={"scenario": scenario.model_copy(update={"faults": [*scenario.faults, UNSEEN]})})

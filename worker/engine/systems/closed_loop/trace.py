@@ -1,0 +1,278 @@
+"""The trace of a case: time, pose, states, commands and separation as columns, and the closest approach.
+
+States come from the compiled loop itself, so a trace shows exactly the simulation that gave the cost.
+Start reading at `trace`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from campaigns import thin
+from campaigns.results.base import FAILED, STATUS
+from campaigns.results.trace import Closest, Realisation, TraceColumn, TraceHead, TraceObstacle
+from campaigns.stored.records import Trace
+from worker.engine.systems.base import Floats, in_own_sign
+from worker.engine.systems.closed_loop.flights import Flights
+
+POSE = 6
+Group = Literal["time", "pose", "state", "command", "separation"]
+
+
+def trace(flights: Flights, name: str, values: Mapping[str, float], rows: int | None = None) -> Trace:
+    """Simulate one case and return its trace; if `rows` is given, thinned to about that many except near the closest
+    approach.
+
+    With several realisations it shows the worst; the reported cost is that of the evaluation.
+    values: parameters by path; missing ones are nominal. Raises KeyError for an unknown path.
+    """
+    case = simulate(flights, values)
+    states, vector = case.states, case.vector
+    seen = _Seen(flights, flights.loop.observe(states, vector, flights.step), vector)
+    closest = _closest(flights, seen)
+    kept = _kept(len(states), rows, closest)
+    data = np.column_stack(
+        (
+            kept * flights.step,
+            seen.columns[kept, :POSE],
+            states[kept][:, _further(flights)],
+            seen.commands[kept],
+            seen.moving[kept],
+            seen.separation(kept),
+        )
+    )
+    return Trace(name, _columns(flights), data, _head(flights, seen, values, case, closest))
+
+
+@dataclass(frozen=True)
+class SimulatedCase:
+    """One simulated case: the worst of several realisations, with the evaluation's costs and status."""
+
+    vector: Floats
+    """Its flat parameters (size,)."""
+    states: Floats
+    """States and held guidance at every step (steps + 1 at most, ...), up to a failure."""
+    status: int
+    reason: str
+    costs: Floats
+    """Costs of the evaluation (1, k); NaN unless it is ok."""
+    realisation: int
+    own_cost: float
+    """Cost of the realisation shown."""
+
+
+def simulate(flights: Flights, values: Mapping[str, float]) -> SimulatedCase:
+    """Simulate one case; values: parameters by path, missing ones are nominal. Raises KeyError for an unknown path."""
+    vectors = flights.realisations.flights(flights.vector(values)[None, :])
+    several = len(vectors) > 1
+    result = flights.loop.simulate(vectors, flights.step, *flights.counts(flights.step), traced=0 if several else 1)
+    codes, said = flights.judge(result.status, result.when)
+    batch, reasons = flights.realisations.combined(result.costs, codes, said)
+    shown = flights.realisations.worst(result.costs, codes)
+    states = result.trace[0] if not several else _again(flights, vectors[shown])
+    finite = np.isfinite(states).all(axis=1)
+    states = states[: int(np.argmin(finite)) if not finite.all() else len(states)]
+    if codes[shown] == FAILED:  # the loop checks only every 64 steps; rows after the failure are meaningless
+        states = states[: round(float(result.when[shown]) / flights.step) + 1]
+    return SimulatedCase(
+        vector=vectors[shown],
+        states=states,
+        status=int(batch.status[0]),
+        reason=reasons.get(0, ""),
+        costs=batch.costs[:1],
+        realisation=shown,
+        own_cost=float(result.costs[shown, 0]),
+    )
+
+
+def _again(flights: Flights, vector: Floats) -> Floats:
+    """The states of one realisation, simulated again on its own: traces of all realisations would need too much memory.
+
+    Results depend only on the vector, so this is bit for bit the simulation that gave the cost.
+    """
+    result = flights.loop.simulate(vector[None, :], flights.step, *flights.counts(flights.step), traced=1)
+    states: Floats = result.trace[0]
+    return states
+
+
+def _realisation(flights: Flights, shown: int, cost: float) -> Realisation:
+    """The realisation that the trace shows, the number of realisations, and its own cost."""
+    realised = flights.realisations
+    return Realisation(
+        seed=realised.seeds[shown],
+        seeds=len(realised.seeds),
+        combine=realised.combine,
+        cost=_known(cost),
+    )
+
+
+def _values(flights: Flights, costs: Floats) -> dict[str, float | None]:
+    """The value of every criterion by name, in its own sign; costs (1, k)."""
+    names = [r.name for r in flights.results]
+    return dict(zip(names, map(_known, in_own_sign(flights.results, costs)[0]), strict=True))
+
+
+def _known(cost: float) -> float | None:
+    return float(cost) if np.isfinite(cost) else None
+
+
+class _Seen:
+    """The observed columns of one simulation, by kind."""
+
+    def __init__(self, flights: Flights, columns: Floats, vector: Floats) -> None:
+        self.flights, self.columns, self.vector = flights, columns, vector
+        obstacles = flights.parts.obstacles
+        last = columns.shape[1] - flights.loop.channels.total
+        deciding = flights.loop.channels.of["criterion"]
+        first = last - 3 * len(obstacles)
+        self.commands = columns[:, POSE:first]
+        self.centres = columns[:, first:last].reshape(len(columns), len(obstacles), 3)
+        self.channels = columns[:, last:]
+        self.distances = self.channels[:, slice(*deciding)]
+        """The channels of the deciding criterion, one per obstacle."""
+        moving = [i for i, o in enumerate(obstacles) if o.moving]
+        self.moving = self.centres[:, moving, :].reshape(len(columns), 3 * len(moving))
+
+    def cost(self, channels: Floats) -> float:
+        """The criterion's value for one row of channels."""
+        extended = self.flights.loop.extend(self.vector)
+        return float(self.flights.loop.part("cost")(tuple(map(float, channels)), extended))
+
+    def separation(self, kept: Any) -> Floats:
+        """The criterion's value at every row (m,)."""
+        cost, p = self.flights.loop.part("cost"), self.flights.loop.extend(self.vector)
+        return np.array([cost(tuple(map(float, row)), p) for row in self.channels[kept]])
+
+
+def _further(flights: Flights) -> list[int]:
+    """The indices of the vehicle's states that are not part of the pose."""
+    vehicle = flights.parts.vehicle
+    shown = {"x", "y", "z", "phi", "theta", "psi"} if vehicle.dimension == 3 else {"x", "y", "theta", "psi"}
+    return [k for k, s in enumerate(vehicle.states) if s.name not in shown]
+
+
+def _columns(flights: Flights) -> list[TraceColumn]:
+    vehicle, signals, criterion = flights.parts.vehicle, flights.loop.signals, flights.parts.criterion
+
+    def column(name: str, symbol: str, unit: str, group: Group) -> TraceColumn:
+        return TraceColumn(name=name, symbol=symbol, unit=unit, group=group)
+
+    commands = (*vehicle.inputs, *flights.parts.controller.signals)
+    moving = [i for i, o in enumerate(flights.parts.obstacles) if o.moving]
+    return [
+        column("t", "t", "s", "time"),
+        *(column(s.name, s.symbol, s.unit, "pose") for s in signals[:POSE]),
+        *(column(s.name, s.symbol, s.unit, "state") for s in (vehicle.states[k] for k in _further(flights))),
+        *(column(s.name, s.symbol, s.unit, "command") for s in commands),
+        *(column(f"obstacle.{i}.{a}", a, "m", "pose") for i in moving for a in "xyz"),
+        column("separation", "d", criterion.unit, "separation"),
+    ]
+
+
+def _closest(flights: Flights, seen: _Seen) -> Closest | None:
+    """Time, position and obstacle of the closest approach, refined by the same parabola as the cost."""
+    channels = seen.distances
+    if flights.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
+        return None
+    row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
+    lowest, shift = float(channels[row, obstacle]), 0.0
+    if 0 < row < len(channels) - 1:
+        left, mid, right = (float(c) for c in channels[row - 1 : row + 2, obstacle])
+        bend = left - 2 * mid + right
+        if bend > 0:
+            shift = 0.5 * (left - right) / bend
+            lowest = mid - 0.125 * (left - right) ** 2 / bend
+    return Closest(
+        time=(row + shift) * flights.step,
+        row=row,
+        value=seen.cost(np.full(seen.channels.shape[1], lowest)),
+        position=_between(seen.columns[:, :3], row, shift),
+        speed=_speed(seen.columns[:, :3], row, shift, flights.step),
+        obstacle=obstacle,
+        obstacle_position=_between(seen.centres[:, obstacle], row, shift),
+    )
+
+
+def _between(positions: Floats, row: int, shift: float) -> list[float]:
+    """The position a fraction `shift` of a step after a row, on the parabola through its neighbours."""
+    here = positions[row]
+    if shift != 0.0:
+        back, ahead = positions[row - 1], positions[row + 1]
+        here = here + 0.5 * shift * (ahead - back) + 0.5 * shift**2 * (back - 2 * here + ahead)
+    return [float(c) for c in here]
+
+
+def _speed(positions: Floats, row: int, shift: float, step: float) -> float | None:
+    """The speed over ground on the parabola through a row and its neighbours [m/s]; None at the ends."""
+    if not 0 < row < len(positions) - 1:
+        return None
+    back, here, ahead = positions[row - 1 : row + 2]
+    moved = 0.5 * (ahead - back) + shift * (back - 2 * here + ahead)
+    return _known(float(np.linalg.norm(moved)) / step)
+
+
+def _kept(count: int, rows: int | None, closest: Closest | None) -> Any:
+    if rows is None or count <= rows:
+        return np.arange(count)
+    return np.union1d(thin.even(count, max(rows - 21, 2)), thin.near(count, closest.row if closest else 0, 10))
+
+
+def _free(flights: Flights, vector: Floats, i: int) -> float | None:
+    """Radius of the disc around an obstacle's centre that must stay free [m]; None if that region is not a disc."""
+    criterion, reach = flights.parts.criterion, flights.parts.obstacles[i].reach
+
+    def value(path: str) -> float:
+        return float(vector[flights.paths[path]]) if path in flights.paths else 0.0
+
+    if criterion.measured_to != "surface":
+        return value("criterion.threshold")
+    if reach is None or len(reach.of) != 1:
+        return None
+    surface = reach.times * value(f"obstacles.{i}.{reach.of[0]}")
+    return surface + value("criterion.threshold") + value("criterion.body_radius")
+
+
+def _head(
+    flights: Flights, seen: _Seen, values: Mapping[str, float], case: SimulatedCase, closest: Closest | None
+) -> TraceHead:
+    vector = seen.vector
+
+    def position(prefix: str) -> list[float]:
+        paths = flights.paths
+        return [float(vector[paths[f"{prefix}.{a}"]]) if f"{prefix}.{a}" in paths else 0.0 for a in "xyz"]
+
+    def radius(i: int) -> float:
+        at = flights.paths.get(f"obstacles.{i}.radius")
+        return 0.0 if at is None else float(vector[at])
+
+    obstacles = [
+        TraceObstacle(
+            component=o.name,
+            title=o.title,
+            position=[float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
+            radius=radius(i),
+            free_radius=_free(flights, vector, i),
+            moving=o.moving,
+        )
+        for i, o in enumerate(flights.parts.obstacles)
+    ]
+    several = flights.realisations.seed_indices
+    return TraceHead(
+        frame=flights.parts.vehicle.frame,
+        vehicle=flights.parts.vehicle.name,
+        obstacles=obstacles,
+        start=position("start"),
+        goal=position("goal"),
+        threshold=float(vector[flights.paths["criterion.threshold"]]),
+        parameters={p: float(vector[flights.paths[p]]) for p in flights.campaign.uncertain} | dict(values),
+        closest=closest,
+        status=STATUS[case.status],
+        reason=case.reason,
+        cost=_known(case.costs[0, 0]),
+        values=_values(flights, case.costs),
+        realisation=_realisation(flights, case.realisation, case.own_cost) if several else None,
+    )

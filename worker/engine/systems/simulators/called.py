@@ -1,0 +1,162 @@
+"""A simulator as a campaign asks for it: several calls for each evaluation, and failed calls tried again.
+
+Start reading at `Called.evaluate`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future
+from functools import partial
+
+import numpy as np
+
+from campaigns.asked.spec import Simulator
+from campaigns.claims.spans import Said
+from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
+from worker.engine.search.base import Batch
+from worker.engine.systems.base import Evaluated, Floats, Reasons, Scope, Seeds, System, Trace, Words
+from worker.engine.systems.simulators.simulated import Simulated
+from worker.engine.systems.simulators.slotted import batch_of, gathered
+
+LOST = "the call failed"
+
+
+class Called(Simulated):
+    """Evaluates by `calls` calls of a simulator, each tried again up to `retries` times, combined as the campaign
+    states. One failed call makes the evaluation fail."""
+
+    def __init__(self, inner: System, asked: Simulator, borrowed: bool = False) -> None:
+        self.inner, self.asked, self._borrowed = inner, asked, borrowed
+        self.parameters, self.nominal, self.results = inner.parameters, inner.nominal, inner.results
+        self.repeatable, self.block, self.settings = inner.repeatable, inner.block, inner.settings
+        self.elsewhere, self.given = inner.elsewhere, inner.given
+        self.step = inner.step if isinstance(inner, Simulated) else None
+
+    def fresh(self) -> System:
+        """Without any state of earlier calls; what is compared in fresh processes is not tried again."""
+        fresh = self.inner.fresh()
+        return Called(fresh, self.asked.model_copy(update={"retries": 0}), borrowed=fresh is self.inner)
+
+    def halved(self) -> Simulated | None:
+        halved = self.inner.halved() if isinstance(self.inner, Simulated) else None
+        return None if halved is None else Called(halved, self.asked.model_copy(update={"retries": 0}))
+
+    def single(self) -> System:
+        """With one call for each evaluation; failed ones are still tried again."""
+        once = self.asked.model_copy(update={"repeats": None})
+        return Called(self.inner, once) if self.asked.retries else self.inner
+
+    @property
+    def digest(self) -> str:
+        return self.inner.digest
+
+    @property
+    def scope(self) -> Scope:
+        return self.inner.scope
+
+    @property
+    def words(self) -> Words:
+        return self.inner.words
+
+    @property
+    def caveat(self) -> str:
+        return self.inner.caveat
+
+    @property
+    def slots(self) -> int:
+        return self.inner.slots
+
+    @property
+    def recycle(self) -> int:
+        return self.inner.recycle
+
+    def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
+        return gathered([self._attempt(vector) for _ in range(self.asked.calls)], self._combined)
+
+    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
+        if self.slots:
+            return batch_of([future.result() for future in [self.submit(vector) for vector in vectors]])
+        calls = self.asked.calls
+        batch, reasons = self._tried(np.repeat(vectors, calls, axis=0))
+        rows = [Evaluated(batch.costs[k], int(s), reasons.get(k, "")) for k, s in enumerate(batch.status)]
+        return batch_of([self._combined(rows[k : k + calls]) for k in range(0, len(rows), calls)])
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
+        """Of one further call, not tried again."""
+        return self.inner.trace(name, values, seed)
+
+    def warm(self) -> None:
+        self.inner.warm()
+
+    def bars(self) -> list[tuple[str, Said]]:
+        return self.inner.bars()
+
+    def close(self) -> None:
+        if not self._borrowed:
+            self.inner.close()
+
+    def _tried(self, vectors: Floats) -> tuple[Batch, Reasons]:
+        """Each vector by one call; those that failed or timed out again, up to the number of retries."""
+        batch, reasons = self.inner.evaluate(vectors)
+        costs, status, first = batch.costs.copy(), batch.status.copy(), dict(reasons)
+        for _ in range(self.asked.retries):
+            lost = np.flatnonzero((status == FAILED) | (status == TIMEOUT))
+            if not len(lost):
+                break
+            again, why = self.inner.evaluate(vectors[lost])
+            costs[lost], status[lost] = again.costs, again.status
+            for i, row in enumerate(lost.tolist()):
+                if again.status[i] in (OK, EXCLUDED):
+                    reasons[row] = FLAKY + first.get(row, LOST)
+                else:
+                    reasons[row] = why.get(i, LOST)
+        return Batch(costs, status), reasons
+
+    def _attempt(self, vector: Floats) -> Future[Evaluated]:
+        """One call in a slot; one that failed or timed out again, up to the number of retries."""
+        found: Future[Evaluated] = Future()
+
+        def ended(future: Future[Evaluated], left: int, before: str) -> None:
+            try:
+                one = future.result()
+                if left and one.status in (FAILED, TIMEOUT):
+                    again = self.inner.submit(vector)
+                    again.add_done_callback(partial(ended, left=left - 1, before=before or one.reason or LOST))
+                    return
+                if before and one.status in (OK, EXCLUDED):
+                    one = one._replace(reason=FLAKY + before)
+                found.set_result(one)
+            except Exception as error:  # such as of closed slots: reaches whoever waits for this evaluation
+                found.set_exception(error)
+
+        self.inner.submit(vector).add_done_callback(partial(ended, left=self.asked.retries, before=""))
+        return found
+
+    def _combined(self, calls: Sequence[Evaluated]) -> Evaluated:
+        """The calls of one evaluation as one: of the worst call all results, else each result by itself.
+
+        The reason is that of the first call that failed, or that succeeded only when tried again.
+        """
+        if len(calls) == 1:
+            return calls[0]
+        lost = next((k for k, one in enumerate(calls) if one.status != OK), None)
+        marked = next((k for k, one in enumerate(calls) if one.reason), None) if lost is None else lost
+        reason = "" if marked is None else _numbered(calls[marked].reason or LOST, marked + 1, len(calls))
+        if lost is not None:
+            return Evaluated(np.full_like(calls[0].costs, np.nan), calls[lost].status, reason)
+        return Evaluated(self._cost(np.array([one.costs for one in calls])), OK, reason)
+
+    def _cost(self, costs: Floats) -> Floats:
+        """The costs (calls, k) of one evaluation as one row (k,)."""
+        repeats = self.asked.repeats
+        if repeats is None or repeats.combine == "worst":
+            return np.asarray(costs[int(np.argmin(costs[:, 0]))])
+        if repeats.combine == "mean":
+            return np.asarray(costs.mean(axis=0))
+        return np.asarray(np.quantile(costs, repeats.quantile or 0.0, axis=0, method="inverted_cdf"))
+
+
+def _numbered(reason: str, call: int, calls: int) -> str:
+    text = f"call {call} of {calls}: {reason.removeprefix(FLAKY)}"
+    return FLAKY + text if reason.startswith(FLAKY) else text

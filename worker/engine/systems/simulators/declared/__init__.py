@@ -1,0 +1,1 @@
+"""What simulators declare: descriptors, functions, FMUs; parameters, results, columns, scenes."""

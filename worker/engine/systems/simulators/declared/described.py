@@ -1,0 +1,79 @@
+"""What every described simulator has: the shared part of `simulator.yaml`, its folder, entry and digest."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, field_validator
+
+from campaigns.asked.values import Identifier, Strict
+from campaigns.catalogue import SimulatorEntry
+from worker.engine.systems.simulators.declared.folder import digest_of, files_of
+
+FILE = "simulator.yaml"
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class BadDescriptor(ValueError):
+    """The file cannot be used; the message names it, the field, and what is expected."""
+
+
+class Basics(Strict):
+    """The part of a descriptor that does not depend on what is run.
+
+    timeout: of an evaluation [s]; start: until the process must have started [s]; memory: address space of each of its
+    processes [bytes]; recycle: evaluations until the process is replaced; slots: processes side by side, 0 for one a
+    core.
+    """
+
+    name: Identifier
+    title: str = ""
+    text: str = ""
+    timeout: Annotated[float, Field(gt=0, le=86_400, allow_inf_nan=False)] = 60.0
+    start: Annotated[float, Field(gt=0, le=3_600, allow_inf_nan=False)] = 60.0
+    memory: Annotated[int, Field(ge=0)] = 0
+    recycle: Annotated[int, Field(ge=0)] = 0
+    slots: Annotated[int, Field(ge=0, le=256)] = 0
+    environment: dict[str, str] = Field(default_factory=dict)
+
+    @field_validator("environment", mode="before")
+    @classmethod
+    def _texts(cls, given: object) -> object:
+        return {str(k): str(v) for k, v in given.items()} if isinstance(given, dict) else given
+
+
+@dataclass(frozen=True)
+class Described(ABC):
+    """A descriptor, and the folder that it was read from."""
+
+    folder: Path
+    descriptor: Basics
+
+    @property
+    @abstractmethod
+    def entry(self) -> SimulatorEntry:
+        """How a campaign and the pages see it."""
+
+    @property
+    def given(self) -> str:
+        """The command line, if the campaign file gave it; empty for what the operator has installed."""
+        return ""
+
+    @property
+    def covers(self) -> str:
+        """What the digest is of, if that is not its folder."""
+        return ""
+
+    @property
+    def covered(self) -> list[Path]:
+        """The files that the digest covers."""
+        return files_of(self.folder)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 over all files of its folder, by relative path and content."""
+        return digest_of(self.folder)

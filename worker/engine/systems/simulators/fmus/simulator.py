@@ -1,0 +1,178 @@
+"""A simulator that is an FMU: the described file, evaluated in slots by `process`. Start reading at `opened`."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from campaigns.claims.say import say
+from campaigns.results.scene import Scene
+from worker.engine.systems.base import Scope, Settings
+from worker.engine.systems.simulators.cluster.work import WORK
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.columns import Column
+from worker.engine.systems.simulators.declared.fmu import DescribedFmu
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.fmus import JOB
+from worker.engine.systems.simulators.fmus.job import Job
+from worker.engine.systems.simulators.slots import files
+from worker.engine.systems.simulators.slots.outcome import Limits
+from worker.engine.systems.simulators.slots.pool import SlotPool
+from worker.engine.systems.simulators.slots.program import Program
+
+ENTRY = "worker.engine.systems.simulators.fmus.process"
+SHARES = {
+    "reset": "one instance for all evaluations of a process, reset before each",
+    "instance": "a new instance for each evaluation",
+    "process": "a new process for each evaluation",
+}
+LOGGED = ("logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal")
+OTHERS = (0.5, 0.1, 0.01)
+"""The probe evaluates cases so far from the nominal one to the farther limits, until one does not fail."""
+EVALUATIONS = 3 + 2 * len(OTHERS)
+
+
+class FmuUnusable(ValueError):
+    """The FMU cannot be instantiated; the message says why."""
+
+
+@dataclass(frozen=True)
+class Reuse:
+    """How evaluations share a process, a key of SHARES, and why it is not less."""
+
+    how: str
+    why: str = ""
+
+    def __str__(self) -> str:
+        return SHARES[self.how] + (f" ({self.why})" if self.why else "")
+
+
+class FmuSimulator(CommandSimulator):
+    """Evaluates a described FMU."""
+
+    described: DescribedFmu
+
+    def __init__(self, described: DescribedFmu, opening: Opening, reuse: Reuse, fresh: bool = False) -> None:
+        super().__init__(described, opening, fresh)
+        self.reuse = reuse
+        self.settings = Settings(step=described.step)
+
+    def fresh(self) -> FmuSimulator:
+        return self._made(FmuSimulator(self.described, self.opening, self.reuse, fresh=True))
+
+    @property
+    def scope(self) -> Scope:
+        d = self.described
+        text = (
+            f"FMI {d.model.version} co-simulation from {d.model.start:g} s to {d.stop:g} s,"
+            f" communication step {d.step:g} s, {self.reuse}"
+        )
+        given = super().scope
+        return Scope(given.what, say(text), given.version)
+
+    @property
+    def caveat(self) -> str:
+        return f"{super().caveat} Its variables are read every {self.described.step:g} s, and not in between."
+
+    @property
+    def _columns(self) -> Mapping[str, Column]:
+        return self.described.columns
+
+    @property
+    def _scene(self) -> Scene | None:
+        return self.described.drawn
+
+    @property
+    def _recycle(self) -> int:
+        return 1 if self.reuse.how == "process" else super()._recycle
+
+    def _program(self, work: Path) -> Program:
+        return program(self.described, self.opening.result, self.reuse.how, "evaluate", work)
+
+
+def opened(described: DescribedFmu, opening: Opening) -> FmuSimulator:
+    """The simulator of a described FMU, which can be instantiated here; raises FmuUnusable."""
+    nominal = {i.entry.name: opening.nominal[f"simulator.{i.entry.name}"] for i in described.inputs}
+    key = (described.digest, opening.result, *nominal.items())
+    if key not in _PROBED:
+        _PROBED[key] = _probed(described, opening.result, nominal)
+    return FmuSimulator(described, opening, _PROBED[key])
+
+
+_PROBED: dict[tuple[object, ...], Reuse] = {}
+"""By digest, result and nominal case: a probe evaluates the FMU several times."""
+
+
+def _probed(described: DescribedFmu, result: str, nominal: dict[str, float]) -> Reuse:
+    """Compare evaluations in one process of its own; whatever goes wrong there leaves a process for each evaluation."""
+    d = described.descriptor
+    limits = Limits(EVALUATIONS * d.timeout, d.start, d.memory)
+    limit = {i.entry.name: _farther(nominal[i.entry.name], i.entry.low, i.entry.high) for i in described.inputs}
+    others = [{name: value + far * (limit[name] - value) for name, value in nominal.items()} for far in OTHERS]
+    folder = tempfile.TemporaryDirectory(prefix=f"clearance-{d.name}-", ignore_cleanup_errors=True)
+    with folder as work, SlotPool(program(described, result, "reset", "probe", Path(work)), 1, limits) as pool:
+        outcome = pool.evaluate([{"parameters": {"nominal": nominal, "others": others}}])[0]
+    if outcome.kind == "not started":
+        raise FmuUnusable(outcome.sentence)
+    if outcome.kind != "ok":
+        return Reuse("process", f"the probe failed: {outcome.reason}")
+    found = outcome.answer["results"]
+    if "refused" in found:
+        raise FmuUnusable(found["refused"])
+    return Reuse(found["reuse"], found["why"])
+
+
+def _farther(nominal: float, low: float, high: float) -> float:
+    return low if nominal - low > high - nominal else high
+
+
+def program(described: DescribedFmu, result: str, reuse: str, function: str, work: Path) -> Program:
+    """The process of a slot, and its job as a file; on another machine the job itself, which is some kilobytes."""
+    job = json.dumps(_job(described, result, reuse))
+    if work != Path(WORK):
+        file = work / "job.json"
+        file.write_text(job, encoding="utf-8")
+        job = str(file)
+    command = [sys.executable, str(files.CHILD), f"{ENTRY}:{function}"]
+    environment = {**described.descriptor.environment, JOB: job}
+    return Program(command, "framed", environment, str(work / "{slot}"))
+
+
+def _job(described: DescribedFmu, result: str, reuse: str) -> Job:
+    """What the process must know; it computes only the result that the campaign names."""
+    d, m = described.descriptor, described.model
+    fixed = [(m.variables[name], value) for name, value in d.fixed.items()]
+    taken = d.results[result]
+    return {
+        "file": str(described.file),
+        "sha256": described.sha256,
+        "fmi": m.fmi,
+        "identifier": m.identifier,
+        "token": m.token,
+        "name": d.name,
+        "categories": [c for c in LOGGED if c in m.categories],
+        "start": m.start,
+        "stop": described.stop,
+        "step": described.step,
+        "steps": described.steps,
+        "tolerance": m.tolerance,
+        "reuse": reuse,
+        "set": [(v.type, v.reference, value) for v, value in fixed],
+        "inputs": {i.entry.name: i.variable.reference for i in described.inputs},
+        "trace": {
+            "every": described.every,
+            "columns": {name: v.reference for name, v in described.recorded.items()},
+        },
+        "result": {
+            "name": result,
+            "variable": taken.variable,
+            "reference": m.variables[taken.variable].reference,
+            "take": taken.take,
+            "level": taken.level,
+            "direction": taken.direction,
+        },
+    }

@@ -1,0 +1,247 @@
+"""A Python function as a system: called in this process (`InProcess`) or in processes of its own (`Isolated`).
+
+Whatever an evaluation does is a status with a reason; only an interrupt ends the search. Start reading at `InProcess`.
+"""
+
+from __future__ import annotations
+
+import sys
+import uuid
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from campaigns.catalogue import SimulatorEntry
+from campaigns.claims.say import say
+from campaigns.results.base import FAILED, OK
+from campaigns.results.scene import Scene
+from worker.engine.search.base import Batch
+from worker.engine.systems.base import Floats, NoResult, Reasons, Scope, Seeds, Trace
+from worker.engine.systems.simulators import calling, traced
+from worker.engine.systems.simulators.cluster.address import chosen
+from worker.engine.systems.simulators.cluster.work import Files
+from worker.engine.systems.simulators.declared.columns import Column
+from worker.engine.systems.simulators.declared.folder import files_of_place
+from worker.engine.systems.simulators.declared.function import Settings
+from worker.engine.systems.simulators.declared.simulator import Opening
+from worker.engine.systems.simulators.identity import identified
+from worker.engine.systems.simulators.simulated import Simulated
+from worker.engine.systems.simulators.slots import child, files
+from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
+from worker.engine.systems.simulators.slots.program import Program
+from worker.engine.systems.simulators.spread import Spread
+from worker.engine.systems.threads import usual_threads
+
+
+class _OfFunction(Simulated):
+    """What both have in common: the names, the deciding result, and where the digest comes from."""
+
+    def __init__(
+        self, entry: SimulatorEntry, opening: Opening, settings: Settings, files_digest: str,
+        columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(entry, opening)
+        self.of = settings
+        self.columns, self.scene = columns or {}, scene
+        self.files_digest = files_digest
+        self.names_given = [p.path.removeprefix("simulator.") for p in self.parameters]
+        self.every = [r.name for r in entry.results]
+
+    @property
+    def digest(self) -> str:
+        return self.files_digest
+
+    @property
+    def scope(self) -> Scope:
+        return Scope(
+            what=say(f"{self.entry.title}, Python function {self.entry.name}"),
+            settings=(),
+            version=f"function digest {self.digest[:12]}",
+        )
+
+    def _batch(self, values: ArrayLike, failed: Reasons) -> tuple[Batch, Reasons]:
+        """Values (m,) as a batch."""
+        costs = np.array(values, dtype=np.float64)[:, None]
+        status = np.full(len(costs), OK, dtype=np.uint8)
+        if failed:
+            rows = list(failed)
+            status[rows] = FAILED
+            costs[rows] = np.nan
+        return Batch(costs if self.results[0].worse == "low" else -costs, status), failed
+
+
+class InProcess(_OfFunction):
+    """Calls the function in this process: once for each evaluation, or once for each batch.
+
+    What the function uses identifies it, unless it comes from files, whose digest is given.
+    """
+
+    def __init__(
+        self, call: Callable[..., Any], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str = "",
+        columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
+    ) -> None:  # fmt: skip
+        self.identity = None if digest else identified(call)
+        unknown = self.identity is not None and self.identity.unknown
+        found = digest or (f"unidentified-{uuid.uuid4().hex}" if unknown or self.identity is None else "")
+        super().__init__(entry, opening, settings, found or getattr(self.identity, "digest", ""), columns, scene)
+        self.call = call
+
+    def fresh(self) -> InProcess:
+        return InProcess(self.call, self.entry, self.opening, self.of, self.files_digest, self.columns, self.scene)
+
+    @property
+    def scope(self) -> Scope:
+        scope = super().scope
+        if self.identity is None or not self.identity.unknown:
+            return scope
+        return Scope(scope.what, scope.settings, f"no digest, its code is not identified: {self.identity.unknown}")
+
+    @property
+    def caveat(self) -> str:
+        again = "Cases were evaluated again by the same function in the same process only."
+        if self.identity is None:
+            covered = ""
+        elif self.identity.unknown:
+            covered = (
+                f" The code of the function is not identified, because {self.identity.unknown} cannot be read exactly."
+            )
+        else:
+            covered = " The digest covers the function and what it uses, installed packages by version only."
+        return f"{again} Whether an encounter takes place was not checked.{covered}"
+
+    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
+        if self.of.vectorized:
+            return self._together(vectors)
+        return self._each(vectors)
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
+        if not self.columns:
+            return None
+        given = self._by_path(self._vector(values))
+        own = dict(zip(self.names_given, given.values(), strict=True))
+        answer = calling.traced(self.call, own, self.every, self.of.vectorized)
+        results = answer["results"]
+        if "failed" in results:
+            raise NoResult(results["failed"], timeout=False)
+        head = traced.head(self.results[0], results["results"][self.results[0].name], given, self.scene)
+        return traced.read(name, self.columns, child.plain(answer), head)
+
+    def _each(self, vectors: Floats) -> tuple[Batch, Reasons]:
+        names, every, result, call = self.names_given, self.every, self.results[0].name, self.call
+        values, failed = [np.nan] * len(vectors), Reasons()
+        for k, row in enumerate(vectors.tolist()):
+            answer = calling.called(call, dict(zip(names, row, strict=True)), every)
+            if "failed" in answer:
+                failed[k] = answer["failed"]
+            else:
+                values[k] = answer["results"][result]
+        return self._batch(values, failed)
+
+    def _together(self, vectors: Floats) -> tuple[Batch, Reasons]:
+        """One call for all; a batch that raises is evaluated row by row, so that only its own rows fail."""
+        m = len(vectors)
+        columns = {name: np.array(column) for name, column in zip(self.names_given, vectors.T, strict=True)}
+        try:
+            returned, reason = self._column(self.call(**columns), m)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            returned, reason = None, calling.failure(error, self.call)
+            if m > 1:
+                parts = [self._together(row[None]) for row in vectors]
+                costs = np.concatenate([batch.costs for batch, _ in parts])
+                status = np.concatenate([batch.status for batch, _ in parts])
+                return Batch(costs, status), {k: why[0] for k, (_, why) in enumerate(parts) if why}
+        if returned is None:
+            return self._batch([np.nan] * m, dict.fromkeys(range(m), reason))
+        lost = np.flatnonzero(~np.isfinite(returned))
+        reasons = {int(k): f"{reason} {returned[k]}, not a finite number" for k in lost}
+        return self._batch(returned, reasons)
+
+    def _column(self, value: Any, m: int) -> tuple[Any, str]:
+        """The deciding result as an array (m,), or None and why not; with the array, how a sentence on it begins."""
+        name, begun = self.results[0].name, "it returned"
+        if isinstance(value, Mapping):
+            if name not in value:
+                given = ", ".join(str(k)[:40] for k in list(value)[:8]) or "nothing"
+                return None, f"its results lack {name}; it returned {given}"
+            value, begun = value[name], f"its result {name} is"
+        elif len(self.every) > 1:
+            return None, f"it returned {calling.described(value)}; return a dict with {', '.join(self.every)}"
+        if isinstance(value, (str, bytes)) or value is None:
+            return None, f"{begun} {calling.described(value)}; an array of shape ({m},) is expected"
+        found = np.asarray(value)
+        if found.shape != (m,):
+            return None, f"{begun} an array of shape {found.shape}; given arrays of shape ({m},), ({m},) is expected"
+        if found.dtype.kind not in "fiuO":
+            return None, f"{begun} an array of {found.dtype}, not of numbers"
+        if found.dtype.kind == "O":
+            found = np.array([_one(v) for v in found])
+        return found.astype(np.float64), begun
+
+
+class Isolated(_OfFunction, Spread):
+    """Calls the function in slots: limits of time and memory, and no crash reaches this process.
+
+    place: where a slot finds it, its `name` and its `file` or `module`.
+    """
+
+    def __init__(
+        self,
+        place: Mapping[str, str], entry: SimulatorEntry, opening: Opening, settings: Settings, digest: str,
+        alone: bool = False, columns: Mapping[str, Column] | None = None, scene: Scene | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(entry, opening, settings, digest, columns, scene)
+        self.place = place
+        self._alone = alone
+        self._spread_over(chosen())
+
+    def fresh(self) -> Isolated:
+        given = self.entry, self.opening, self.of, self.files_digest
+        return self._made(Isolated(self.place, *given, True, self.columns))
+
+    @property
+    def _covered(self) -> list[Path]:
+        return files_of_place(self.place)
+
+    @property
+    def _slots_here(self) -> int:
+        return self.of.slots or usual_threads()
+
+    @property
+    def _files(self) -> Files:
+        return Files(str(Path(self.place.get("file", "")).parent), self.digest, dict(self.place))
+
+    @property
+    def _limits(self) -> Limits:
+        return Limits(self.of.timeout, memory=self.of.memory, recycle=1 if self._alone else self.of.recycle)
+
+    @property
+    def _columns(self) -> Mapping[str, Column]:
+        return self.columns
+
+    @property
+    def _scene(self) -> Scene | None:
+        return self.scene
+
+    def _program(self, work: Path) -> Program:
+        named = {calling.FUNCTION: calling.packed(self.place, self.every, self.of.vectorized)}
+        command = [sys.executable, str(files.CHILD), f"{calling.__file__}:evaluate"]
+        return Program(command, "framed", named, str(work / "{slot}"))
+
+    def _read(self, outcome: Outcome) -> tuple[float, str]:
+        """The result that decides, or why there is none."""
+        if outcome.kind != "ok":
+            return np.nan, outcome.sentence
+        answer = outcome.answer["results"]
+        return (np.nan, answer["failed"]) if "failed" in answer else (answer["results"][self.results[0].name], "")
+
+
+def _one(value: Any) -> float:
+    try:
+        return calling.number(value, "")
+    except calling.Wrong:
+        return np.nan

@@ -1,0 +1,139 @@
+"""The base class of simulators: declared parameters and results, terms in sentences, confirmation by repetition.
+
+A package derives its simulator from `Simulated` and implements `evaluate` and `digest`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from campaigns.catalogue import SimulatorEntry
+from campaigns.claims.say import say
+from campaigns.results.base import OK
+from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Scope, System, Words
+from worker.engine.systems.simulators.declared.simulator import Opening
+
+FRESH = "a fresh evaluation"
+
+
+class Simulated(System):
+    """A simulator with its own parameters; it draws no seeds and gives no evidence of an encounter.
+
+    Costs have one column, the result that the campaign names. Cases are confirmed one by one with the simulator that
+    `fresh` returns: this shows whether results repeat, not that the model is correct.
+    """
+
+    step: float | None = None
+    """Its step, if it declares one."""
+
+    def __init__(self, entry: SimulatorEntry, opening: Opening) -> None:
+        self.entry = entry
+        self.opening = opening
+        self.parameters = tuple(
+            Parameter(
+                f"simulator.{p.name}", p.unit, opening.nominal[f"simulator.{p.name}"], p.low, p.high, p.text, p.symbol
+            )
+            for p in entry.parameters
+        )
+        self.nominal = np.array([p.nominal for p in self.parameters])
+        asked = next(r for r in entry.results if r.name == opening.result)
+        self.results = (Result(asked.name, asked.title, asked.quantity, asked.unit, asked.worse),)
+
+    def _vector(self, values: Mapping[str, float]) -> Floats:
+        """The nominal vector with these values by path; raises KeyError."""
+        vector = self.nominal.copy()
+        for path, value in values.items():
+            vector[self.names[path]] = value
+        return vector
+
+    def _by_path(self, vector: Floats) -> dict[str, float]:
+        """The parameters of a vector by path."""
+        return {p.path: float(v) for p, v in zip(self.parameters, vector[: len(self.parameters)], strict=True)}
+
+    def fresh(self) -> System:
+        """The same simulator, without any state of earlier evaluations."""
+        return type(self)(self.entry, self.opening)
+
+    def halved(self) -> Simulated | None:
+        """The same simulator at half its step, which the caller closes; None without a step."""
+        return None
+
+    @property
+    def scope(self) -> Scope:
+        return Scope(
+            what=say(f"{self.entry.title}, simulator {self.entry.name}"),
+            settings=(),
+            version=f"simulator digest {self.digest[:12]}",
+        )
+
+    @property
+    def words(self) -> Words:
+        halved = self.step is not None
+        return Words(
+            one="case",
+            agree=f"{FRESH} and one at half the step agree" if halved else f"{FRESH} agrees",
+            disagrees=f"{FRESH} or one at half the step disagrees" if halved else f"{FRESH} disagrees",
+            every="all evaluations" if halved else "both evaluations",
+            again=f"evaluated again, each in {FRESH}{' and at half the step' if halved else ''}",
+            reference=FRESH,
+            check="repetition",
+        )
+
+    @property
+    def caveat(self) -> str:
+        halved = "" if self.step is None else ", also at half its step"
+        return (
+            f"Cases were evaluated again by the same simulator only{halved}. "
+            "Whether an encounter takes place was not checked."
+        )
+
+    def confirm(
+        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
+    ) -> list[Confirmed]:
+        batch, _ = self.evaluate(vectors)
+        first = [float(c) if s == OK else None for c, s in zip(batch.costs[:, 0], batch.status, strict=True)]
+        again = self.compare(vectors, seeds, cancelled)
+        halved = self.halved()
+        if halved is None:
+            return [Confirmed(cost, (other,)) for cost, other in zip(first, again, strict=False)]
+        try:
+            halves = [_at_half(halved, vector) for vector in vectors[: len(again)] if not cancelled()]
+        finally:
+            halved.close()
+        found = zip(first, halves, again, strict=False)
+        return [Confirmed(cost, (half, other), self.step) for cost, half, other in found]
+
+    def compare(
+        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
+    ) -> list[Comparison]:
+        found: list[Comparison] = []
+        fresh = self.fresh()
+        # In slots each has a process of its own anyway; without them it gets a call of its own.
+        size = 4 * fresh.slots or 1
+        try:
+            for first in range(0, len(vectors), size):
+                if cancelled():
+                    break
+                found += _again(fresh, vectors[first : first + size])
+        finally:
+            fresh.close()
+        return found
+
+
+def _again(fresh: System, vectors: Floats) -> list[Comparison]:
+    """Evaluate vectors (m, n) in one call."""
+    batch, reasons = fresh.evaluate(vectors)
+    return [
+        Comparison("again", FRESH, float(cost))
+        if status == OK
+        else Comparison("again", FRESH, None, reasons.get(k, "the evaluation failed"))
+        for k, (cost, status) in enumerate(zip(batch.costs[:, 0], batch.status, strict=True))
+    ]
+
+
+def _at_half(halved: Simulated, vector: Floats) -> Comparison:
+    """Evaluate one vector (n,) at half the step."""
+    (other,) = _again(halved, vector[None, :])
+    return Comparison("half_step", "half the step", other.cost, other.reason, halved.step)

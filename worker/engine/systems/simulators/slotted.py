@@ -1,0 +1,180 @@
+"""The base of simulators that evaluate in slots: processes that start with the first evaluation and end with `close`.
+
+A derived class gives the program, the limits and the number of its slots, and reads an outcome. Start reading at
+`Slotted.submit`.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import threading
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.results.scene import Scene
+from worker.engine.search.base import Batch
+from worker.engine.systems.base import Evaluated, Floats, NoResult, Reasons, Seeds, Trace
+from worker.engine.systems.simulators import traced
+from worker.engine.systems.simulators.simulated import Simulated
+from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
+from worker.engine.systems.simulators.slots.pool import SlotPool
+from worker.engine.systems.simulators.slots.program import Program
+from worker.engine.systems.simulators.unchanged import Unchanged
+
+if TYPE_CHECKING:
+    from worker.engine.systems.simulators.cluster.pool import DaskPool
+
+One = TypeVar("One")
+Made = TypeVar("Made", bound="Slotted")
+
+
+class Slotted(Simulated):
+    """A simulator of which each evaluation is one request to a slot."""
+
+    _pool: SlotPool | DaskPool | None = None
+    _work: tempfile.TemporaryDirectory[str] | None = None
+    _unchanged: Unchanged | None = None
+    """Its files as this run opened it; that of the simulator from which a fresh one was made."""
+    most_slots: int | None = None
+    """Fewer processes side by side than `slots`, set before the first evaluation."""
+    most_seconds: float | None = None
+    """A shorter time limit of an evaluation [s], set likewise."""
+
+    @property
+    @abstractmethod
+    def slots(self) -> int:
+        """Processes side by side."""
+
+    @property
+    def recycle(self) -> int:
+        return self._limits.recycle
+
+    @property
+    @abstractmethod
+    def _limits(self) -> Limits: ...
+
+    @abstractmethod
+    def _program(self, work: Path) -> Program:
+        """What a slot runs; each may use a folder below `work`, which is removed at the end."""
+
+    @abstractmethod
+    def _read(self, outcome: Outcome) -> tuple[float, str]:
+        """The result that decides, or NaN and why there is none."""
+
+    def _request(self, vector: Floats) -> dict[str, float]:
+        """The parameters of one vector by the simulator's own names."""
+        names = [p.path.removeprefix("simulator.") for p in self.parameters]
+        return dict(zip(names, vector[: len(names)].tolist(), strict=True))
+
+    @property
+    def _covered(self) -> Sequence[Path]:
+        """The files that its digest covers."""
+        return ()
+
+    def changed(self) -> str:
+        """Why nothing more is evaluated: its files are no longer those of its digest; empty if they are."""
+        if self._unchanged is None:
+            self._unchanged = Unchanged(self._covered)
+        return self._unchanged.changed()
+
+    def _made(self, other: Made) -> Made:
+        """Another simulator that was made of this one, with the same files."""
+        self.changed()
+        other._unchanged = self._unchanged
+        return other
+
+    def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
+        if changed := self.changed():
+            ended: Future[Evaluated] = Future()
+            ended.set_result(Evaluated(np.array([np.nan]), FAILED, changed))
+            return ended
+        return gathered([self._opened().submit({"parameters": self._request(vector)})], self._evaluated)
+
+    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
+        return batch_of([future.result() for future in [self.submit(vector) for vector in vectors]])
+
+    @property
+    def _columns(self) -> Mapping[str, traced.Column]:
+        """The columns of the trace that it returns on request; empty if it returns none."""
+        return {}
+
+    @property
+    def _scene(self) -> Scene | None:
+        """What is drawn of a trace, if it declares this."""
+        return None
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
+        columns = self._columns
+        if not columns:
+            return None
+        vector = self._vector(values)
+        if changed := self.changed():
+            raise NoResult(changed, timeout=False)
+        outcome = self._opened().submit({"parameters": self._request(vector), "trace": True}).result()
+        value, reason = self._read(outcome)
+        if reason:
+            raise NoResult(reason, outcome.kind == "timeout")
+        head = traced.head(self.results[0], value, self._by_path(vector), self._scene)
+        return traced.read(name, columns, outcome.answer, head)
+
+    def close(self) -> None:
+        """Kill its processes; they start again with the next evaluation."""
+        if self._pool is not None:
+            self._pool.close()
+            self._pool = None
+        if self._work is not None:
+            self._work.cleanup()
+            self._work = None
+
+    def _opened(self) -> SlotPool | DaskPool:
+        if self._pool is None:
+            prefix = f"clearance-{self.entry.name}-"
+            self._work = tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True)
+            slots = min(self.slots, self.most_slots or self.slots)
+            limits = self._limits
+            if self.most_seconds is not None:
+                limits = replace(limits, timeout=min(limits.timeout, self.most_seconds))
+            self._pool = SlotPool(self._program(Path(self._work.name)), slots, limits)
+        return self._pool
+
+    def _evaluated(self, outcomes: Sequence[Outcome]) -> Evaluated:
+        (outcome,) = outcomes
+        value, reason = self._read(outcome)
+        if reason:
+            return Evaluated(np.array([np.nan]), TIMEOUT if outcome.kind == "timeout" else FAILED, reason)
+        return Evaluated(np.array([value if self.results[0].worse == "low" else -value]), OK, "")
+
+
+def gathered(futures: Sequence[Future[One]], read: Callable[[Sequence[One]], Evaluated]) -> Future[Evaluated]:
+    """The evaluation that the results of these futures, all of them, are read as."""
+    found: Future[Evaluated] = Future()
+    left, counting = len(futures), threading.Lock()
+
+    def done(_: Future[One]) -> None:
+        nonlocal left
+        with counting:
+            left -= 1
+            last = left == 0
+        if last:
+            try:
+                found.set_result(read([future.result() for future in futures]))
+            except Exception as error:  # reaches whoever waits for it, not the thread that ended the evaluation
+                found.set_exception(error)
+
+    for future in futures:
+        future.add_done_callback(done)
+    return found
+
+
+def batch_of(found: Sequence[Evaluated]) -> tuple[Batch, Reasons]:
+    """These evaluations as a batch."""
+    costs = np.array([one.costs for one in found]).reshape(len(found), -1 if found else 1)
+    reasons = {k: one.reason for k, one in enumerate(found) if one.reason}
+    return Batch(costs, np.array([one.status for one in found], dtype=np.uint8)), reasons

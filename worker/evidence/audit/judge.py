@@ -1,0 +1,279 @@
+"""The audit: compares every claim of a record with its evaluations, and the verdict with the rules.
+
+Start reading at `audit`; `closing` is the final sentence.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import TypeAdapter
+
+from campaigns.checked import extents
+from campaigns.checked.check import parameters
+from campaigns.claims import earlier
+from campaigns.claims.numbers import count
+from campaigns.claims.say import listed
+from campaigns.claims.spans import Quantity, Said, words
+from campaigns.results.base import OK, STATUS
+from campaigns.results.verdict import SCOPE
+from worker.evidence.audit.recompute import FLOOR, Run, Tree
+from worker.evidence.audit.record import MISSING, Record, UnreadableError
+from worker.evidence.audit.regression import evaluated, regression
+
+AT_MOST, SPOT_CHECKS = 200, 200
+"""The numbers of stored violations and of random evaluations that a run simulates again."""
+OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
+"""Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
+SEARCHED = {"global": 25, "local": 3}
+"""By the kind of methods that can agree: the fewest evaluations per parameter that count as a search."""
+BESIDE = ("outside", "lowest", "mean")
+"""Fields of a sample that the statistics of the verdict do not have."""
+SAID: TypeAdapter[Said] = TypeAdapter(Said)
+
+
+class Item(NamedTuple):
+    """One claim: its path in the record, the value given there, and the recomputed one."""
+
+    name: str
+    given: Any
+    recomputed: Any
+
+    @property
+    def agrees(self) -> bool | None:
+        """None if one of the two is unknown."""
+        if MISSING in (self.given, self.recomputed):
+            return None
+        if isinstance(self.given, int | float) and isinstance(self.recomputed, int | float):
+            return math.isclose(self.given, self.recomputed, rel_tol=1e-9, abs_tol=1e-15)
+        return bool(self.given == self.recomputed)
+
+
+def audit(record: Record, at_most: int = AT_MOST, spot_checks: int = SPOT_CHECKS) -> list[Item]:
+    """Every claim with its recomputed value; raises `UnreadableError` for a record with a different structure."""
+    try:
+        run = Run(record)
+        given = run.claims | {"sound": True, "checks": {c["name"]: c["ok"] for c in run.claims["checks"]}}
+        try:
+            run.describe()
+            given["sentence"], sentence = _sentence(run)
+            expected = _stored(run) | {"sentence": sentence} | _concluded(run, at_most, spot_checks)
+        except (KeyError, TypeError):  # with a result or the catalogue absent or null, only a violation follows
+            unknown = dict.fromkeys(("results", "comparison", "statistics", "sentence"), MISSING)
+            expected = _stored(run) | unknown | {"checks": dict.fromkeys(given["checks"], MISSING)}
+    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
+        raise UnreadableError(f"the record is not that of a run: {type(error).__name__}: {error}") from None
+    return [*(Item(name, *pair) for name, pair in record.twice.items()), *_compared("", given, expected)]
+
+
+def closing(items: Sequence[Item]) -> tuple[bool, str]:
+    """Whether the verdict follows, and the sentence that states this."""
+    wrong, unknown = ([item.name for item in items if item.agrees is flag] for flag in (False, None))
+    left = f"; {len(unknown)} of {len(items)} items could not be audited" if unknown else ""
+    if wrong:
+        return False, f"the verdict does not follow from what the run stored: {', '.join(wrong)} disagree{left}"
+    if "verdict" in unknown:
+        return False, f"it is not known whether the verdict follows{left}"
+    return True, f"the verdict follows from the stored evaluations{left}"
+
+
+def _compared(name: str, given: Any, expected: Any) -> Iterator[Item]:
+    if isinstance(expected, dict) and isinstance(given, dict) and not name.endswith("at_bounds"):
+        for key, value in expected.items():
+            yield from _compared(f"{name}.{key}".lstrip("."), given.get(key, MISSING), value)
+    elif isinstance(expected, list) and isinstance(given, list):
+        yield Item(f"{name}.count", len(given), len(expected))
+        for k, pair in enumerate(zip(given, expected, strict=False)):
+            yield from _compared(f"{name}.{k}", *pair)
+    else:
+        yield Item(name, given, None if expected != expected else expected)  # NaN: there is no such cost
+
+
+def _stored(run: Run) -> Tree:
+    """The claims that follow from the evaluations and findings alone."""
+    searched = [k for k in run.searches if not math.isnan(run.best[k])]
+    method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
+    worst = {"cost": run.lowest, "margin": run.lowest - run.threshold, "method": method}
+    total = {"stored": len(run.status), "succeeded": len(run.costs), "violating": sum(run.below), "lowest": run.lowest}
+    stages = zip(run.plan, run.best, run.ended, strict=True)
+    expected: Tree = {
+        "sound": bool((((run.status == OK) == np.isfinite(run.raw)) & (run.status < len(STATUS))).all()),
+        "stages": [{"kind": s.kind, "method": s.method, "best": best} | ended for s, best, ended in stages],
+        "evaluations": total | {k: run.total[k] for k in ("failed", "excluded")},
+        "nominal": {"cost": run.nominal, "margin": run.nominal - run.threshold},
+        "worst": worst if len(run.costs) else None,
+        "findings": run.findings,
+        "verdict": "violated" if run.confirmed else MISSING,
+    }
+    if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]):
+        expected["evaluations"]["flaky"] = run.flaky
+    if "run" in run.claims:  # the columns of the database's table of runs
+        expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.lowest}
+        expected["run"] |= {"evaluations": len(run.status), "failed_evaluations": run.total["failed"]}
+        expected["run"] |= {"worst_method": method, "upper_bound": run.bound}
+    return expected
+
+
+def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
+    """The claims that follow if the results of the stages and the catalogue are also used."""
+    nominal = {"name": "nominal", "cost": run.nominal} | run.case(run.claims["results"][-1]["nominal"])
+    agreed = bool(nominal["ok"]) and all(f["validation"]["ok"] for f in run.findings)
+    below = [{"position": k, "count": n} for k, n in enumerate(run.below) if n]
+    violations = {"stored": sum(run.below), "by_stage": below, "checked": min(sum(run.below), at_most)}
+    spread = {"evaluations": len(run.costs), "lowest": run.lowest, "highest": run.highest}
+    last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations, "encounter": {"spread": spread}}
+    last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs))}}
+    results: list[Tree] = [{"sample": run.samples[k]} if k in run.samples else {} for k in range(len(run.plan) - 1)]
+    rows, known = [], {finding["label"] for finding in run.findings}
+    for k, given in zip(run.searches, run.claims["comparison"], strict=True):
+        spent = run.ended[k]["evaluations"] >= run.plan[k].planned
+        results[k] = run.ended[k] | {"sample": run.samples.get(k), "stop": {"kind": "budget" if spent else "rule"}}
+        rows.append({"position": k, "kind": run.methods[k].kind, "best": run.best[k]} | run.ended[k])
+        rows[-1]["findings"] = [label for label in given["findings"] if label in known]
+    checks = _checks(run, agreed)
+    sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
+    for k, planned in enumerate(run.plan):
+        if planned.kind == "baseline":
+            results[k] = evaluated(run, k)
+    if run.calls.measures:
+        results[0] = {"measured": run.calls.measured}
+    if run.calls.noisy:
+        best = zip([k for k in run.searches if not math.isnan(run.best[k])], _incumbents(run), strict=False)
+        held = [{"position": k, "cost": run.best[k], "validation": {"cost": run.best[k]} | v} for k, v in best]
+        last["incumbents"] = held
+    expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
+    if run.campaign.baseline is not None:
+        expected["regression"] = regression(run)
+    if not run.confirmed:
+        expected["verdict"] = "cleared" if all(checks.values()) else "inconclusive"
+    return expected
+
+
+def _incumbents(run: Run) -> Iterator[Tree]:
+    """The independent calls of every search's best, recomputed; one too few is missing at the end."""
+    given = run.claims["results"][-1].get("incumbents", [])
+    yield from (run.calls.case(best["validation"]) for best in given)
+    yield from ({"repeats": {"violating": MISSING}} for _ in range(len(run.searches) - len(given)))
+
+
+def _checks(run: Run, agreed: bool) -> dict[str, bool]:
+    """Every check that the rules require, by name."""
+    results, findings = run.claims["results"], run.claims["findings"]
+    spot, system = results[-1]["spot_checks"], "validation" if run.campaign.simulator is None else "repetition"
+    ended = all(stage.get("state", "done") == "done" for stage in run.claims["stages"])
+    compared = spot["violating"] == 0 and (spot["compared"] > 0 or spot["checked"] == 0)
+    checks = {
+        "nominal": run.nominal > run.threshold,
+        "search": ended and not any(math.isnan(run.best[k]) for k in run.searches),
+        "no violation": run.lowest > run.threshold and not run.confirmed,
+        "minimum": bool(findings) and findings[0]["cost"] <= run.lowest and results[-1]["findings"]["complete"],
+        "agreement": _agreement(run),
+        system: agreed and compared,
+        "evaluations": run.total["failed"] == 0,
+        "influence": run.calls.influence(run.varies, run.highest - run.lowest),
+    }
+    checks |= _encounter(run) if run.campaign.simulator is None else {}
+    checks |= run.calls.checks(run.claimed["noise"] if run.claimed else "stated", run.flaky)
+    intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # as stated by the author
+    return {name: holds or name in intended for name, holds in checks.items()} | _probability(run)
+
+
+def _encounter(run: Run) -> dict[str, bool]:
+    """The checks of a scenario's encounter, and the one that distances to centres do not hide a vehicle inside."""
+    campaign, components, encounter = run.campaign, run.claims["components"], run.claims["results"][-1]["encounter"]
+    moved, unseen = (math.nan if c is None else c for c in (encounter["moved"], encounter["unseen"]["cost"]))
+    shown = {
+        "motion": moved > 0.01 * abs(run.nominal),
+        "avoidance": run.nominal - unseen > FLOOR * max(abs(run.nominal), abs(unseen)),
+    }
+    criterion = components.component("criterion", campaign.criterion.component)
+    if criterion.of == "obstacles":
+        closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
+        shown["closest approach"] = all(c["at"] == "inside" for c in closest)
+    if criterion.measured_to == "centre" and not campaign.criterion.from_centre:
+        inside = extents.within(campaign, components, parameters(campaign, components))
+        shown |= {"distances": False} if inside else {}
+    return shown
+
+
+def _agreement(run: Run) -> bool:
+    """Whether at least two methods that searched, including all global ones, reached the worst case and its cost."""
+    findings, came = run.claims["findings"], dict[int, bool]()
+    stated = [f["cost"] for f in findings if f["validation"]["realisation"] is None]
+    worst = min(stated or [f["cost"] for f in findings], default=math.nan)
+    fall = min(run.campaign.agreement, 0.2) * (run.nominal - worst)
+    for k, row in zip(run.searches, run.claims["comparison"], strict=True):
+        kind, spent = run.methods[k].kind, run.ended[k]["evaluations"]
+        near = run.best[k] - worst <= max(fall, 1e-9 * max(abs(worst), 1.0))
+        there = near and row["basin"] in {f["label"] for f in findings}
+        searched = kind in SEARCHED and spent >= SEARCHED[kind] * len(run.bounds)
+        came[k] = there and searched and not (kind == "local" and spent >= run.plan[k].planned)
+    globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
+    methods = {run.plan[k].method for k in run.searches if came[k]}
+    return bool(globally) and all(globally) and len(methods) > 1 and (not run.varies or worst < run.nominal)
+
+
+def _probability(run: Run) -> dict[str, bool]:
+    """The checks of the noise, of excluded evaluations, and of the bound on P(violation)."""
+    campaign, sample, checks = run.campaign, run.claimed, dict[str, bool]()
+    noise, bound = (sample["noise"], sample["upper_bound"]) if sample else ("stated", 1.0)
+    excluded = run.total["excluded"] / max(len(run.status), 1)
+    if run.random:
+        asked = campaign.given_scenario.realisations
+        checks["noise"] = noise == "drawn" and not (asked.combine == "mean" and len(asked.seeds) > 1)
+    if excluded:
+        checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= 0.1
+    if campaign.target_probability is not None:
+        checks["target"] = bound <= campaign.target_probability and noise != "stated"
+    elif sample is not None:
+        checks["probability"] = bound <= 0.05
+    return checks
+
+
+def _sentence(run: Run) -> tuple[Tree, Tree]:
+    """The stated and the required content of the sentence: its opening, methods, numbers by name, and all words.
+
+    Versions that stored only text rounded the numbers to the digits of the text: they are compared as written.
+    """
+    claims, exact, spent = run.claims, "said" in run.claims, dict[str, int]()
+    said = SAID.validate_python(claims["said"]) if exact else earlier.verdict(claims["reason"])
+    text, scope = words(said), words(SAID.validate_python(claims["holds_for"] if exact else ()))
+    spans = {span.name: span for span in said if isinstance(span, Quantity)}
+    numbers, begun = _numbers(run), text.partition(".")[0]
+    for k in run.searches:
+        spent[run.methods[k].title] = spent.get(run.methods[k].title, 0) + run.ended[k]["evaluations"]
+    methods = f"{words(listed([f'{title} ({count(n)})' for title, n in spent.items()]))}."
+    nothing = f"No {'flight' if run.campaign.simulator is None else 'case'} could be evaluated"
+    opening = OPENINGS.get(claims["verdict"], "Nothing may be claimed") if len(run.costs) else nothing
+
+    def written(name: str, value: Any) -> Any:
+        as_is = exact or value is None or name not in spans
+        return value if as_is else words((spans[name].model_copy(update={"value": value}),))
+
+    given: Tree = {"opening": opening if opening in begun else begun, "words": claims["reason"]}
+    expected: Tree = {"opening": opening, "words": f"{text} {SCOPE}{scope}" if scope else text}
+    if len(run.costs):
+        given |= {name: written(name, spans[name].value if name in spans else None) for name in numbers}
+        expected |= {name: written(name, value) for name, value in numbers.items()}
+        given["methods"], expected["methods"] = text.partition("searched by ")[2][: len(methods)], methods
+    given["checks"] = {c["name"]: c["text"] for c in claims["checks"]}
+    checks = {c["name"]: words(SAID.validate_python(c["said"])) for c in claims["checks"] if "said" in c}
+    return given, expected | {"checks": checks}
+
+
+def _numbers(run: Run) -> Tree:
+    """The numbers that the sentence must state, by name; None for one that it must not state."""
+    verdict, sample = run.claims["verdict"], run.claimed
+    numbers: Tree = {
+        "threshold": None if verdict == "inconclusive" else run.threshold,
+        "evaluations": len(run.costs if verdict == "cleared" else run.raw),
+        "worst": run.lowest,
+        "margin": run.lowest - run.threshold,
+        "excluded": run.total["excluded"] or None if verdict == "cleared" else None,
+        "violating": sum(run.below) or None,
+    }
+    claimed = sample if verdict != "inconclusive" else None
+    return numbers | {name: claimed and claimed[name] for name in ("violations", "samples", "upper_bound")}

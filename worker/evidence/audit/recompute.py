@@ -1,0 +1,164 @@
+"""Recomputes costs, counts, findings and the statistical bounds of random samples from a run's stored evaluations.
+
+Wilks (Annals of Mathematical Statistics 12, 1941). Start at `Run`.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import count
+from typing import Any
+
+import numpy as np
+
+from campaigns.checked.check import parameters, seeded
+from campaigns.documents import JsonObject
+from campaigns.results.base import EXCLUDED, OK
+from campaigns.stages.plan import plan
+from worker.evidence.audit.binomial import cumulative, upper_bound
+from worker.evidence.audit.calls import Calls
+from worker.evidence.audit.record import MISSING, Record
+
+Tree = JsonObject
+FLOOR = 1e-6
+"""Fraction of the scale of compared values below which a difference counts as rounding."""
+
+
+def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
+    """Wilks: the r-th lowest of the sample, in which a failed evaluation is the lowest, bounds its quantile."""
+    size = len(ranked)
+    most = min(size - 1, math.ceil(size * fraction))
+    below = cumulative(most, size, fraction) if size and fraction > 0 else np.empty(0)
+    r = int(np.count_nonzero(below <= math.log1p(-confidence)))
+    if not r:
+        return dict.fromkeys(("order", "bound", "confidence"))
+    bound = ranked[r - 1] if ranked[r - 1] > -math.inf else None
+    return {"order": r, "bound": bound, "confidence": -math.expm1(below[r - 1])}
+
+
+def counts(status: Any) -> Tree:
+    """The numbers of evaluations by status."""
+    ok, excluded = (int(np.count_nonzero(status == code)) for code in (OK, EXCLUDED))
+    return {"evaluations": len(status), "failed": len(status) - ok - excluded, "excluded": excluded}
+
+
+class Run:
+    """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
+
+    def __init__(self, record: Record) -> None:
+        self.campaign, self.claims, _, self.stage, self.points, costs, self.status, self.flaky = record
+        self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
+        self.searches = [k for k, planned in enumerate(self.plan) if planned.kind == "search"]
+        self.raw, self.costs = costs[:, 0], costs[self.status == OK, 0]
+        by_stage = [self.raw[(self.stage == k) & (self.status == OK)] for k in range(len(self.plan))]
+        self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
+        self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
+        self.below = [int(np.count_nonzero(ok <= self.threshold)) for ok in by_stage]
+        first = np.flatnonzero(self.stage == 0)[:1]  # a simulator has further evaluations in the first stage
+        self.nominal = float(self.raw[first][0]) if (self.status[first] == OK).any() else math.nan
+        self.lowest = min(self.costs.tolist(), default=math.nan)
+        self.calls = Calls(self.campaign, self.claims, *self.rows(0))
+        self.highest, self.total = max(self.costs.tolist(), default=math.nan), counts(self.status)
+        self.varies = self.highest - self.lowest > FLOOR * max(abs(self.highest), abs(self.lowest))
+        self.others = self.means()
+        self.findings = [self.finding(k, given) for k, given in enumerate(self.claims["findings"], 1)]
+        violating = [f for f in self.findings if f["validation"]["violates"]]
+        self.confirmed = any(f["margin"] <= 0.0 or "repeats" in f["validation"] for f in violating)
+        self.bound: Any = MISSING
+
+    def means(self) -> tuple[str, ...]:
+        """The independent means by which a case is confirmed."""
+        asked, known = self.campaign.simulator, self.claims.get("components")
+        if asked is None:
+            return ("half_step", "integrator")
+        entry = known.simulator(asked.name) if known else None
+        return ("again",) if entry is None or entry.step is None else ("half_step", "again")
+
+    def finding(self, number: int, given: Tree) -> Tree:
+        """A finding by the stored evaluation at its point."""
+        here = self.raw[(self.status == OK) & (self.points == np.array(given["point"])).all(axis=1)]
+        cost = min(here.tolist(), key=lambda c: abs(c - given["cost"]), default=math.nan)
+        ends = zip(self.campaign.uncertain, given["point"], strict=True)
+        edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
+        name = f"F{number}"
+        found = {"label": name, "cost": cost, "margin": cost - self.threshold, "at_bounds": edges}
+        return found | {"validation": {"name": name, "cost": cost} | self.case(given["validation"])}
+
+    def case(self, given: Tree) -> Tree:
+        """The validation of a case, from its cost as in the campaign and those by independent means."""
+        if self.calls.noisy:
+            return self.calls.case(given)
+        stated = (given["cost"], *(given[k]["cost"] for k in self.others))
+        costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
+        cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
+        floor = min(FLOOR, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
+        allowed = max(min(tolerance * abs(cost), 0.1 * abs(cost - self.threshold)), floor)
+        violates, clear = (bool(side.all()) for side in (costs <= self.threshold, costs > self.threshold))
+        agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())
+        apart = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
+        return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
+
+    def rows(self, k: int) -> tuple[Any, Any, Any]:
+        """Points, first costs and status of a stage's evaluations."""
+        here = self.stage == k
+        return self.points[here], self.raw[here], self.status[here]
+
+    def describe(self) -> None:
+        """Look up the run's parameters and methods in the catalogue, and select the sample for the probability."""
+        components = self.claims["components"]
+        known = parameters(self.campaign, components)
+        self.bounds = {path: u.interval(known[path][1]) for path, u in self.campaign.uncertain.items()}
+        self.random = seeded(self.campaign, components)
+        methods = {method.name: method for method in components.methods}
+        self.methods = {k: methods[self.plan[k].method] for k in self.searches}
+        certify = {k for k, planned in enumerate(self.plan) if planned.kind == "certify"}
+        random = {k for k in self.searches if self.methods[k].kind == "random"}
+        self.samples = {k: self.sample(k) for k in sorted(certify | random)}
+        claimable = (s for k, s in self.samples.items() if k in (certify or random) and s["upper_bound"] is not None)
+        self.claimed = next(claimable, None)
+        self.bound = self.claimed and self.claimed["upper_bound"]
+        for finding, given in zip(self.findings, self.claims["findings"], strict=True):
+            ranges = zip(self.bounds.items(), given["point"], strict=True)
+            finding["parameters"] = {path: low + u * (high - low) for (path, (low, high)), u in ranges}
+
+    def sample(self, k: int) -> Tree:
+        """The random sample of a search, or of the certify stage, whose grid comes after its draws."""
+        asked = self.campaign.stages.certify if self.plan[k].kind == "certify" else None
+        options = {} if asked else self.campaign.stages.search[self.searches.index(k)].options
+        grid = asked.grid.points ** len(self.bounds) if asked and asked.grid else 0
+        drawn = np.flatnonzero(self.stage == k)[: max(self.ended[k]["evaluations"] - grid, 0)]
+        costs, found = np.sort(self.raw[drawn][self.status[drawn] == OK]), counts(self.status[drawn])
+        draws, outside, level = found.pop("evaluations"), self.outside(), self.campaign.confidence
+        size, violations = draws - found["excluded"], found["failed"] + int(np.count_nonzero(costs <= self.threshold))
+        found |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
+        found |= {"excluded_fraction": found["excluded"] / max(draws, 1)}
+        found |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
+        if self.random:
+            own = asked and self.claims["results"][k]["drawn_realisations"] == draws
+            found["noise"] = "drawn" if own else "stated"
+        if self.calls.noisy:
+            found["noise"] = "drawn" if asked or self.calls.number == 1 else "stated"
+        if options.get("interval"):  # the k-th interim analysis spends 1 / (k (k + 1)) of the error
+            look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
+            level = 1.0 - (1.0 - level) / (look * (look + 1))
+        independent = options.get("sampling", "plain") == "plain" and not options.get("continued")
+        found["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None
+        if asked:
+            ranked = [-math.inf] * found["failed"] + costs.tolist()
+            found["quantile"] = lowest_of_quantile(ranked, asked.quantile - outside, self.campaign.confidence)
+            if size < asked.samples and draws < 20 * asked.samples:  # an excluded draw is repeated, up to 20 times
+                found["samples"] = asked.samples
+        return found
+
+    def outside(self) -> float:
+        """The probability that unbounded normal draws lie beyond the bounds; the sum of tails where correlated."""
+        tails = {}
+        for path, (low, high) in self.bounds.items():
+            given = self.campaign.uncertain[path].distribution
+            if given.kind == "normal":
+                ends = ((given.mean - low) / given.deviation, (high - given.mean) / given.deviation)
+                tails[path] = sum(math.erfc(end / math.sqrt(2)) / 2 for end in ends)
+        mixed = {path for c in self.campaign.correlations if c.value != 0.0 for path in c.between}
+        if any(tail > 0.0 and path in mixed for path, tail in tails.items()):
+            return min(1.0, sum(tails.values()))
+        return 1.0 - math.prod(1.0 - tail for tail in tails.values())

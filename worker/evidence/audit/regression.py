@@ -1,0 +1,102 @@
+"""Recomputes the comparison with a baseline: margins, changes, tolerances, standings, and what the policy says of them.
+
+Taken as given: which finding of this run is in the basin of one of the baseline. Start reading at `regression`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from campaigns.results.base import OK
+from worker.evidence.audit.recompute import FLOOR, Run, Tree
+
+SEARCH = 0.01
+"""Fraction of nominal minus worst by which two searches of the same model may end apart."""
+
+
+def evaluated(run: Run, position: int) -> Tree:
+    """The result of the baseline stage, from its evaluations."""
+    _, costs, status = run.rows(position)
+    cases = []
+    for given in run.claims["results"][position]["cases"]:
+        k = given["index"]
+        known = k is not None and status[k] == OK
+        cases.append({"label": given["label"], "cost": float(costs[k]) if known else math.nan})
+    return {"cases": cases}
+
+
+def regression(run: Run) -> Tree:
+    """What has become of every finding of either run."""
+    stated, policy = run.claims["regression"], run.campaign.regression
+    cases = [_case(run, given) for given in stated["cases"]]
+    violations = [case for case in cases if case["margin"] <= 0]
+    known = bool(violations) and not any(case["newly_violating"] for case in violations)
+    failing = [_fails(policy.fail_on, case) for case in cases]
+    rows = [case | {"fails": fails} for case, fails in zip(cases, failing, strict=True)]
+    baseline = run.campaign.baseline
+    assert baseline is not None
+    left_out = {finding["label"] for finding in run.findings} - {given["now"] for given in stated["cases"]}
+    left_out |= {case.label for case in baseline.cases} - {given["before"] for given in stated["cases"]}
+    return {
+        "run": baseline.run,
+        "position": _position(run),
+        "cases": [*rows, *({"before": label} for label in sorted(left_out))],  # another count
+        "ok": not any(failing),
+        "accepted": "violation" not in policy.fail_on and known,
+    }
+
+
+def _position(run: Run) -> int:
+    return [planned.kind for planned in run.plan].index("baseline")
+
+
+def _case(run: Run, given: Tree) -> Tree:
+    """One row, NaN where there is no number; before and now are taken as given."""
+    found: Any = next((f for f in run.findings if f["label"] == given["now"]), None)
+    if given["before"] is None:
+        return _row("new", math.nan, math.nan, found["margin"], math.nan, found["margin"] <= 0)
+    baseline = run.campaign.baseline
+    assert baseline is not None
+    case = next(case for case in baseline.cases if case.label == given["before"])
+    beside = {row["before"] for row in run.claims["regression"]["cases"] if row["now"] == given["now"]}
+    if any(other.cost < case.cost for other in baseline.cases if other.label in beside):
+        found = None  # another finding of the baseline stands for this basin
+    _, costs, status = run.rows(_position(run))
+    before, k = case.cost - run.threshold, given["evaluation"]
+    if k is None or status[k] != OK:
+        return _row("not compared", before, math.nan, math.nan, math.nan, False)
+    again = float(costs[k]) - run.threshold
+    lowest = again if found is None else min(again, found["margin"])
+    tolerance = _tolerance(run, case.difference, given["now"])
+    new = lowest <= 0 < before
+    if before <= 0 < lowest:
+        standing = "fixed"
+    else:
+        allowed = max(tolerance, SEARCH * max(run.nominal - run.threshold - lowest, 0.0))
+        worse = new or again < before - tolerance or lowest < before - allowed
+        standing = "worse" if worse else "better" if lowest > before + tolerance else "same"
+    return _row(standing, before, again, lowest, tolerance, new) | {"change": lowest - before}
+
+
+def _row(standing: str, before: float, again: float, lowest: float, tolerance: float, new: bool) -> Tree:
+    margins = {"margin_before": before, "margin_again": again, "margin": lowest}
+    return {"standing": standing, **margins, "change": math.nan, "tolerance": tolerance, "newly_violating": new}
+
+
+def _tolerance(run: Run, before: float, label: str | None) -> float:
+    validations = {f["label"]: f["validation"] for f in run.claims["findings"]}
+    now = validations.get(label) if label else run.claims["results"][-1]["nominal"]
+    others = [(now or {}).get(name) or {} for name in ("half_step", "integrator", "again")]
+    apart = [abs(other["difference"]) for other in others if other.get("difference") is not None]
+    spread = (run.claims["results"][0].get("measured") or {}).get("spread") or 0.0
+    nominal = 0.0 if math.isnan(run.nominal) else run.nominal
+    floor = FLOOR * max(abs(run.threshold), abs(nominal))
+    return float(max([before, *apart, spread, run.campaign.regression.tolerance, floor]))
+
+
+def _fails(asked: list[Any], case: Tree) -> bool:
+    if case["standing"] == "not compared":
+        return "not_compared" in asked or ("violation" in asked and case["margin_before"] <= 0)
+    kinds = {case["standing"], *(["new_violation"] if case["newly_violating"] else [])}
+    return bool(kinds & {"new", "worse", "new_violation"} & set(asked))

@@ -1,0 +1,120 @@
+"""Agreement: did the methods find the same worst case at the same cost?
+
+A method's best counts if it is in the basin of a listed finding (by the findings' own test) and its cost is within the
+campaign's `agreement` of the worst; so mirrored worst cases agree. A method counts only if it really searched: with a
+minimum budget, until its own stopping rule or the end of its budget, and to a best below nominal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import Part, count, finding, joined, listed, method, number, say
+from campaigns.claims.spans import Said, Span
+from campaigns.results import SearchResult
+from campaigns.results.verdict import Check
+from worker.engine.problem.problem import Problem
+from worker.evidence.verdicts.evidence import Evidence
+
+AT_MOST = 0.2
+"""The largest fraction of nominal minus worst that counts as agreement, whatever the campaign states."""
+GLOBAL_LEAST, LOCAL_LEAST = 25, 3
+"""Evaluations per parameter below which a global or a local method has not searched."""
+FLAT = 1e-6
+"""The criterion does not vary if all evaluations are within this fraction of its size."""
+
+
+def agreement(problem: Problem, evidence: Evidence) -> Check:
+    """Whether every global method found the worst case known from any source, and at least two methods found it."""
+    known, nominal, unit = evidence.finding, evidence.nominal.cost, problem.unit
+    if known is None or nominal is None:
+        return _check(False, "there is no worst case to agree on")
+    aiming = [s for s in evidence.searches if s.kind in ("global", "local")]
+    globally = [s for s in aiming if s.kind == "global"]
+    if not globally:
+        return _check(False, "no global method searched; add one, such as DIRECT")
+    lazy = [said for s in globally if (said := _not_searched(s, problem.dimension))]
+    if lazy:
+        return _check(False, joined("; ", lazy))
+    # No method has evaluated the cases that drew their own noise.
+    worst = min([f.cost for f in evidence.findings if f.realisation is None], default=known.cost)
+    within = max(allowed(problem, nominal - worst), 1e-9 * max(abs(worst), 1.0))
+    late = [said for s in globally if (said := _stopped_short(s, worst, within, problem))]
+    if late:
+        return _check(False, "the worst case is ", number(worst, unit, "worst"), ", but ", joined(" and ", late))
+    elsewhere = [_titled(s) for s in globally if _finding_of(s, evidence) is None]
+    if elsewhere:
+        return _check(False, "the best of ", listed(elsewhere), " is not in the basin of any listed finding")
+    counted = [
+        s for s in aiming
+        if not _not_searched(s, problem.dimension) and not _stopped_short(s, worst, within, problem)
+        and _finding_of(s, evidence) is not None
+    ]  # fmt: skip
+    return _agreed(counted, evidence, worst, nominal, unit)
+
+
+def allowed(problem: Problem, fall: float) -> float:
+    """The largest difference of costs that agree, for this fall from nominal to worst [the criterion's unit]."""
+    return min(problem.campaign.agreement, AT_MOST) * fall
+
+
+def varies(evidence: Evidence) -> float:
+    """The spread of the criterion over all stored evaluations; 0 if it is rounding."""
+    spread = evidence.encounter.spread
+    if spread.lowest is None or spread.highest is None:
+        return 0.0
+    by = spread.highest - spread.lowest
+    return by if by > FLAT * max(abs(spread.lowest), abs(spread.highest)) else 0.0
+
+
+def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
+    reached = listed([_titled(s) for s in counted])
+    if len({s.method for s in counted}) < 2:
+        return _check(False, "only ", reached, " reached the worst case; a second method must confirm it")
+    if not varies(evidence):
+        evaluations = count(evidence.encounter.spread.evaluations, "evaluations")
+        return _check(True, reached, " agree: the criterion does not vary over ", evaluations, " evaluations")
+    if not worst < nominal:
+        return _check(
+            False,
+            "no method found a value below the nominal case, so their agreement shows nothing; widen the bounds, or "
+            "move the nominal values away from the worst case",
+        )
+    apart = max(s.best.cost - worst for s in counted if s.best is not None)
+    labels = listed([finding(label) for label in sorted({str(_finding_of(s, evidence)) for s in counted})])
+    return _check(True, reached, " agree on the worst case (", labels, ") within ", number(apart, unit, "apart"))
+
+
+def _check(ok: bool, *said: Part) -> Check:
+    return Check(code=CheckCode.AGREEMENT, ok=ok, said=say(*said))
+
+
+def _titled(search: SearchResult) -> Span:
+    return method(search.method, search.title)
+
+
+def _not_searched(search: SearchResult, dimension: int) -> Said:
+    """Why a stage does not count as a search, as a sentence; empty if it does."""
+    title, spent = _titled(search), search.evaluations
+    least = dimension * (GLOBAL_LEAST if search.kind == "global" else LOCAL_LEAST)
+    if spent < least:
+        many = " evaluation" if spent == 1 else " evaluations"
+        ended = say(title, " ended after ", count(spent), many)
+        return say(ended, "; at least ", count(least), " are required to count as a search")
+    if search.kind == "local" and (search.stop is None or search.stop.kind != "rule"):
+        return say(title, " spent its budget before it converged")
+    return ()
+
+
+def _stopped_short(search: SearchResult, worst: float, within: float, problem: Problem) -> Said:
+    if search.best is None:
+        return say(_titled(search), " evaluated no case successfully")
+    by = search.best.cost - worst
+    return say(_titled(search), " stopped ", number(by, problem.unit), " above it") if by > within else ()
+
+
+def _finding_of(search: SearchResult, evidence: Evidence) -> str | None:
+    """The finding whose basin contains a stage's best; stages are identified by their position among the searches."""
+    at = next(i for i, s in enumerate(evidence.searches) if s is search)
+    return evidence.validation.comparison[at].basin

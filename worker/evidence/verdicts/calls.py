@@ -1,0 +1,185 @@
+"""The calls of a simulator: do its results repeat, and if not, what may be claimed from several calls?
+
+A simulator whose results differ is never cleared by single calls. With `repeats`, where an evaluation is the worst of
+several calls, it is cleared only if none of the independent calls of the nominal case, the findings and the best of
+every search violates or fails. A mean or a quantile over calls can hide a violation by one of them, so it never clears.
+Start reading at `calls`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from campaigns.asked.spec import Simulator
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import capital, case, count, finding, joined, listed, number, percent, say
+from campaigns.claims.spans import Said
+from campaigns.results import Finding
+from campaigns.results.finding import Validation
+from campaigns.results.nominal import Measured
+from campaigns.results.verdict import Check
+from worker.engine.problem.problem import Problem
+from worker.evidence.verdicts.evidence import Evidence
+
+FEW, SOME, MANY = 5, 10, 20
+"""Proposed calls per evaluation: for a standard deviation below a tenth of the nominal margin, below a third, above."""
+
+
+def calls(problem: Problem, evidence: Evidence) -> list[Check]:
+    """The checks of a simulator's calls; none for a closed loop."""
+    asked, measured = problem.campaign.simulator, evidence.nominal.measured
+    if asked is None or measured is None:
+        return []
+    if asked.calls > 1:
+        ok, said = _several(asked, measured, problem, evidence)
+    elif not measured.repeats:
+        advice = _advice(measured.deviation, evidence.nominal.margin)
+        ok, said = False, say("the simulator ", measured.said, "; ", advice)
+    else:
+        ok, said = _later(measured, problem, evidence)
+    return [*_retried(asked, evidence), Check(code=CheckCode.CALLS, ok=ok, said=said)]
+
+
+def each(problem: Problem) -> str:
+    """What an evaluation is, as a clause; empty if it is one call."""
+    asked = problem.campaign.simulator
+    return "" if asked is None or asked.calls == 1 else f", each {_combined(asked)}"
+
+
+def stated(problem: Problem, checks: list[Check]) -> list[Said]:
+    """What a "cleared" verdict on a simulator with several calls rests on, as a sentence."""
+    asked = problem.campaign.simulator
+    if asked is None or asked.calls == 1:
+        return []
+    return [say(capital(c.said), ".") for c in checks if c.code == CheckCode.CALLS]
+
+
+def repeated(problem: Problem, violation: Finding) -> Said:
+    """In how many of its independent calls a finding violates, as a sentence; empty for a system that repeats."""
+    repeats = None if violation.validation is None else violation.validation.repeats
+    if repeats is None:
+        return ()
+    lowest = min(v for v in repeats.values if v is not None)
+    return say(
+        *(" In calls independent of the search, ", finding(violation.label), " ", repeats.said),
+        *(" (", percent(repeats.confidence, 6), " confidence), the lowest at ", number(lowest, problem.unit), "."),
+    )
+
+
+def proposed(deviation: float | None, margin: float | None) -> int:
+    """How many calls an evaluation needs, by the ratio of the noise to the nominal margin."""
+    if deviation is None or not margin:
+        return SOME
+    ratio = deviation / abs(margin)
+    return FEW if ratio < 0.1 else SOME if ratio < 1 / 3 else MANY
+
+
+def _advice(deviation: float | None, margin: float | None) -> Said:
+    return say("set simulator.repeats to {count: ", count(proposed(deviation, margin), "repeats"), ", combine: worst}")
+
+
+def _combined(asked: Simulator) -> str:
+    if asked.repeats is not None and asked.repeats.quantile is not None:
+        return f"the {100 * asked.repeats.quantile:g} % quantile of {asked.calls} calls"
+    return f"the {asked.combine} of {asked.calls} calls"
+
+
+def _retried(asked: Simulator, evidence: Evidence) -> list[Check]:
+    if not asked.retries:
+        return []
+    said = say("no call that failed succeeded when tried again")
+    if evidence.flaky:
+        said = say(
+            *(count(evidence.flaky, "flaky"), " of ", count(evidence.evaluations, "evaluations"), " evaluations "),
+            "succeeded only when a call that had failed was tried again; find out why calls fail",
+        )
+    return [Check(code=CheckCode.RETRIES, ok=not evidence.flaky, said=said)]
+
+
+def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Said]:
+    """Of evaluations by several calls."""
+    cases = [*_cases(evidence)]
+    apart = max((_range(v) for _, v in cases), default=0.0)
+    is_ = say(
+        f"each evaluation is {_combined(asked)}; calls of the same case differ by up to ",
+        *(number(apart, problem.unit, "apart"), ", evaluations by up to "),
+        number(measured.spread or 0.0, problem.unit, "spread"),
+    )
+    if asked.combine != "worst":
+        return False, say(is_, f"; a {asked.combine} can hide a violation by one of the calls; set combine to worst")
+    without = [name for name, v in cases if v.repeats is None]
+    if without:
+        return False, say(is_, "; no independent calls of ", listed(without))
+    held = [(name, v, v.repeats) for name, v in cases if v.repeats is not None]
+    bad = [say(name, " ", r.said) for name, _, r in held if r.violating or r.failed]
+    bad += [say(name, " has no value to compare") for name, v, _ in held if v.cost is None]
+    lucky = [
+        say(name, " violates with ", number(v.cost, problem.unit), " in the search, and in none of its calls")
+        for name, v, r in held
+        if v.cost is not None and v.cost <= problem.threshold and not r.violating
+    ]
+    if bad or lucky:
+        return False, say(is_, "; in independent calls, ", joined("; ", [*bad, *lucky]))
+    spot = evidence.spot_checks
+    if spot.compared < spot.checked:
+        lost = count(spot.checked - spot.compared, "lost")
+        return False, say(is_, "; ", lost, " random evaluations have no value when evaluated again")
+    if measured.by_process:
+        return False, say(
+            *(is_, "; evaluations in one process repeat, but differ in another: calls in one process are not "),
+            "independent; let each call have a process of its own (recycle: 1 in its descriptor)",
+        )
+    if evidence.sample is None or evidence.sample.noise != "drawn":
+        return False, say(is_, "; add a certify stage, in which every sample is one call")
+    many = sum(len(r.values) for _, _, r in held)
+    return True, say(
+        *(is_, "; none of ", count(many, "calls"), " independent calls of ", listed([name for name, _, _ in held])),
+        " violates",
+    )
+
+
+def _range(case: Validation) -> float:
+    """The largest difference between the independent calls of a case."""
+    values = [] if case.repeats is None else [v for v in case.repeats.values if v is not None]
+    return max(values) - min(values) if values else 0.0
+
+
+def _cases(evidence: Evidence) -> Iterator[tuple[Said, Validation]]:
+    """The cases that are called again, by name."""
+    validation = evidence.validation
+    if validation.nominal is not None:
+        yield say(case("nominal")), validation.nominal
+    for found in evidence.findings:
+        if found.validation is not None:
+            yield say(finding(found.label)), found.validation
+    for best in validation.incumbents:
+        yield say(f"the best of {best.title}"), best.validation
+
+
+def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Said]:
+    """Of a simulator that repeated when it was measured: every later comparison must show the same."""
+    spot, apart = evidence.spot_checks, 0.0
+    lost = [say("random evaluations")] if spot.compared < spot.checked else []
+    compared = 0
+    for name, validation in _cases(evidence):
+        again = validation.again
+        if again is None or again.difference is None:
+            lost += [name]
+        else:
+            apart, compared = max(apart, abs(again.difference)), compared + 1
+    apart = max(apart, spot.largest or 0.0)
+    if lost:
+        return False, say("evaluated again, not all of ", listed(lost), " have a value: the simulator does not repeat")
+    if apart:
+        differ = say("evaluated again, a case differs by ", number(apart, problem.unit, "apart"))
+        return False, say(differ, "; ", _advice(apart, evidence.nominal.margin))
+    later = say("; so do ", count(compared + spot.compared, "again"), " later comparisons")
+    return True, say(measured.said, later)
+
+
+def condition(problem: Problem, evidence: Evidence, checks: list[Check]) -> str:
+    """What a statement on P(violation) needs if only later comparisons showed that the simulator does not repeat."""
+    differs = any(c.code == CheckCode.CALLS and not c.ok for c in checks)
+    if not differs or evidence.sample is None or evidence.sample.noise != "none":
+        return ""
+    return " The simulator does not repeat, so this is over parameters and noise, if the noise of calls is independent."

@@ -1,0 +1,135 @@
+"""The encounter took place: conditions without which a cleared verdict shows nothing about the avoidance.
+
+Each is a separate check with advice on what to change. An author may state in the campaign that one is intended
+(`encounter.intended`); the check and the sentence then report this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import capital, case, listed, number, say, symbol
+from campaigns.claims.spans import Said, Text
+from campaigns.results.finding import ClosestApproach
+from campaigns.results.verdict import Check
+from worker.engine.problem.problem import Problem
+from worker.evidence.verdicts.agreement import FLAT, varies
+from worker.evidence.verdicts.evidence import Evidence
+
+MOVED = 0.01
+"""Fraction of the nominal closest approach that the vehicle must at least move."""
+
+ABOVE_NOISE = 10.0
+"""Standard deviations of a simulator's noise that the range of all evaluations must exceed; that of a million normal
+numbers is about as wide."""
+
+INTENDED = ", which the author states is intended: "
+
+Condition = tuple[bool, Said]
+
+
+def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
+    """One check for each condition; those that do not apply to the system and its criterion are omitted."""
+    conditions: dict[CheckCode, Callable[[Problem, Evidence], Condition | None]] = {
+        CheckCode.CLOSEST_APPROACH: _closest,
+        CheckCode.MOTION: _motion,
+        CheckCode.AVOIDANCE: _avoidance,
+        CheckCode.INFLUENCE: _influence,
+    }
+    intended = {str(name): reason for name, reason in problem.campaign.encounter.intended.items()}
+    found = []
+    for code, condition in conditions.items():
+        held = condition(problem, evidence) if code in (CheckCode.INFLUENCE, *problem.system.shows) else None
+        if held is None:
+            continue
+        ok, said = held
+        reason = intended.get(code.replace(" ", "_"))
+        if not ok and reason is not None:
+            ok, said = True, say(_without_advice(said), INTENDED, reason)
+        found.append(Check(code=code, ok=ok, said=said))
+    return found
+
+
+def stated(problem: Problem, checks: list[Check]) -> list[Said]:
+    """The conditions that do not hold but are intended according to the author, as sentences."""
+    intended = problem.campaign.encounter.intended
+    codes = {name.replace("_", " ") for name in intended}
+    return [say(capital(c.said), ".") for c in checks if c.code in codes and "is intended" in c.text]
+
+
+def _without_advice(said: Said) -> Said:
+    """The sentence without the advice: up to the first semicolon."""
+    for i, span in enumerate(said):
+        if isinstance(span, Text) and ";" in span.text:
+            return say(said[:i], span.text.partition(";")[0])
+    return said
+
+
+def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
+    closest = {"nominal": evidence.encounter.closest}
+    closest |= {f.label: f.closest or ClosestApproach() for f in evidence.findings}
+    late, early, none = ([case(name) for name, c in closest.items() if c.at == at] for at in ("end", "start", "none"))
+    if none:
+        return False, say("no closest approach is known for ", listed(none))
+    if late:
+        return False, say(
+            *("the closest approach of ", listed(late), " is at the end of the horizon, before the encounter is "),
+            *("over; lengthen the horizon of ", number(problem.campaign.given_scenario.horizon, "s", "horizon")),
+        )
+    if early:
+        return False, say(
+            *("the closest approach of ", listed(early), " is at the start, before anything could be avoided; start "),
+            "farther away, or move the goal to the other side of the obstacle",
+        )
+    return True, say("the closest approach of ", listed([*map(case, closest)]), " is inside the horizon")
+
+
+def _motion(problem: Problem, evidence: Evidence) -> Condition | None:
+    moved, nominal = evidence.encounter.moved, evidence.nominal.cost
+    if moved is None or nominal is None:
+        return False, say("the vehicle's motion is unknown: the nominal case has no trace")
+    said = say("the vehicle moves ", number(moved, "m", "moved"), " in the nominal case")
+    if moved <= MOVED * abs(nominal):
+        return False, say(said, "; place the goal beyond the obstacle")
+    return True, said
+
+
+def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
+    unseen, nominal = evidence.encounter.unseen, evidence.nominal.cost
+    quantity, unit = symbol(problem.quantity), problem.unit
+    if unseen is None:
+        return None
+    if nominal is None or unseen.cost is None:
+        return False, say(
+            f"the effect of the avoidance is unknown: without it the nominal case fails ({unseen.reason}); "
+            "choose a nominal case that the vehicle completes without avoidance"
+        )
+    by, blind = nominal - unseen.cost, number(unseen.cost, unit, "unseen")
+    if by <= FLAT * max(abs(nominal), abs(unseen.cost)):
+        return False, say(
+            *("the avoidance makes no difference: if the avoider sees no obstacle, the nominal ", quantity),
+            *(" is ", blind),
+            *(", otherwise ", number(nominal, unit, "nominal"), "; place the obstacle where the vehicle would "),
+            "come closer without avoidance",
+        )
+    return True, say("if the avoider saw no obstacle, the nominal ", quantity, " would be ", blind)
+
+
+def _influence(problem: Problem, evidence: Evidence) -> Condition:
+    quantity, unit = symbol(problem.quantity), problem.unit
+    by = varies(evidence)
+    if not by:
+        choose = "; choose parameters that the encounter depends on"
+        return False, say("no uncertain parameter changes ", quantity, choose)
+    measured = evidence.nominal.measured
+    if measured is not None and measured.deviation and by <= ABOVE_NOISE * measured.deviation:
+        noise = number(measured.deviation, unit, "deviation")
+        return False, say(
+            *(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations, which may be noise alone: "),
+            *("evaluations of the same point have a standard deviation of ", noise),
+        )
+    parameters = problem.symbols
+    without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= FLAT * by]
+    said = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
+    return True, say(said, "; no effect along the slices of ", listed(without)) if without else said

@@ -1,0 +1,109 @@
+"""The probability of a violation: the statement of the independent sample, and checks of the conditions it needs."""
+
+from __future__ import annotations
+
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import count, listed, percent, say
+from campaigns.claims.spans import Said
+from campaigns.results.sample import Sample
+from campaigns.results.verdict import Check, Statistics
+from worker.engine.problem.problem import Problem
+from worker.evidence.verdicts.evidence import Evidence
+
+CEILING = 0.05
+"""The largest bound on P(violation) with which a campaign without a target is cleared."""
+EXCLUDED = 0.1
+"""The largest excluded fraction, of the draws or of all evaluations, with which a campaign is cleared."""
+
+
+def statistics(evidence: Evidence) -> Statistics | None:
+    """The statement of the sample, as the verdict stores it; None without one."""
+    sample = evidence.sample
+    if sample is None or sample.upper_bound is None:
+        return None
+    return Statistics(
+        samples=sample.samples,
+        violations=sample.violations,
+        failed=sample.failed,
+        excluded=sample.excluded,
+        excluded_fraction=sample.excluded_fraction,
+        confidence=sample.confidence,
+        upper_bound=sample.upper_bound,
+        noise=sample.noise,
+        quantile=sample.quantile,
+        source="search" if evidence.certificate is None else "certify",
+        said=sample.said,
+    )
+
+
+def probability(problem: Problem, evidence: Evidence) -> list[Check]:
+    """The checks of the noise, the exclusions, and the bound."""
+    return [*_noise(problem, evidence), *_excluded(evidence), *_bound(problem, evidence)]
+
+
+def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
+    realised, code = problem.realisations, CheckCode.NOISE
+    if not realised.random:
+        return []
+    seeds = listed([str(seed) for seed in realised.seeds])
+    if realised.several and realised.combine == "mean":
+        said = say(
+            "every evaluation is the mean over noise realisations, which can hide a violation in one of them; "
+            "set combine to worst"
+        )
+        return [Check(code=code, ok=False, said=said)]
+    sample = evidence.sample
+    if sample is None or sample.noise != "drawn":
+        said = say(
+            *("the scenario has noise and only the realisations with seeds ", seeds, " were simulated; add a certify "),
+            "stage, which draws a realisation for every sample",
+        )
+        return [Check(code=code, ok=False, said=said)]
+    drew = "; the independent sample drew one for every evaluation"
+    return [
+        Check(code=code, ok=True, said=say("the searches simulated the noise realisations with seeds ", seeds, drew))
+    ]
+
+
+def _excluded(evidence: Evidence) -> list[Check]:
+    drawn = 0.0 if evidence.sample is None else evidence.sample.excluded_fraction
+    evaluated = evidence.excluded / max(evidence.evaluations, 1)
+    if not evidence.excluded:
+        return []
+    much = max(drawn, evaluated)
+    of = "draws of the sample" if drawn >= evaluated else "evaluations"
+    excluded = f" of the {of} start at or below the threshold and were excluded: nothing is known about them"
+    said = say(percent(much, name="excluded"), excluded)
+    if much > EXCLUDED:
+        said = say(said, "; narrow the bounds until at most ", percent(EXCLUDED, 6, "most"), " are excluded")
+    return [Check(code=CheckCode.EXCLUSIONS, ok=much <= EXCLUDED, said=said)]
+
+
+def _advice(sample: Sample) -> Said:
+    """Advice on a bound above the ceiling: more samples help only if few of them violate."""
+    if sample.violations > CEILING * sample.samples:
+        drawn = count(sample.samples, "samples")
+        return say(count(sample.violations, "violations"), " of its ", drawn, " samples violate the criterion")
+    return say("draw more than ", count(sample.samples, "samples"), " samples, or set target_probability")
+
+
+def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
+    target, sample = problem.campaign.target_probability, evidence.sample
+    goal = percent(target or CEILING, 4, "target")
+    if sample is None or sample.upper_bound is None:
+        said = say("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
+        return [] if target is None else [Check(code=CheckCode.TARGET, ok=False, said=said)]
+    bound = say("the bound of ", percent(sample.upper_bound, name="upper_bound"))
+    if target is None:
+        ok = sample.upper_bound <= CEILING
+        said = say(bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
+        if not ok:
+            said = say(said, "; ", _advice(sample))
+        return [Check(code=CheckCode.PROBABILITY, ok=ok, said=said)]
+    if sample.noise == "stated":
+        of = "the stated noise realisations" if problem.realisations.random else "evaluations of several calls"
+        said = say(bound, f" holds only for {of}; add a certify stage")
+        return [Check(code=CheckCode.TARGET, ok=False, said=said)]
+    ok = sample.upper_bound <= target
+    said = say(bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
+    return [Check(code=CheckCode.TARGET, ok=ok, said=said)]

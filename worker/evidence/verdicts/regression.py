@@ -1,0 +1,192 @@
+"""Regression: what has become of every finding of the baseline, and which findings are new.
+
+A finding of the baseline is worse if it costs less on this model by more than the tolerance, or if the search found a
+case in its basin that is lower than any finding of the baseline there: of that one the tolerance is larger, because two
+searches do not stop at the same point. A case that begins or ceases to violate has changed whatever the tolerance.
+Start reading at `regression`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from campaigns.asked.regression import BaselineCase, Policy
+from campaigns.claims.say import Part, count, finding, joined, number, say, signed, symbol
+from campaigns.claims.spans import Said
+from campaigns.results import Finding
+from campaigns.results.baseline import Reevaluated
+from campaigns.results.baselines import difference
+from campaigns.results.regression import FindingChange, Regression, Standing
+from campaigns.stages.plan import plan
+from worker.engine.problem.problem import Problem
+from worker.engine.stages.parts.confirm import FLOOR
+from worker.engine.stages.parts.findings import SAME_COST
+from worker.evidence.verdicts.evidence import Evidence
+
+ORDER = list(Standing)
+IS = {Standing.SAME: "the same"}
+"""A standing as it is said of a finding, where it is not the word itself."""
+NAMED = 3
+"""Findings that the sentence names."""
+
+
+def regression(problem: Problem, evidence: Evidence) -> Regression | None:
+    """Every finding of either run with its change; None without a baseline."""
+    baseline, result = problem.campaign.baseline, evidence.baseline
+    if baseline is None or result is None:
+        return None
+    policy, matched = problem.campaign.regression, evidence.validation.since
+    rows = list(zip(baseline.cases, result.cases, matched, strict=True))
+    # Of several findings of the baseline in one basin, the lowest one stands for it.
+    lowest: dict[str | None, float] = {}
+    for case, _, label in rows:
+        lowest[label] = min(case.cost, lowest.get(label, case.cost))
+    cases = [_known(problem, evidence, *row, row[0].cost <= lowest[row[2]]) for row in rows]
+    cases += [_new(problem, f, baseline.run) for f in evidence.findings if f.label not in matched]
+    cases = [case.model_copy(update={"fails": _fails(policy, case)}) for case in cases]
+    cases.sort(key=lambda case: (not case.fails, case.margin is None, case.margin or 0.0))
+    failing = [case for case in cases if case.fails]
+    violating = [case for case in cases if case.margin is not None and case.margin <= 0]
+    return Regression(
+        run=baseline.run,
+        position=[stage.kind for stage in plan(problem.campaign)].index(result.stage),
+        cases=cases,
+        fail_on=policy.fail_on,
+        ok=not failing,
+        accepted="violation" not in policy.fail_on and _all_known(violating),
+        quantity=problem.quantity,
+        unit=problem.unit,
+        said=_said(problem, baseline.run, cases, failing),
+    )
+
+
+def _known(
+    problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, label: str | None, stands: bool
+) -> FindingChange:
+    """A finding of the baseline; stands: it is the lowest one of the baseline in the basin of the finding `label`."""
+    run, threshold = str(problem.campaign.baseline and problem.campaign.baseline.run), problem.threshold
+    was = before.cost - threshold
+    if again.cost is None:
+        said = say(f"{before.label} of {run} is not compared: {again.reason}")
+        return FindingChange(
+            standing=Standing.NOT_COMPARED, before=before.label, now=None, evaluation=again.index,
+            parameters=before.parameters, margin_before=was, said=said,
+        )  # fmt: skip
+    there = next((f for f in evidence.findings if f.label == label), None)
+    tolerance = _tolerance(problem, evidence, before, there)
+    lower = stands and there is not None and there.cost < again.cost
+    cost = there.cost if there is not None and lower else again.cost
+    standing = _standing(problem, evidence, before.cost, again.cost, cost, tolerance)
+    return FindingChange(
+        standing=standing,
+        before=before.label,
+        now=label,
+        evaluation=again.index,
+        parameters=there.parameters if there is not None and lower else again.parameters,
+        margin_before=was,
+        margin_again=again.cost - threshold,
+        margin=cost - threshold,
+        change=cost - before.cost,
+        tolerance=tolerance,
+        newly_violating=cost <= threshold < before.cost,
+        said=_described(problem, run, before, again.cost, cost, standing, there),
+    )
+
+
+def _standing(
+    problem: Problem, evidence: Evidence, before: float, again: float, cost: float, tolerance: float
+) -> Standing:
+    """before: its cost in the baseline; again: on this model; cost: the lowest known in its basin."""
+    threshold, nominal = problem.threshold, evidence.nominal.cost
+    if cost <= threshold < before:
+        return Standing.WORSE
+    if before <= threshold < cost:
+        return Standing.FIXED
+    # Where two searches of the same model end in a basin may differ by so much.
+    search = 0.0 if nominal is None else SAME_COST * max(nominal - cost, 0.0)
+    if again < before - tolerance or cost < before - max(tolerance, search):
+        return Standing.WORSE
+    return Standing.BETTER if cost > before + tolerance else Standing.SAME
+
+
+def _new(problem: Problem, found: Finding, run: str) -> FindingChange:
+    cost = number(found.cost, problem.unit)
+    said = say(finding(found.label), " is new: no finding of ", run, " is in its basin; ", symbol(problem.quantity))
+    return FindingChange(
+        standing=Standing.NEW,
+        before=None,
+        now=found.label,
+        parameters=found.parameters,
+        margin=found.margin,
+        newly_violating=found.margin <= 0,
+        said=say(said, " = ", cost, ", a margin of ", signed(found.margin, problem.unit, "margin")),
+    )
+
+
+def _tolerance(problem: Problem, evidence: Evidence, before: BaselineCase, there: Finding | None) -> float:
+    """The largest of what the integrations differ by in either run, what calls differ by, the policy's, rounding."""
+    nominal, measured = evidence.nominal.cost, evidence.nominal.measured
+    spread = 0.0 if measured is None or measured.spread is None else measured.spread
+    now = difference(evidence.validation.nominal if there is None else there.validation)
+    floor = FLOOR * max(abs(problem.threshold), abs(nominal or 0.0))
+    return max(before.difference, now, spread, problem.campaign.regression.tolerance, floor)
+
+
+def _all_known(violating: list[FindingChange]) -> bool:
+    """A verdict may be violated although no finding violates: such a violation nobody has compared."""
+    return bool(violating) and not any(case.newly_violating for case in violating)
+
+
+def _fails(policy: Policy, case: FindingChange) -> bool:
+    asked = policy.fail_on
+    if case.standing is Standing.NOT_COMPARED:  # other bounds or names must not hide a violation that was known
+        known = case.margin_before is not None and case.margin_before <= 0
+        return "not_compared" in asked or ("violation" in asked and known)
+    return (
+        ("new_violation" in asked and case.newly_violating)
+        or ("new" in asked and case.standing is Standing.NEW)
+        or ("worse" in asked and case.standing is Standing.WORSE)
+    )
+
+
+def _described(
+    problem: Problem, run: str, before: BaselineCase, again: float, cost: float, standing: Standing,
+    there: Finding | None,
+) -> Said:  # fmt: skip
+    quantity, unit = symbol(problem.quantity), problem.unit
+    was, now = number(before.cost, unit), number(again, unit, "again")
+    said = say(
+        f"{before.label} of {run} is {IS.get(standing, standing)}: ",
+        quantity,
+        " = ",
+        now,
+        " on this model, ",
+        was,
+        " there",
+    )
+    if there is not None and cost < again:
+        said = say(said, "; ", finding(there.label), " in its basin has ", number(cost, unit, "lowest"))
+    elif there is not None:
+        said = say(said, "; it is in the basin of ", finding(there.label))
+    else:
+        said = say(said, "; no finding of this run is in its basin")
+    return say(said, ", a change of ", signed(cost - before.cost, unit, "change"))
+
+
+def _said(problem: Problem, run: str, cases: list[FindingChange], failing: list[FindingChange]) -> Said:
+    """How many findings have each standing, and which of them fail."""
+    counts = [
+        say(count(number), f" {standing}")
+        for standing in ORDER
+        if (number := sum(case.standing == standing for case in cases))
+    ]
+    whole = say(f"Changes of the findings since {run}: ", joined(", ", counts), ".")
+    if not failing:
+        return say(whole, " No change fails by the policy of the campaign.")
+    return say(whole, *_clauses(problem, failing))
+
+
+def _clauses(problem: Problem, failing: list[FindingChange]) -> Iterator[Part]:
+    yield " The policy of the campaign fails: "
+    yield joined("; ", [case.said for case in failing[:NAMED]])
+    yield f"; and {len(failing) - NAMED} more." if len(failing) > NAMED else "."

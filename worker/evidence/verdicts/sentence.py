@@ -1,0 +1,162 @@
+"""The sentences of a verdict: what was found, and the scope it holds for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import (
+    Part,
+    capital,
+    count,
+    finding,
+    joined,
+    listed,
+    method,
+    number,
+    say,
+    signed,
+    symbol,
+    unnamed,
+)
+from campaigns.claims.spans import Said
+from campaigns.results import Finding, SearchResult
+from campaigns.results.finding import Validation
+from campaigns.results.verdict import Check, Statistics, VerdictWord
+from worker.engine.problem.problem import Problem
+from worker.evidence.verdicts import calls, encounter
+from worker.evidence.verdicts.evidence import Evidence
+
+
+def sentence(
+    problem: Problem, evidence: Evidence, verdict: VerdictWord, checks: list[Check], statistics: Statistics | None
+) -> Said:
+    """The verdict as a sentence; all counts are of stored evaluations."""
+    found = evidence.finding
+    quantity, limit = symbol(problem.quantity), number(problem.threshold, problem.unit, "threshold")
+    if found is None:
+        return say(f"No {problem.words.one} could be evaluated: ", checks[0].said, ".")
+    worst = _worst(problem, found)
+    each = calls.each(problem)
+    how = say(count(evidence.evaluations, "evaluations"), f" evaluations{each}, searched by ", _searched(evidence))
+    lost = _without_value(evidence)
+    if evidence.violation is not None:
+        chance = say(_chance(statistics), calls.condition(problem, evidence, checks) if statistics else "")
+        shown = _shown(problem, found, evidence.violation)
+        apart = say(calls.repeated(problem, evidence.violation), _apart(evidence.violation.validation, problem.unit))
+        rest = say(lost, apart, _counts(evidence), chance)
+        return say(quantity, " falls to or below ", limit, ". ", worst, " ", shown, " in ", how, ".", rest)
+    if verdict == "cleared":
+        succeeded = count(evidence.succeeded, "evaluations")
+        excluded = say(" ", count(evidence.excluded, "excluded"), " more were excluded.") if evidence.excluded else ()
+        caveat = f" {problem.system.caveat}" if problem.system.caveat else ""
+        stated = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
+        return say(
+            *(quantity, " stayed above ", limit, " in all ", succeeded, f" evaluations{each}, searched by "),
+            *(_searched(evidence), ".", excluded, " ", worst, _chance(statistics)),
+            *stated,
+            f"{caveat} A search can miss a worse case.",
+        )
+    why = joined("; ", [_reason(c) for c in checks if not c.ok])
+    return say("Nothing may be claimed: ", why, ". ", worst, " It was found in ", how, ".", lost)
+
+
+def scope(problem: Problem) -> Said:
+    """The scope of the sentence: the system with its conditions, bounds and settings."""
+    held, paths = problem.system.scope, problem.symbols
+    units = {p.path: p.unit for p in problem.system.parameters}
+    bounds = [say(paths[r.path], " ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
+    settings = say("; ", held.settings) if held.settings else ()
+    ends = f". This result holds for this model within these bounds; {held.version}."
+    return say(held.what, "; ", joined(", ", bounds), settings, ends)
+
+
+def _reason(check: Check) -> Said:
+    """The reason of a check; only the numbers of violations keep their names, because they are also the verdict's."""
+    return check.said if check.code == CheckCode.NO_VIOLATION else unnamed(check.said)
+
+
+def _worst(problem: Problem, found: Finding) -> Said:
+    cost, margin = number(found.cost, problem.unit, "worst"), signed(found.margin, problem.unit, "margin")
+    has = say("The worst case found has ", symbol(problem.quantity), " = ", cost)
+    return say(has, ", a margin of ", margin, _noise(found.realisation), ".")
+
+
+def _shown(problem: Problem, found: Finding, violation: Finding) -> Said:
+    """Which violation was validated."""
+    if violation.margin > 0:
+        none = "No stored evaluation violates the criterion, but calls of " if violation is found else "Calls of "
+        return say(none, finding(violation.label), " independent of the search do; it was found")
+    if violation is found:
+        return say("It was confirmed by validation and found")
+    cost = number(violation.cost, problem.unit, "validated")
+    milder = say(finding(violation.label), ", which has ", cost, _noise(violation.realisation))
+    return say("Validation did not confirm it, but confirmed ", milder, "; both were found")
+
+
+def _searched(evidence: Evidence) -> Said:
+    """Every method with the number of its own evaluations."""
+    spent: dict[tuple[str, str], int] = {}
+    for search in evidence.searches:
+        of = (search.method, search.title)
+        spent[of] = spent.get(of, 0) + search.evaluations
+    return listed([say(method(*of), " (", count(many, f"searched.{of[0]}"), ")") for of, many in spent.items()])
+
+
+def _chance(statistics: Statistics | None) -> Said:
+    if statistics is None:
+        return ()
+    quantile = statistics.quantile
+    bound = say(" ", capital(unnamed(quantile.said)), ".") if quantile is not None else ()
+    return say(" ", statistics.said, ".", bound)
+
+
+def _counts(evidence: Evidence) -> Said:
+    return say(" ", capital(evidence.violations.said), ".")
+
+
+def _without_value(evidence: Evidence) -> Said:
+    """How many evaluations failed, were excluded or were tried again; empty if there are none."""
+    parts: list[Part] = []
+    if evidence.failed:
+        parts.append(say(count(evidence.failed, "without_value.failed"), " failed"))
+    if evidence.excluded:
+        verb = " was excluded" if evidence.excluded == 1 else " were excluded"
+        parts.append(say(count(evidence.excluded, "without_value.excluded"), verb))
+    if evidence.flaky:
+        parts.append(say(count(evidence.flaky, "flaky"), " succeeded only when tried again"))
+    return say(" Of these, ", joined(" and ", parts), ".") if parts else ()
+
+
+def _apart(case: Validation | None, unit: str) -> Said:
+    """The values of a violation that differ beyond tolerance, by whatever confirms it; empty if they agree."""
+    if case is None or case.agrees or case.agrees is None:
+        return ()
+    others = [other for other in (case.half_step, case.integrator, case.again) if other is not None]
+    values = (case.cost, *(other.cost for other in others))
+    step, *rest = (f"no value {unit}" if value is None else number(value, unit) for value in values)
+    if case.again is not None and case.half_step is not None:
+        said = say(" Its evaluations violate the criterion but differ beyond tolerance: ", step, ", ", rest[-1])
+        return say(said, f" in {case.again.name}, ", rest[0], " at half the step.")
+    if case.again is not None:
+        apart = say(
+            " Both its evaluations violate the criterion but differ beyond tolerance: ", step, ", and ", rest[-1]
+        )
+        return say(apart, f" in {case.again.name}.")
+    if case.half_step is None or case.integrator is None:
+        return ()
+    half, other = rest
+    return say(
+        *(" All its integrations violate the criterion but differ beyond tolerance: ", step, " at the step, "),
+        *(half, " at half the step, ", other, f" with {case.integrator.name}."),
+    )
+
+
+def _noise(seed: int | None) -> str:
+    return "" if seed is None else f", with the noise realisation of seed {seed}"
+
+
+def method_of(searches: Sequence[SearchResult]) -> str | None:
+    """The method with the lowest best."""
+    found = [(s.best.cost, i) for i, s in enumerate(searches) if s.best is not None]
+    return searches[min(found)[1]].method if found else None

@@ -1,4 +1,0 @@
-"""Examines the file of a component before it is used: text, declaration, kernels, a short simulation, the compiler.
-
-It runs in a process of its own, `python -m worker.examination`. Start reading at `examine`.
-"""

@@ -1,0 +1,1 @@
+"""What changes neither a number nor a claim: runs, processes, and what is installed."""

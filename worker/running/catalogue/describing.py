@@ -1,0 +1,52 @@
+"""The process that describes a Python file: `python -m worker.running.catalogue.describing FILE` prints one line.
+
+The line is JSON: what the decorated functions of the file declare, or why it cannot be used. Little is imported, so
+that it starts quickly. `worker.running.catalogue.files` reads the line.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from worker.engine.systems.simulators.declared.function import declared_in, in_units, loaded
+
+MARK = "clearance describes: "
+
+
+def main(file: str) -> None:
+    """Print the declarations of a file as one line of JSON."""
+    try:
+        functions = declared_in(loaded(Path(file)))
+        found = [{"name": name, "declaration": asdict(in_units(f.declaration))} for name, f in functions.items()]
+        answer: dict[str, object] = {"found": found}
+    except SystemExit as error:
+        answer = {"error": f"it calls sys.exit({error.code!r:.60}) when it is loaded"}
+    except Exception as error:
+        if isinstance(error, SyntaxError):
+            answer = {"error": f"line {error.lineno}: SyntaxError: {error.msg}"}
+        else:
+            answer = {"error": f"it cannot be imported: {_sentence(error, file)}"}
+    print(f"\n{MARK}{json.dumps(answer, default=_plain)}", flush=True)
+
+
+def _plain(value: Any) -> Any:
+    """What JSON cannot represent, as numbers of numpy in a dict, or as text, which the checks then refuse."""
+    return value.tolist() if hasattr(value, "tolist") else repr(value)
+
+
+def _sentence(error: BaseException, file: str) -> str:
+    """Type, message and the innermost line of the file."""
+    line, trace = 0, error.__traceback__
+    while trace is not None:
+        line = trace.tb_lineno if trace.tb_frame.f_code.co_filename == file else line
+        trace = trace.tb_next
+    text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
+    return f"{text}, at line {line}" if line else text
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,29 @@
+"""The digests of the simulators' files as a catalogue publishes them: which runs measured what is installed now.
+
+They are those that a run stores when it opens the simulator. A package that opens its simulator itself has none here.
+"""
+
+from __future__ import annotations
+
+from campaigns.catalogue import Catalogue
+from worker.engine.systems.simulators.declared.simulator import Program, Simulator
+from worker.running.catalogue.files import PythonFunction, digest_of
+from worker.running.catalogue.installed import simulators
+
+
+def with_digests(catalogue: Catalogue) -> Catalogue:
+    """The catalogue of this installation with the digests of its simulators as their files are now."""
+    found = {name: _digest(simulator) for name, simulator in simulators().items()}
+    return catalogue.model_copy(update={"digests": {name: digest for name, digest in found.items() if digest}})
+
+
+def _digest(simulator: Simulator | Program | PythonFunction) -> str:
+    """Empty where there is none."""
+    try:
+        if isinstance(simulator, Program):
+            return simulator.described.digest
+        if isinstance(simulator, PythonFunction) and simulator.place:
+            return digest_of(simulator.place)
+    except OSError:  # a file that cannot be read is reported by the run that opens it
+        return ""
+    return ""

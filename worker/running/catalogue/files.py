@@ -1,0 +1,181 @@
+"""Python files in the operator's folders whose functions are simulators, described without executing them here.
+
+A file is loaded in a process of its own (`worker.running.catalogue.describing`), which prints what its decorated
+functions declare: whatever it does (an error, a crash, an endless loop), it is reported and skipped. Start reading at
+`listed_files`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from campaigns.documents import JsonObject
+from worker.engine.systems.simulators.declared.columns import Column
+from worker.engine.systems.simulators.declared.described import Described
+from worker.engine.systems.simulators.declared.descriptor import folders, listed
+from worker.engine.systems.simulators.declared.folder import digest_of_place
+from worker.engine.systems.simulators.declared.function import (
+    DESCRIBING,
+    Declaration,
+    Output,
+    Parameter,
+    Settings,
+    in_units,
+)
+from worker.running.catalogue import describing
+
+LONGEST = 60.0
+"""Time for loading a file [s]."""
+
+
+@dataclass(frozen=True)
+class PythonFunction:
+    """A decorated function as a simulator: its declaration, and where it is.
+
+    place: its `name`, and its `file` or `module`; empty where only this process has it. call: the function, where this
+    process has loaded it.
+    """
+
+    declaration: Declaration
+    place: dict[str, str]
+    call: Any = None
+
+    @property
+    def entry(self) -> SimulatorEntry:
+        """How a campaign and the pages see it."""
+        return entry_of(self.declaration)
+
+
+class BadFile(ValueError):
+    """A file that cannot be used; the message names it and what is expected."""
+
+
+def entry_of(declaration: Declaration) -> SimulatorEntry:
+    """The catalogue entry of a declaration."""
+    d = in_units(declaration)
+    return SimulatorEntry(
+        name=d.name,
+        title=d.title,
+        text=d.text,
+        parameters=[
+            ParameterEntry(
+                name=name, symbol=p.symbol, unit=p.unit, low=p.low, high=p.high, default=p.usual, text=p.text or name
+            )
+            for name, p in d.parameters.items()
+        ],
+        results=[
+            ResultEntry(
+                name=name, title=r.title or name, quantity=r.quantity or name, unit=r.unit, worse=r.worse, text=r.text
+            )
+            for name, r in d.results.items()
+        ],
+    )
+
+
+def listed_files() -> Iterator[PythonFunction | BadFile]:
+    """The functions that the files of the operator's folders declare, and what is wrong with those that cannot be used.
+
+    A file is loaded only if its text contains `clearance`.
+    """
+    for folder in folders():
+        for file in sorted(folder.glob("*.py")):
+            try:
+                yield from read_file(file)
+            except BadFile as error:
+                yield error
+
+
+def unusable_files() -> list[str]:
+    """What is wrong with the Python files in the operator's folders, a sentence each."""
+    found: list[str] = []
+    first = {d.descriptor.name: str(d.folder) for d in listed() if isinstance(d, Described)}
+    for function in listed_files():
+        if isinstance(function, BadFile):
+            found.append(str(function))
+            continue
+        name, file = function.declaration.name, function.place["file"]
+        if name in first:
+            found.append(f"{file}: {first[name]} already declares a simulator {name}; rename one of them")
+        first.setdefault(name, file)
+    return found
+
+
+def read_file(file: Path) -> list[PythonFunction]:
+    """The functions that a file declares; raises BadFile."""
+    try:
+        if b"clearance" not in file.read_bytes():
+            return []
+        digest = digest_of({"file": str(file)})
+    except OSError as error:
+        raise BadFile(f"{file}: {error.strerror}") from None
+    found = _described(str(file.resolve()), digest)
+    if isinstance(found, str):
+        raise BadFile(f"{file}: {found}")
+    return list(found)
+
+
+def digest_of(place: dict[str, str]) -> str:
+    """SHA-256 over the file of a function and the other Python files of its folder, or over its package."""
+    return digest_of_place(place)
+
+
+@lru_cache(maxsize=256)
+def _described(file: str, digest: str) -> tuple[PythonFunction, ...] | str:
+    """What a file declares, as it was when its folder had this digest; or the reason why it cannot be used."""
+    roots = os.pathsep.join(p for p in [*sys.path, str(Path(__file__).parents[3])] if p)
+    try:
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", describing.__name__, file], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL, env={**os.environ, "PYTHONPATH": roots, DESCRIBING: "1"}, start_new_session=True,
+        )  # fmt: skip
+    except OSError as error:
+        return f"it could not be loaded: {error.strerror}"
+    with process:
+        try:
+            output, _ = process.communicate(timeout=LONGEST)
+        except subprocess.TimeoutExpired:
+            return f"loading it took more than {LONGEST:g} s; put what runs long under `if __name__ == '__main__':`"
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)  # with what it started
+    lines = output.decode(errors="replace").splitlines()
+    answer = next(
+        (line.removeprefix(describing.MARK) for line in reversed(lines) if line.startswith(describing.MARK)), None
+    )
+    if answer is None:
+        how = f"signal {-process.returncode}" if process.returncode < 0 else f"exit code {process.returncode}"
+        return f"loading it ended the process with {how}"
+    given = json.loads(answer)
+    if "error" in given:
+        return str(given["error"])
+    found = [PythonFunction(_restored(d["declaration"]), {"file": file, "name": d["name"]}) for d in given["found"]]
+    for function in found:
+        try:
+            _ = function.declaration.drawn
+        except ValueError as error:
+            return f"{function.declaration.name}: {error}"
+    return tuple(found)
+
+
+def _restored(given: JsonObject) -> Declaration:
+    return Declaration(
+        given["name"],
+        given["title"],
+        given["text"],
+        {name: Parameter(**p) for name, p in given["parameters"].items()},
+        {name: Output(**r) for name, r in given["results"].items()},
+        Settings(**given["settings"]),
+        {name: Column(**c) for name, c in given["trace"].items()},
+        given["scene"],
+    )

@@ -1,0 +1,69 @@
+"""Examines the file of a component in stages and stops at the first mistake. Start reading at `examine`."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from worker.running.examination import reading
+from worker.running.examination.mistake import Mistake
+from worker.running.examination.naming import NAME
+
+PACKAGE = "worker.engine.components.own"
+
+
+@dataclass(frozen=True)
+class Examined:
+    """The result: role and name of a component that can be used, or the mistake with its line, 0 if unknown."""
+
+    role: str = ""
+    name: str = ""
+    title: str = ""
+    simulated: bool = True
+    """False for a controller of a vehicle that cannot be used: nothing could be simulated with it."""
+    text: str = ""
+    line: int = 0
+
+    def document(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+def examine(file: Path, vehicles: Mapping[str, str]) -> Examined:
+    """Examine a file of the operator's folders; the process may then be unfit for other work.
+
+    vehicles: the modules of the operator's own vehicles, by name.
+    """
+    try:
+        return _examined(file, vehicles)
+    except Mistake as mistake:
+        return Examined(text=mistake.text, line=mistake.line)
+
+
+def _examined(file: Path, vehicles: Mapping[str, str]) -> Examined:
+    if not NAME.fullmatch(file.stem):
+        raise Mistake(
+            f"the file is called {file.name}, expected small letters, digits and _ such as my_robot.py: rename it"
+        )
+    source = reading.read(file)
+    reading.check(source)
+    # What follows loads the compiler, which takes a second.
+    from worker.engine.kernels.component import Component
+    from worker.running.examination.compiling import compile_each
+    from worker.running.examination.declaring import declared_by
+    from worker.running.examination.flying import flown
+
+    def own(name: str) -> Component | None:
+        try:
+            found: Component | None = getattr(importlib.import_module(vehicles[name]), "component", None)
+        except (Exception, SystemExit):
+            return None
+        return found
+
+    module = f"{PACKAGE}.{file.stem}"
+    component = declared_by(source, module)
+    calls = flown(component, source, own)
+    compile_each(source, module, calls)
+    return Examined(component.role, component.name, component.title, bool(calls))

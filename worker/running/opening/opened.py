@@ -1,0 +1,145 @@
+"""Creates the system that a campaign names, and its problem; raises `CampaignUnusable` if that is not possible.
+
+Start reading at `problem`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from campaigns import Campaign, Catalogue
+from campaigns.asked.problem import Problem as Wrong
+from campaigns.asked.spec import Simulator
+from campaigns.checked.check import parameters, simulation_problems
+from worker.engine.problem.problem import Problem
+from worker.engine.reference import Reference
+from worker.engine.systems.base import CampaignUnusable, System
+from worker.engine.systems.closed_loop.assemble import LANES
+from worker.engine.systems.closed_loop.flights import Flights
+from worker.engine.systems.closed_loop.system import ClosedLoop
+from worker.engine.systems.simulators.called import Called
+from worker.engine.systems.simulators.command import CommandSimulator
+from worker.engine.systems.simulators.declared.described import BadDescriptor
+from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.fmu import DescribedFmu
+from worker.engine.systems.simulators.declared.function import declared_in, loaded
+from worker.engine.systems.simulators.declared.simulator import Opening, Program
+from worker.engine.systems.simulators.declared.simulator import Simulator as Declared
+from worker.engine.systems.simulators.fmus import simulator as fmus
+from worker.engine.systems.simulators.functions import InProcess, Isolated
+from worker.running.catalogue.files import BadFile, PythonFunction, digest_of, read_file
+from worker.running.catalogue.inline import InlineProgram
+from worker.running.catalogue.installed import catalogue, installed, simulators
+
+
+def problem(campaign: Campaign) -> Problem:
+    """The problem of a campaign, on the system that it names."""
+    return Problem(campaign, system(campaign))
+
+
+def system(campaign: Campaign) -> System:
+    """The system that a campaign names."""
+    return closed_loop(campaign) if campaign.simulator is None else _simulator(campaign, campaign.simulator)
+
+
+def closed_loop(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> ClosedLoop:
+    """The closed loop of a campaign's scenario; in plain Python unless `compiled`."""
+    return ClosedLoop(campaign, installed(), Reference, compiled, lanes)
+
+
+def flights(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> Flights:
+    """The trajectories of a campaign's scenario, without what confirms them."""
+    return Flights(campaign, installed(), compiled, lanes)
+
+
+def _simulator(campaign: Campaign, asked: Simulator) -> System:
+    """Open a simulator of this installation and check it against its declaration."""
+    known = catalogue()
+    problems = simulation_problems(campaign, known)
+    if problems:
+        raise CampaignUnusable(problems)
+    return simulated(campaign, simulators()[asked.name], known)
+
+
+def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction, known: Catalogue) -> System:
+    """Open this simulator for a campaign that the catalogue permits, and check it against its declaration."""
+    nominal = {path: value for path, (_, value) in parameters(campaign, known).items()}
+    result = campaign.criterion.result or ""
+    opened: Any
+    opening = Opening(nominal, result)
+    if isinstance(simulator, Program):
+        opened = _program(simulator, opening)
+    elif isinstance(simulator, PythonFunction):
+        opened = _python(simulator, opening)
+    else:
+        opened = simulator.open(opening)
+    wrong = _undeclared(opened, nominal, result)
+    if wrong:
+        raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, wrong)])
+    found: System = opened
+    asked = campaign.simulator
+    return found if asked is None or (asked.calls == 1 and not asked.retries) else Called(found, asked)
+
+
+def _python(simulator: PythonFunction, opening: Opening) -> System:
+    """A Python function; one of a file as the file is now, which must still be what the catalogue shows."""
+    name = simulator.declaration.name
+    file = simulator.place.get("file")
+    if file is not None and simulator.call is None:
+        try:
+            found = [f for f in read_file(Path(file)) if f.declaration.name == name]
+        except BadFile as error:
+            raise CampaignUnusable([Wrong("simulator.name", name, f"it cannot be used any more: {error}")]) from None
+        if [f.entry for f in found] != [simulator.entry]:
+            text = "its file has other parameters or results than when this process started: restart the worker"
+            raise CampaignUnusable([Wrong("simulator.name", name, text)])
+        simulator = found[0]
+    settings = simulator.declaration.settings
+    traced = {"columns": simulator.declaration.trace, "scene": simulator.declaration.drawn}
+    digest = digest_of(simulator.place) if simulator.place else ""
+    if settings.isolated:
+        return Isolated(simulator.place, simulator.entry, opening, settings, digest, **traced)
+    call = simulator.call
+    if call is None:
+        try:
+            call = declared_in(loaded(Path(simulator.place["file"]), first=False))[simulator.place["name"]].call
+        except (Exception, SystemExit) as error:
+            text = f"its file cannot be imported: {type(error).__name__}: {error}"
+            raise CampaignUnusable([Wrong("simulator.name", name, text)]) from None
+    return InProcess(call, simulator.entry, opening, settings, digest, **traced)
+
+
+def _program(simulator: Program, opening: Opening) -> CommandSimulator:
+    """A program or an FMU, by its descriptor as it is now, which must still be the one that the catalogue shows."""
+    described, changed = simulator.described, ""
+    if isinstance(described, InlineProgram):
+        return CommandSimulator(described, opening)
+    try:
+        described = read(described.folder)
+        if described.entry != simulator.entry:
+            changed = (
+                "its descriptor has other parameters or results than when this process started: restart the worker"
+            )
+    except BadDescriptor as error:
+        changed = f"its descriptor cannot be used any more: {error}"
+    if changed:
+        raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, changed)])
+    if not isinstance(described, DescribedFmu):
+        return CommandSimulator(described, opening)
+    try:
+        return fmus.opened(described, opening)
+    except fmus.FmuUnusable as error:
+        raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, str(error))]) from None
+
+
+def _undeclared(opened: object, nominal: Mapping[str, float], result: str) -> str:
+    """The first difference between an opened simulator and its declaration; empty if there is none."""
+    if not isinstance(opened, System):
+        return f"its `open` must return a worker.engine.systems.base.System, not {type(opened).__name__}"
+    if {p.path: p.nominal for p in opened.parameters} != nominal:
+        return "its parameters differ from those that its package declares, or from the requested nominal values"
+    if opened.results[0].name != result or opened.results[0].worse != "low":
+        return f"its first result must be {result}, worse when low, not {opened.results[0].name}"
+    return ""

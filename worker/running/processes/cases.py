@@ -1,0 +1,277 @@
+"""What-if evaluations of simulators for the service: a child process that answers requests, one line of JSON each.
+
+Request  {"id", "campaign", "simulator", "parameters": {path: value}, "rows"}; missing parameters are nominal;
+         `simulator` is the version that the run needs, which this machine must have.
+Response {"id", "status", "reason", "cost", "margin", "seconds", "digest", "untraced", "columns", "data", "meta"}
+         or {"id", "error": sentence}.
+Request  {"id", "kind": "installed", "campaign", "simulator"}
+Response {"id", "missing": sentence}, empty if this machine has the simulator.
+Response {"stale": true}: as of `worker.running.processes.live`.
+
+The simulator evaluates in one slot, which ends when nothing was requested for a while. Run as
+`python -m worker.running.processes.cases`; it ends when its input is closed. Start reading at `answer`.
+"""
+
+from __future__ import annotations
+
+from worker.running.runs import sources  # first: it records the files before they are loaded
+
+# isort: split
+from worker.running.processes import blas as blas  # before numpy is loaded
+
+# isort: split
+from campaigns import heap  # next: loading is not interrupted
+
+# isort: split
+import json
+import os
+import select
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from campaigns import Campaign, CampaignError, thin
+from campaigns.asked.load import load_document
+from campaigns.asked.problem import Problem
+from campaigns.documents import JsonObject
+from campaigns.results import TraceHead
+from campaigns.results.base import OK, STATUS, Status
+from worker.engine.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace
+from worker.engine.systems.simulators.called import Called
+from worker.engine.systems.simulators.slotted import Slotted
+from worker.running.catalogue import installed
+from worker.running.opening import opened
+from worker.running.processes import memory
+from worker.running.processes.live import finite, plain, send
+
+heap.loaded()
+
+IDLE = 60.0
+"""Time without a request after which the processes of the simulators end [s]."""
+QUICK = 2.0
+"""If the first evaluation takes less, it is repeated: its time includes the start of the process [s]."""
+LONGEST = 50.0
+"""Time limit of an evaluation, shorter than that of the service [s]."""
+MOST_ROWS = 2000
+PLACE = "clearance-cases-"
+"""How the folder of such a process begins; its number follows."""
+
+
+@dataclass
+class Opened:
+    """A simulator as one campaign asks for it; `evaluated`: whether its process has started."""
+
+    system: System
+    threshold: float
+    evaluated: bool = False
+
+
+Systems = dict[str, Opened]
+"""By the digest of the campaign; at most one."""
+
+
+def main() -> None:
+    """Answer requests until the input ends."""
+    # Standard output is redirected, so that output of a function does not mix with the answers.
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    memory.bound()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that what the simulators started ends too
+    place = _place()
+    tempfile.tempdir = str(place)
+    systems: Systems = {}
+    try:
+        send(answers, {"ready": True})
+        for line in _lines(systems):
+            if sources.stale():
+                send(answers, {"stale": True})
+                return
+            send(answers, answer(line, systems))
+    finally:
+        # When this closes its output, the thread that started it may end, which sends another one.
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        close(systems)
+        shutil.rmtree(place, ignore_errors=True)
+
+
+def _place() -> Path:
+    """A folder of its own for temporary files; those of processes that were killed are removed."""
+    for left in Path(tempfile.gettempdir()).glob(f"{PLACE}*"):
+        number = left.name.removeprefix(PLACE).partition("-")[0]
+        if number.isdigit() and not Path(f"/proc/{number}").exists():
+            shutil.rmtree(left, ignore_errors=True)
+    return Path(tempfile.mkdtemp(prefix=f"{PLACE}{os.getpid()}-"))
+
+
+def answer(line: str | bytes, systems: Systems) -> JsonObject:
+    """The response to one request; an invalid request gets a response with an error message."""
+    number = None
+    try:
+        request = json.loads(line)
+        if not isinstance(request["id"], int | str):
+            raise TypeError("id must be a whole number or text")
+        number = request["id"]
+        campaign = load_document(request["campaign"], "the campaign of a case")
+        if request.get("kind") == "installed":
+            there = campaign.digest in systems
+            return {"id": number, "missing": "" if there else missing(campaign, request["simulator"])}
+        case = _opened(campaign, request["simulator"], systems)
+        values = {path: _value(case.system, path, value) for path, value in request.get("parameters", {}).items()}
+        return {"id": number} | _evaluated(case, values, min(request.get("rows", 0), MOST_ROWS))
+    except (CampaignError, CampaignUnusable) as error:
+        return {"id": number, "error": str(error)}
+    except MemoryError:
+        close(systems)
+        return {"id": number, "error": memory.sentence()}
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        return {"id": number, "error": f"invalid request: {type(error).__name__}: {error}"}
+    except Exception as error:
+        close(systems)
+        return {"id": number, "error": f"the evaluation failed: {type(error).__name__}: {error}"}
+
+
+def close(systems: Systems) -> None:
+    """End the processes of the simulators."""
+    for one in systems.values():
+        one.system.close()
+    systems.clear()
+
+
+def _lines(systems: Systems) -> Iterator[bytes]:
+    """The lines of the input; without one for a while, the processes of the simulators end."""
+    reading, held = sys.stdin.fileno(), b""
+    while True:
+        if not select.select([reading], [], [], IDLE if systems else None)[0]:
+            close(systems)
+            continue
+        received = os.read(reading, 65536)
+        if not received:
+            return
+        *lines, held = (held + received).split(b"\n")
+        yield from lines
+
+
+def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
+    """The simulator of a campaign, opened with one slot; raises CampaignUnusable and CampaignError."""
+    if campaign.digest in systems and not _changed(systems[campaign.digest].system):
+        return systems[campaign.digest]
+    close(systems)
+    if why := missing(campaign, version):
+        raise CampaignUnusable([Problem("simulator.name", campaign.simulator.name if campaign.simulator else "", why)])
+    system = opened.system(campaign).single()
+    inner = system.inner if isinstance(system, Called) else system
+    if isinstance(inner, Slotted):
+        inner.most_slots, inner.most_seconds = 1, LONGEST
+    systems[campaign.digest] = Opened(system, campaign.criterion.threshold)
+    return systems[campaign.digest]
+
+
+def _changed(system: System) -> bool:
+    """Whether its files are no longer those that were opened."""
+    inner = system.inner if isinstance(system, Called) else system
+    return isinstance(inner, Slotted) and bool(inner.changed())
+
+
+def missing(campaign: Campaign, version: str) -> str:
+    """Why this machine cannot evaluate the simulator of a campaign; empty if it has it."""
+    installed.forget_simulators()
+    name = campaign.simulator.name if campaign.simulator else ""
+    entry = installed.catalogue().simulator(name)
+    if entry is None:
+        return (
+            "the machine of the service has no such simulator; start the service with the same CLEARANCE_SIMULATORS "
+            "and packages as the workers"
+        )
+    if version and entry.version != version:
+        return "on the machine of the service it has other parameters or results than for this run"
+    return ""
+
+
+def _evaluated(case: Opened, values: Mapping[str, float], rows: int) -> JsonObject:
+    """One call, whose time is that of a process that had been started before."""
+    seconds, found = _timed(case.system, values)
+    if not case.evaluated and seconds < QUICK:
+        seconds, found = _timed(case.system, values)
+    case.evaluated = True
+    head, data = found.head, found.data
+    keep = [] if data is None else [int(row) for row in thin.even(len(data), max(rows, 2))]
+    columns = [] if found.trace is None else found.trace.columns
+    return {
+        "status": head.status,
+        "reason": head.reason,
+        "cost": head.cost,
+        "margin": None if head.cost is None else head.cost - case.threshold,
+        "seconds": seconds,
+        "digest": case.system.digest,
+        "untraced": found.untraced,
+        "columns": [column.model_dump() for column in columns],
+        "data": {} if data is None else {column.name: plain(data[keep, k]) for k, column in enumerate(columns)},
+        "meta": finite(head.model_dump()),
+    }
+
+
+@dataclass
+class _Found:
+    """One evaluation, with its trace or why there is none; empty if the simulator gives no traces."""
+
+    head: TraceHead
+    trace: Trace | None = None
+    untraced: str = ""
+
+    @property
+    def data(self) -> Floats | None:
+        return None if self.trace is None else self.trace.data
+
+
+def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
+    """The evaluation with its trace, or without one if there is none, and how long it took [s]."""
+    began, why = time.monotonic(), ""
+    vector = system.nominal.copy()
+    for path, value in values.items():
+        vector[system.names[path]] = value
+    given = {p.path: float(v) for p, v in zip(system.parameters, vector, strict=False)}
+    try:
+        trace = system.trace("case", values)
+        if trace is not None:
+            return time.monotonic() - began, _Found(trace.meta, trace)
+    except NoTrace as error:
+        if isinstance(error, NoResult) and error.timeout:
+            # A failure may be one of the trace alone, which is found out by evaluating without it.
+            head = TraceHead(parameters=given, status=Status.TIMEOUT, reason=error.reason)
+            return time.monotonic() - began, _Found(head)
+        why = str(error)
+    began = time.monotonic()
+    batch, reasons = system.evaluate(vector[None])
+    seconds = time.monotonic() - began
+    good = int(batch.status[0]) == OK
+    cost = float(batch.costs[0, 0]) if good else None
+    result = system.results[0]
+    own = cost if cost is None or result.worse == "low" else 0.0 - cost
+    status = STATUS[int(batch.status[0])]
+    head = TraceHead(parameters=given, status=status, reason=reasons.get(0, ""), cost=cost, values={result.name: own})
+    return seconds, _Found(head, untraced=why if good else "")
+
+
+def _value(system: System, path: str, value: Any) -> float:
+    """The value of a parameter, which must exist and be within its limits."""
+    limits = next((p for p in system.parameters if p.path == path), None)
+    if limits is None:
+        raise ValueError(f"the simulator has no parameter {path!r}")
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{path} must be a number, given {value!r}")
+    if not limits.low <= value <= limits.high:
+        raise ValueError(f"{path} must be within {limits.low:g} to {limits.high:g} {limits.unit}, given {value!r}")
+    return float(value)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (KeyboardInterrupt, BrokenPipeError):
+        sys.exit(1)

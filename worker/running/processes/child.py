@@ -1,0 +1,152 @@
+"""The process that executes a worker's runs: a crash or hang affects no other process.
+
+Its supervisor writes claims to its standard input and reads one answer each, as lines of JSON; output of the
+physics goes to standard error. Run as `python -m worker.running.processes.child`; start reading at `serve`.
+"""
+
+from __future__ import annotations
+
+from worker.running.runs import sources  # first: it records the files before they are loaded
+
+# isort: split
+from worker.running.processes import blas as blas  # before numpy is loaded
+
+# isort: split
+from campaigns import heap  # next: loading is not interrupted
+
+# isort: split
+import importlib
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from typing import Any, TextIO
+
+import sqlalchemy as sa
+
+from backend.db import workers
+from backend.db.engine import connect, write
+from backend.db.queue import Claim, LostLease
+from backend.db.store import PATIENCE, OtherCode, OtherComponents, RunStore
+from campaigns import Campaign, CampaignError, Catalogue
+from campaigns.asked.load import load_document
+from campaigns.documents import JsonObject
+from worker.engine.stages.parts.store import Store
+
+Execute = Callable[[Campaign, Store], Any]
+
+RUNNER = "worker.running.runs.runner:execute"
+
+
+def main() -> None:
+    """Read database and runner from the input, publish the catalogue, then execute claims until the input ends.
+
+    If the code changed while it was loaded, nothing is published: the supervisor starts another child.
+    """
+    requests, answers = _private_streams()
+    setup = json.loads(requests.readline())
+    engine = connect(setup["database"])
+    execute = resolve(setup["runner"])
+    from worker.running.catalogue.digests import with_digests
+    from worker.running.catalogue.installed import catalogue
+    from worker.running.processes import memory
+
+    document, code = catalogue(), sources.code()
+    heap.loaded()
+    memory.bound()
+    fresh = not sources.stale()
+    if fresh:
+        published = with_digests(document).model_copy(update={"own": sources.own(sources.own_modules())})
+        write(engine, lambda connection: workers.publish(connection, published, code), PATIENCE)
+    _send(answers, {"ready": True, "fresh": fresh, "simulators": [s.version for s in document.simulators]})
+    serve(engine, execute, document, requests, answers)
+
+
+def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: TextIO, answers: TextIO) -> None:
+    """Execute one claim after another; each gets an answer with its outcome, never an exception.
+
+    The request `{"fresh": true}` checks whether the loaded code still equals the files. If not, no claim is executed.
+    """
+    for line in requests:
+        request = json.loads(line)
+        if "fresh" in request:
+            _send(answers, {"fresh": not sources.stale()})
+        elif sources.stale():
+            _send(answers, {"outcome": "stale", "text": ""})
+        else:
+            _send(answers, perform(execute, engine, components, Claim(**request)))
+
+
+def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
+    """Execute a claim. Outcomes: `done`, `lost` (lease), `unusable` (cannot be retried), `failed` (this attempt)."""
+    from worker.engine.stages.parts.base import ReplayMismatch
+    from worker.engine.systems.base import CampaignUnusable
+    from worker.engine.systems.closed_loop import compilation
+    from worker.running.catalogue.own import blamed
+    from worker.running.processes import memory
+
+    try:
+        campaign = load_document(claim.document, f"run {claim.run_id}")
+        store = RunStore(engine, claim)
+        store.describe(campaign, components)
+        with compilation.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
+            verdict = execute(campaign, store)
+        if verdict is None:
+            return {"outcome": "failed", "text": "the runner ended without a verdict"}
+    except LostLease:
+        return {"outcome": "lost", "text": ""}
+    except (CampaignUnusable, CampaignError, OtherComponents, OtherCode, ReplayMismatch) as error:
+        return {"outcome": "unusable", "text": str(error)}
+    except MemoryError:  # the next attempt would need as much memory
+        traceback.print_exc()
+        return {"outcome": "unusable", "text": memory.sentence()}
+    except (Exception, SystemExit) as error:
+        traceback.print_exc()
+        sentence = blamed(error)
+        if sentence:  # the next attempt would execute the same component
+            return {"outcome": "unusable", "text": f"a component failed: {sentence}"}
+        what = " ".join(str(error).split())
+        return {
+            "outcome": "failed",
+            "text": f"the runner raised {type(error).__name__}" + (f": {what}" if what else ""),
+        }
+    return {"outcome": "done", "text": ""}
+
+
+def _report(engine: sa.Engine, claim: Claim, what: str = "", seconds: float | None = None) -> None:
+    """Tell people what this process does; a run never fails because that could not be stored."""
+    with suppress(sa.exc.SQLAlchemyError):
+        write(engine, lambda c: workers.doing(c, claim.worker, claim.run_id, what, seconds), 0.0)
+
+
+def resolve(name: str) -> Execute:
+    """The function named as `module:function`."""
+    module, _, function = name.partition(":")
+    found: Execute = getattr(importlib.import_module(module), function)
+    return found
+
+
+def _private_streams() -> tuple[TextIO, TextIO]:
+    """Streams to the supervisor; standard input and output are redirected, so that print and input() are harmless."""
+    requests = os.fdopen(os.dup(0), "r", encoding="utf-8")
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    os.dup2(2, 1)
+    return requests, answers
+
+
+def _send(answers: TextIO, message: JsonObject) -> None:
+    answers.write(json.dumps(message) + "\n")
+    answers.flush()
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (KeyboardInterrupt, BrokenPipeError):
+        sys.exit(1)

@@ -1,0 +1,77 @@
+"""The supervisor's side of its child process: one line of JSON in each direction, with a deadline.
+
+Start reading at `Child.receive`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+from campaigns.documents import JsonObject
+from worker.running.processes import lifeline
+from worker.running.processes.lifeline import Wakeup
+
+
+class ChildEndedError(RuntimeError):
+    """The child has ended; the message states how and completes "the worker process ..."."""
+
+
+class Child:
+    """A running `worker.running.processes.child` in its own process group; it is killed when this process ends."""
+
+    def __init__(self, setup: JsonObject, wakeup: Wakeup) -> None:
+        command = [sys.executable, "-P", "-m", "worker.running.processes.child"]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0}
+        self._process = lifeline.start(command, when_orphaned=signal.SIGKILL, **pipes)
+        self._wakeup, self._received = wakeup, b""
+        self.send(setup)
+
+    def alive(self) -> bool:
+        """Whether it is still running."""
+        return self._process.poll() is None
+
+    def send(self, message: JsonObject) -> None:
+        """Send one message; raises `ChildEndedError`."""
+        assert self._process.stdin is not None
+        data = memoryview(json.dumps(message).encode() + b"\n")
+        try:
+            while data:
+                data = data[self._process.stdin.write(data) :]
+        except BrokenPipeError:
+            raise self._ended() from None
+
+    def receive(self, seconds: float) -> JsonObject | None:
+        """The next message; None after the timeout [s] or a signal. Raises `ChildEndedError`."""
+        assert self._process.stdout is not None
+        deadline = time.monotonic() + seconds
+        while b"\n" not in self._received:
+            if not self._wakeup.wait(deadline - time.monotonic(), self._process.stdout.fileno()):
+                return None
+            data = os.read(self._process.stdout.fileno(), 65536)
+            if not data:
+                raise self._ended()
+            self._received += data
+        line, _, self._received = self._received.partition(b"\n")
+        message: JsonObject = json.loads(line)
+        return message
+
+    def kill(self) -> None:
+        """Kill it and all its child processes."""
+        lifeline.kill_group(self._process)
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream is not None:
+                stream.close()
+
+    def _ended(self) -> ChildEndedError:
+        """The error for a child that has closed its pipe: it is about to end, or is killed after 5 s."""
+        try:
+            status = self._process.wait(timeout=5.0)
+        except subprocess.TimeoutExpired:
+            status = lifeline.kill_group(self._process)
+        self.kill()
+        return ChildEndedError(lifeline.how_it_ended(status))

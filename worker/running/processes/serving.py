@@ -1,0 +1,131 @@
+"""The processes behind `clearance serve`: started together, monitored, restarted when they die, stopped together.
+
+Their output goes to log files in the data folder. Start reading at `Servers.watch`.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from worker.running.processes import lifeline
+from worker.running.processes.lifeline import Wakeup
+
+STOP = 5.0
+"""Time for the processes to end after SIGTERM before they are killed [s]."""
+
+LONGEST_PAUSE = 30.0
+"""The longest delay before a process that keeps dying is restarted [s]."""
+
+STEADY = 60.0
+"""A process that ran at least this long before it died is restarted without delay [s]."""
+
+LARGEST_LOG = 10_000_000
+"""A log larger than this is replaced by a new one; the previous log is kept as .old.log [bytes]."""
+
+
+WARNING = "WARNING clearance: "
+"""How a line of the service's log begins that concerns who started it."""
+
+
+@dataclass
+class Server:
+    """One process to run: its name, command and log."""
+
+    name: str
+    command: Sequence[str]
+    environment: Mapping[str, str]
+    log: Path
+    when_orphaned: signal.Signals
+    process: subprocess.Popen[bytes] | None = None
+    started: float = 0.0
+    pause: float = 0.0
+    due: float = 0.0
+    status: int | None = None
+    """Exit status of its last end, as in `Popen.returncode`."""
+    begins: int = 0
+    """Where the log of this start begins [bytes]."""
+
+    def start(self) -> None:
+        """Start it; its output is appended to its log."""
+        self.log.parent.mkdir(parents=True, exist_ok=True)
+        if self.log.exists() and self.log.stat().st_size > LARGEST_LOG:
+            self.log.replace(self.log.with_suffix(".old.log"))
+        with self.log.open("ab") as output:
+            self.begins = output.tell()
+            self.process = lifeline.start(
+                self.command,
+                when_orphaned=self.when_orphaned,
+                env={**os.environ, **self.environment},
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+            )
+        self.started = time.monotonic()
+
+    def warnings(self) -> list[str]:
+        """What it has warned of since this start, such as a misspelled setting."""
+        try:
+            lines = self.log.read_bytes()[self.begins :].decode(errors="replace").splitlines()
+        except OSError:
+            return []
+        return [line.removeprefix(WARNING) for line in lines if line.startswith(WARNING)]
+
+    def tail(self, lines: int = 8) -> str:
+        """The last lines of its log."""
+        try:
+            text = self.log.read_text(errors="replace")[-4000:]
+        except OSError:
+            return ""
+        return "\n".join("    " + line for line in text.splitlines()[-lines:])
+
+
+class Servers:
+    """All the processes; `report` is called with a sentence about every event."""
+
+    def __init__(self, servers: Sequence[Server], wakeup: Wakeup, report: Callable[[str], None]) -> None:
+        self.servers, self.report, self._wakeup = servers, report, wakeup
+
+    def start(self) -> None:
+        """Start them all."""
+        for server in self.servers:
+            server.start()
+
+    def watch(self, seconds: float) -> list[Server]:
+        """Monitor them for about this long [s]; returns those that died, which are restarted after a delay."""
+        self._wakeup.wait(seconds)
+        return [server for server in self.servers if self._died(server)]
+
+    def stop(self) -> None:
+        """Terminate them with SIGTERM and, after a timeout, with SIGKILL."""
+        running = [server.process for server in self.servers if server.process is not None]
+        for process in running:
+            process.send_signal(signal.SIGTERM)
+        deadline = time.monotonic() + STOP
+        while any(process.poll() is None for process in running) and time.monotonic() < deadline:
+            self._wakeup.wait(0.05)
+        for process in running:
+            lifeline.kill_group(process)
+
+    def _died(self, server: Server) -> bool:
+        at = time.monotonic()
+        if server.process is None:
+            if at >= server.due:
+                server.start()
+            return False
+        status = server.process.poll()
+        if status is None:
+            return False
+        lifeline.kill_group(server.process)
+        server.process, server.status = None, status
+        server.pause = 0.0 if at - server.started > STEADY else min(LONGEST_PAUSE, max(0.5, 2 * server.pause))
+        server.due = at + server.pause
+        how = lifeline.how_it_ended(status)
+        self.report(f"The {server.name} {how}; restarting it in {server.pause:g} s. From {server.log}:")
+        self.report(server.tail())
+        return True

@@ -1,0 +1,234 @@
+"""A worker: claims runs, renews their leases, and executes them in a child process.
+
+The supervisor never simulates. Whatever the child does (crash, hang, hold the interpreter), the lease is renewed, a
+cancellation takes effect within a second, and the run returns to the queue. Start reading at `Supervisor.run`.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import socket
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import sqlalchemy as sa
+
+from backend.db import workers
+from backend.db.engine import connect, write
+from backend.db.queue import LEASE, Claim, LostLease, Queue
+from worker.running.processes.children import Child, ChildEndedError
+from worker.running.processes.lifeline import Wakeup
+
+log = logging.getLogger("clearance.worker")
+
+POLL = 0.5
+"""Interval at which an idle worker polls for a run [s]."""
+
+WATCH = 0.25
+"""Interval at which a busy worker checks for cancellation [s]."""
+
+GRACE = 2.0
+"""Time for a child to report the end of its run after the lease was lost, before it is killed [s]."""
+
+ANSWER = 10.0
+"""Time for an idle child to report whether its code still equals the files [s]."""
+
+START = 300.0
+"""Time for a child to start [s]."""
+
+MOST_FAILURES = 3
+"""Consecutive failures of a child to start after which the worker exits with an error."""
+
+SETTLE = 60.0
+"""Time for which writing the end of an attempt is retried while the database is unavailable; then its lease expires."""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How an attempt ended: an outcome of `worker.running.processes.child`, or `died`, `cancelled`, `stopped`."""
+
+    outcome: str
+    text: str = ""
+
+
+def default_name() -> str:
+    """The default name of a worker: host name and process id."""
+    return f"{socket.gethostname()}:{os.getpid()}"[:80]
+
+
+class Supervisor:
+    """One worker with one child; `runner`: the function that the child calls, as `module:function`."""
+
+    def __init__(self, url: str, name: str, *, runner: str, lease: float = LEASE) -> None:
+        self.url, self.name, self.runner = url, name, runner
+        self.engine = connect(url)
+        self.queue = Queue(self.engine, lease)
+        self.child: Child | None = None
+        self._wakeup = Wakeup()
+        self.simulators: list[str] = []
+        """The simulators of the child."""
+        self._next_beat = 0.0
+        self._failures = 0
+
+    def run(self) -> int:
+        """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal."""
+        with self._wakeup:
+            try:
+                self._despite_outage(lambda: self._notify(workers.arrive))
+                while self._wakeup.signal is None:
+                    self._despite_outage(self._turn)
+            finally:
+                self._drop_child()
+                self._despite_outage(lambda: self._notify(workers.leave))
+                self.engine.dispose()
+        return self._wakeup.signal or 0
+
+    def _turn(self) -> None:
+        """Process one run from its claim to its end, or wait for the next poll."""
+        self._beat_idle()
+        child = self._ready_child()
+        if child is None or self._wakeup.signal is not None:
+            return
+        claim = self.queue.claim(self.name, self.simulators)
+        if claim is None:
+            self._wakeup.wait(POLL)
+            return
+        log.info("run %d: attempt %d of %d", claim.run_id, claim.attempt, claim.max_attempts)
+        ending = self._watch(child, claim)
+        log.info("run %d: %s%s", claim.run_id, ending.outcome, ending.text and f" ({ending.text})")
+        self._settle(claim, ending)
+
+    def _watch(self, child: Child, claim: Claim) -> Ending:
+        """Send heartbeats while the child works; returns how the attempt ended."""
+        try:
+            child.send(claim.as_json())
+            while True:
+                answer = child.receive(WATCH)
+                if answer is not None:
+                    return Ending(answer["outcome"], answer["text"])
+                if self._wakeup.signal is not None:
+                    self._drop_child()
+                    return Ending("stopped")
+                if self._cancel_requested(claim):
+                    self._drop_child()
+                    return Ending("cancelled")
+        except ChildEndedError as ended:
+            self.child = None
+            return Ending("died", f"the worker process {ended}")
+        except LostLease:
+            return self._lost(child)
+
+    def _cancel_requested(self, claim: Claim) -> bool:
+        try:
+            due = time.monotonic() >= self._next_beat
+            if not due and not self.queue.cancel_requested(claim):
+                return False
+            self._next_beat = time.monotonic() + self.queue.lease / 5
+            cancelling = self.queue.beat(claim)
+            self._notify(workers.beat, claim.run_id, self.simulators)
+            return cancelling
+        except sa.exc.OperationalError as error:
+            log.warning("run %d: heartbeat failed, the database did not respond: %s", claim.run_id, error.orig)
+            return False
+
+    def _lost(self, child: Child) -> Ending:
+        """Handle a lost lease: the run has ended, or another worker has it. A child that reports its end is kept."""
+        try:
+            answer = child.receive(GRACE)
+        except ChildEndedError:
+            answer = None
+        if answer is None:
+            self._drop_child()
+        return Ending(answer["outcome"] if answer and answer["outcome"] == "done" else "lost")
+
+    def _settle(self, claim: Claim, ending: Ending) -> None:
+        """Store how the attempt ended, in the queue."""
+        queue = self.queue
+        settle: dict[str, Callable[[], None]] = {
+            "died": lambda: queue.retry(claim, ending.text),
+            "failed": lambda: queue.retry(claim, ending.text),
+            "unusable": lambda: queue.fail(claim, ending.text),
+            "cancelled": lambda: queue.cancelled(claim),
+            "stopped": lambda: queue.give_back(claim),
+            "stale": lambda: queue.give_back(claim),
+        }
+        if ending.outcome not in settle:
+            return
+        deadline = time.monotonic() + (SETTLE if self._wakeup.signal is None else 1.0)
+        while True:
+            try:
+                settle[ending.outcome]()
+                return
+            except LostLease:
+                log.info("run %d: was reassigned to another worker", claim.run_id)
+                return
+            except sa.exc.OperationalError as error:
+                if time.monotonic() > deadline:
+                    log.warning("run %d: left until its lease expires: %s", claim.run_id, error.orig)
+                    return
+            self._wakeup.wait(0.2)
+
+    def _ready_child(self) -> Child | None:
+        """The child, (re)started if there is none or the code has changed; None if it did not start (to be retried)."""
+        if self.child is not None and self.child.alive() and self._is_fresh(self.child):
+            return self.child
+        self._drop_child()
+        child = self.child = Child({"database": self.url, "runner": self.runner}, self._wakeup)
+        deadline = time.monotonic() + START
+        try:
+            while self._wakeup.signal is None and time.monotonic() < deadline:
+                answer = child.receive(WATCH)
+                if answer is not None:
+                    self._failures = 0
+                    self.simulators = answer["simulators"]
+                    self._next_beat = 0.0
+                    return child if answer["fresh"] else None
+                self._beat_idle()
+            how = f"did not start within {START:g} s"
+        except ChildEndedError as ended:
+            how = str(ended)
+        self._drop_child()
+        if self._wakeup.signal is None:
+            self._failures += 1
+            if self._failures >= MOST_FAILURES:
+                raise RuntimeError(f"the worker process {how} before it was ready, {self._failures} times in a row")
+            log.error("the worker process %s before it was ready; restarting it", how)
+            self._wakeup.wait(0.5 * 2**self._failures)
+        return None
+
+    def _is_fresh(self, child: Child) -> bool:
+        """Whether the child's code still equals the files; the child checks this, since it recorded what it loaded."""
+        deadline = time.monotonic() + ANSWER
+        try:
+            child.send({"fresh": True})
+            while self._wakeup.signal is None and time.monotonic() < deadline:
+                answer = child.receive(WATCH)
+                if answer is not None:
+                    if not answer["fresh"]:
+                        log.info("the code has changed: restarting the worker process")
+                    return bool(answer["fresh"])
+        except ChildEndedError as ended:
+            log.error("the worker process %s while it was idle; restarting it", ended)
+        return self._wakeup.signal is not None
+
+    def _drop_child(self) -> None:
+        if self.child is not None:
+            self.child.kill()
+            self.child = None
+
+    def _beat_idle(self) -> None:
+        if time.monotonic() >= self._next_beat:
+            self._next_beat = time.monotonic() + self.queue.lease / 5
+            self._notify(workers.beat, None, self.simulators)
+
+    def _notify(self, what: Callable[..., None], *values: int | list[str] | None) -> None:
+        write(self.engine, lambda connection: what(connection, self.name, *values), 0.0)
+
+    def _despite_outage(self, work: Callable[[], None]) -> None:
+        try:
+            work()
+        except sa.exc.OperationalError as error:
+            log.warning("the database does not respond: %s", error.orig)
+            self._wakeup.wait(1.0)

@@ -1,0 +1,121 @@
+"""Extends a finished search: the new run replays the stored evaluations and simulates only the rest.
+
+A method is deterministic, so its first evaluations under the larger budget are bit-identical to the stored ones. Stages
+that depend on all earlier ones are computed again. Runs of other code are refused. Start reading at `continued`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, fields
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from campaigns import Campaign, check
+from campaigns.asked.load import load_document
+from campaigns.asked.spec import MAX_EVALUATIONS, Search
+from campaigns.claims.numbers import count
+from campaigns.claims.say import listed
+from campaigns.claims.spans import words
+from campaigns.documents import JsonObject
+from campaigns.stages.plan import plan
+from campaigns.versions import Versions, differences, differing, other_code
+from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
+from worker.running.catalogue.installed import catalogue, methods
+from worker.running.opening import opened
+from worker.running.runs import sources
+from worker.running.runs.provenance import versions
+from worker.running.runs.store import MemoryStore
+
+
+class CannotContinue(ValueError):
+    """The run cannot be extended; the message states why and what to do."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """A search's new budget: so many further evaluations, or so many in total."""
+
+    evaluations: int
+    more: bool
+
+    @staticmethod
+    def read(text: str) -> Budget:
+        """`+20000` adds evaluations, `20000` is the total; raises `CannotContinue` for anything else."""
+        if not re.fullmatch(r"\+?[0-9_]{1,12}", text) or int(text) < 1:
+            raise CannotContinue(
+                f"invalid budget {text!r}: give +20000 for 20000 further evaluations, or 20000 for the total"
+            )
+        return Budget(int(text), text.startswith("+"))
+
+    def after(self, before: int) -> int:
+        """What a budget of `before` evaluations becomes."""
+        return before + self.evaluations if self.more else max(before, self.evaluations)
+
+
+def continued(campaign: Campaign, budget: Budget) -> Campaign:
+    """The campaign with larger budgets for every search that can be extended; raises `CannotContinue` if none can."""
+    document = campaign.document()
+    raised = [_raised(search, budget) for search in campaign.stages.search]
+    if not any(raised):
+        asked = words(listed([methods()[s.method].title for s in campaign.stages.search]))
+        able = words(listed([m.title for m in methods().values() if m.extend is not None]))
+        raise CannotContinue(
+            f"none of its searches ({asked}) can be extended to {count(budget.evaluations)} evaluations; "
+            f"these can be extended: {able}"
+        )
+    document["stages"]["search"] = [
+        changed or search for changed, search in zip(raised, document["stages"]["search"], strict=True)
+    ]
+    larger = load_document(document, "the extended campaign")
+    if problems := check(larger, catalogue()):
+        raise CannotContinue(f"such a campaign is now refused: {'; '.join(map(str, problems))}")
+    return larger
+
+
+def _raised(search: Search, budget: Budget) -> JsonObject | None:
+    method = methods()[search.method]
+    evaluations = budget.after(search.evaluations)
+    if method.extend is None or evaluations <= search.evaluations:
+        return None
+    if evaluations > MAX_EVALUATIONS:
+        raise CannotContinue(f"{count(evaluations)} evaluations are more than the {count(MAX_EVALUATIONS)} allowed")
+    known: TypeAdapter[Any] = TypeAdapter(method.options)
+    try:
+        options = method.extend(known.validate_python(search.options), evaluations - search.evaluations)
+    except ValueError:
+        return None
+    usual = method.options()
+    changed = {f.name: getattr(options, f.name) for f in fields(options)}
+    stated = {name: v for name, v in changed.items() if name in search.options or v != getattr(usual, name)}
+    asked = search.model_dump(mode="json")
+    return asked | {"evaluations": evaluations, "options": stated}
+
+
+def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Columns]:
+    """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`."""
+    stages = [(p.kind, p.method) for p in plan(new)]
+    if [(r.plan.kind, r.plan.method) for r in store.stages] != stages or [
+        (p.kind, p.method) for p in plan(old)
+    ] != stages:
+        raise CannotContinue("its stages were planned by another version of Clearance; run the campaign again")
+    found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if kind != "validate"}
+    return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
+
+
+def refuse_other_code(new: Campaign, then: Versions, modules: dict[str, str] | None = None) -> None:
+    """Raises `CannotContinue` if the code or packages of the run differ from this installation.
+
+    `modules` are the digests of its modules, if stored. Fields that were not stored are not compared.
+    """
+    here, code = versions(opened.system(new)), sources.code()
+    others = differences(then, here, differing(modules, code.modules) if modules else None)
+    if others:
+        raise CannotContinue(other_code("it", others))
+
+
+def preloaded(new: Campaign, evaluations: dict[int, Columns]) -> MemoryStore:
+    """A store in memory that a run of the new campaign resumes from."""
+    stages = [StageRecord(StagePlan(*planned)) for planned in plan(new)]
+    return MemoryStore(stages=stages, chunks={at: [columns] for at, columns in evaluations.items()})

@@ -1,0 +1,63 @@
+"""The provenance stored with results so that they can be reproduced: code, versions, machine, settings.
+
+Stored when the first stage of a run begins; a run begun by other code is refused.
+"""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+from llvmlite import binding
+from numba.core.codegen import get_host_cpu_features
+
+from campaigns.asked.spec import Campaign
+from campaigns.versions import Processor, Versions
+from worker.engine.stages.parts.store import Store
+from worker.engine.systems.base import System
+from worker.running.runs import sources
+from worker.running.runs.added import added
+
+
+def begin(store: Store, system: System, campaign: Campaign) -> None:
+    """Store the present versions, and the source of what is not shipped; raises `backend.db.store.OtherCode` if the run
+    was begun by other code."""
+    store.record_versions(versions(system), sources.code())
+    found = added(campaign)
+    if found is not None:
+        store.record_sources(*found)
+
+
+def versions(system: System) -> Versions:
+    """The versions of the code and packages of this process, the processor, the system."""
+    return Versions(
+        clearance=version("clearance"),
+        python=platform.python_version(),
+        code=sources.code().digest,
+        packages=dict(sources.LOADED.packages),
+        system=f"{platform.system()} {platform.machine()}",
+        cpu=_processor(),
+        lanes=system.settings.lanes,
+        step=system.settings.step,
+        integrator=system.settings.integrator,
+        loop=system.digest if system.settings.integrator else None,
+        components=sources.own(system.own),
+        simulator=None if system.settings.integrator else system.digest,
+        evaluator=system.elsewhere or None,
+        command=system.given or None,
+    )
+
+
+def _processor() -> Processor:
+    named: str = get_host_cpu_features()  # type: ignore[no-untyped-call]
+    features = sorted(f[1:] for f in named.split(",") if f.startswith("+"))
+    return Processor(model=_model(), target=binding.get_host_cpu_name(), features=" ".join(features))
+
+
+def _model() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")

@@ -1,0 +1,105 @@
+"""Runs a campaign stage by stage into a store, or resumes a run from a store.
+
+Start reading at `execute`. The order of stages is `campaigns.stages.plan`; what each does is in `worker.engine.stages`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+
+from campaigns import Campaign
+from campaigns.results import CertifyResult, NominalResult, SearchResult, ValidateResult, Verdict
+from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.baseline import BaselineResult
+from campaigns.stages.plan import plan
+from worker.engine.problem.evaluate import InProcess
+from worker.engine.problem.problem import Problem
+from worker.engine.stages.found import stages
+from worker.engine.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
+from worker.engine.stages.parts.noise import flaky
+from worker.engine.stages.parts.store import StagePlan, StageRecord, Store
+from worker.engine.systems.base import CampaignUnusable
+from worker.evidence.verdicts.conclude import conclude
+from worker.evidence.verdicts.evidence import Evidence
+from worker.running.catalogue.installed import methods
+from worker.running.opening import opened
+from worker.running.runs.provenance import begin, versions
+
+__all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
+
+R = TypeVar("R")
+
+
+def execute(
+    campaign: Campaign,
+    store: Store,
+    cancelled: Callable[[], bool] = lambda: False,
+    progress: Callable[[int, Tally], None] = lambda position, tally: None,
+    threads: int | None = None,
+    problem: Problem | None = None,
+) -> Verdict:
+    """Run or resume a campaign to its verdict.
+
+    problem: the campaign's problem, if its system is not one of this installation; its system is closed at the end.
+
+    Raises `CampaignUnusable` when it cannot be run with these components, `Cancelled` when asked to stop,
+    `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage requests other points.
+    """
+    problem = problem or opened.problem(campaign)
+    problem.system.warm()
+    records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
+    begin(store, problem.system, campaign)
+    evaluate = InProcess(problem, threads)
+    planned = [record.plan for record in records]
+    context = Context(campaign, problem, evaluate, store, cancelled, progress, plan=planned, methods=methods())
+    try:
+        for position, record in enumerate(records):
+            if record.result is not None:
+                context.results[position] = record.result
+            else:
+                _carry_out(context, position, record)
+        verdict = conclude(problem, _evidence(context), versions(problem.system))
+        store.conclude(verdict)
+        return verdict
+    finally:
+        evaluate.close()
+        problem.system.close()
+
+
+def _carry_out(context: Context, position: int, record: StageRecord) -> None:
+    context.store.begin(position)
+    began = time.perf_counter()
+    outcome = stages()[record.plan.kind].run(context, position)
+    context.results[position] = outcome.result
+    seconds = record.seconds + time.perf_counter() - began
+    context.store.finish(position, outcome.result, seconds, outcome.findings, outcome.traces)
+
+
+def _evidence(context: Context) -> Evidence:
+    findings = context.store.found()
+    columns = [c for _, c in all_columns(context, list(range(len(context.plan))))]
+    status = np.concatenate([c.status for c in columns])
+    costs = np.concatenate([c.costs[:, 0] for c in columns])[status == OK]
+    return Evidence(
+        nominal=_of(context, NominalResult)[0],
+        searches=_of(context, SearchResult),
+        baseline=next(iter(_of(context, BaselineResult)), None),
+        certificate=next(iter(_of(context, CertifyResult)), None),
+        validation=_of(context, ValidateResult)[0],
+        finding=findings[0] if findings else None,
+        others=findings[1:],
+        evaluations=len(status),
+        failed=int(np.count_nonzero((status != OK) & (status != EXCLUDED))),
+        excluded=int(np.count_nonzero(status == EXCLUDED)),
+        lowest=float(costs.min()) if len(costs) else None,
+        violating=int(np.count_nonzero(costs <= context.problem.threshold)),
+        flaky=sum(flaky(c) for _, c in all_columns(context, list(range(len(context.plan))))),
+    )
+
+
+def _of(context: Context, kind: type[R]) -> list[R]:
+    return [result for _, result in sorted(context.results.items()) if isinstance(result, kind)]

@@ -1,0 +1,203 @@
+"""The source files of this installation: their content when loaded, and whether they have changed since.
+
+Imported first in every process that simulates: it records the files before they are loaded, so that an edit while they
+load shows. Packages that add components or methods by entry points are covered too. Start reading at `stale`, `code`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from worker.engine.components.own import folders, listed
+
+if TYPE_CHECKING:  # no module is loaded before its files are recorded
+    from campaigns.versions import Code
+
+PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "pymoo", "SALib")
+"""Third-party packages that can change a number."""
+
+GROUPS = ("clearance.components", "clearance.methods", "clearance.simulators")
+OURS = ("campaigns", "worker", "backend.db")
+APART = (
+    *(
+        "backend.db",
+        "campaigns.heap",
+        "clearance.__main__",
+        "clearance.cli",
+        "worker.running.processes",
+        "worker.running.examination",
+    ),
+    "worker.running.skeletons",
+)
+"""Modules that start processes, store, print, examine: they are loaded again when they change, but change no number."""
+OWN = "worker.engine.components.own"
+"""The operator's own components: of each run, those that it uses are recorded apart from the code."""
+
+_SUFFIXES = (".py", ".so", ".pyd")
+_Stamp = tuple[tuple[str, int, int, int, int], ...]
+
+
+@dataclass(frozen=True)
+class Noted:
+    """The files as they are at one moment."""
+
+    files: dict[str, bytes]
+    """The content by the module's name."""
+    packages: dict[str, str]
+    """Versions: those of `PACKAGES`, and of the packages that add components."""
+    digest: str
+    """Of both, byte by byte."""
+    paths: tuple[str, ...]
+    """Files and folders whose change may make another digest."""
+
+
+def note() -> Noted:
+    """Read all files now."""
+    files: dict[str, bytes] = {}
+    paths: list[str] = []
+    added = added_places()
+    places = [*_ours(), *((name, place) for name, place, _ in added), *((OWN, folder) for folder in folders())]
+    for name, place in places:
+        found = _modules(name, place, paths) if name != OWN else _own(place, paths)
+        for module, path in found:
+            if module in files:
+                continue  # of two own files of the same name the first one counts
+            with suppress(FileNotFoundError):  # it was deleted since the folder was read
+                files[module] = path.read_bytes()
+                paths.append(str(path))
+    packages = {name: _version(name) for name in PACKAGES}
+    packages |= {entry.dist.name: entry.dist.version for _, _, entry in added if entry.dist is not None}
+    sink = hashlib.sha256(repr(sorted(packages.items())).encode())
+    for module in sorted(files):
+        sink.update(f"{module}:{hashlib.sha256(files[module]).hexdigest()};".encode())
+    return Noted(files, packages, sink.hexdigest(), (*paths, *sys.path, *map(str, listed())))
+
+
+def stale() -> bool:
+    """Whether the files or package versions have changed since this process loaded them."""
+    global _same
+    stamp = _stamp(LOADED.paths)  # before the files are read: an edit meanwhile shows the next time
+    if stamp == _same:
+        return False
+    if note().digest != LOADED.digest:
+        return True
+    _same = stamp  # they were touched, or something else appeared next to them
+    return False
+
+
+@cache
+def code() -> Code:
+    """The loaded code that can change a number, without documentation."""
+    from campaigns.versions import Code
+    from worker.running.runs.meaning import meanings
+
+    modules = meanings(
+        {
+            name: content
+            for name, content in sorted(LOADED.files.items())
+            if not any(name == apart or name.startswith(f"{apart}.") for apart in (*APART, OWN))
+        }
+    )
+    whole = "".join(f"{name}:{digest};" for name, digest in modules.items())
+    return Code(hashlib.sha256(whole.encode()).hexdigest(), modules)
+
+
+def own(modules: Iterable[str]) -> dict[str, str]:
+    """The digests of these modules of the operator, without documentation, by file: `my_robot.py`."""
+    from worker.running.runs.meaning import meaning
+
+    return {f"{name.rpartition('.')[2]}.py": meaning(LOADED.files[name]) for name in modules if name in LOADED.files}
+
+
+def own_modules() -> list[str]:
+    """The modules of the operator as they were loaded."""
+    return [name for name in LOADED.files if name.startswith(f"{OWN}.") and name != OWN]
+
+
+def _ours() -> Iterator[tuple[str, Path]]:
+    root = Path(__file__).parents[3]
+    for name in OURS:
+        yield name, root.joinpath(*name.split("."))
+
+
+def added_places() -> list[tuple[str, Path, EntryPoint]]:
+    """The packages or single modules of others that entry points name, each with where it is."""
+    found: dict[str, tuple[str, Path, EntryPoint]] = {}
+    entries = entry_points()  # one look at all packages, 15 ms
+    for entry in (entry for group in GROUPS for entry in entries.select(group=group)):
+        parts = entry.module.split(".")
+        if parts[0] in {name.split(".")[0] for name in OURS}:
+            continue
+        for count in range(1, len(parts) + 1):  # a namespace package is shared with others: go below it
+            name = ".".join(parts[:count])
+            with suppress(ImportError, ValueError):
+                spec = importlib.util.find_spec(name)
+                if spec is not None and spec.origin is not None:
+                    place = Path(spec.origin).parent if spec.submodule_search_locations else Path(spec.origin)
+                    found[name] = (name, place, entry)
+                    break
+    return list(found.values())
+
+
+def _modules(name: str, place: Path, folders: list[str]) -> Iterator[tuple[str, Path]]:
+    if place.is_file():
+        yield name, place
+        return
+    for folder, inner, files in os.walk(place):
+        inner[:] = sorted(f for f in inner if f != "__pycache__")
+        folders.append(folder)
+        below = ".".join([name, *Path(folder).relative_to(place).parts])
+        for file in sorted(files):
+            if file.endswith(_SUFFIXES):
+                stem = file.partition(".")[0]
+                yield below if stem == "__init__" else f"{below}.{stem}", Path(folder, file)
+
+
+def _own(folder: Path, paths: list[str]) -> Iterator[tuple[str, Path]]:
+    """The Python files of a folder of the operator, not those of folders in it."""
+    paths.append(str(folder))
+    for file in sorted(folder.glob("*.py")):
+        yield f"{OWN}.{file.stem}", file
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _stamp(paths: tuple[str, ...]) -> _Stamp:
+    found = []
+    for path in paths:
+        with suppress(OSError):
+            at = os.stat(path)
+            found.append((path, at.st_mtime_ns, at.st_ctime_ns, at.st_size, at.st_ino))
+    return tuple(found)
+
+
+def _drop_old_bytecode(paths: tuple[str, ...]) -> None:
+    """Python takes bytecode for current when the source's size and second are the same: not after a quick edit."""
+    for path in paths:
+        if path.endswith(".py"):
+            with suppress(OSError, NotImplementedError):
+                compiled = importlib.util.cache_from_source(path)
+                if os.stat(path).st_mtime_ns >= os.stat(compiled).st_mtime_ns:
+                    os.unlink(compiled)
+
+
+LOADED = note()
+"""The files as they were before this process loaded them."""
+
+_same: _Stamp | None = None
+_drop_old_bytecode(LOADED.paths)

@@ -1,1 +1,0 @@
-"""The search methods, one file each, discovered automatically; their interface is `worker.search.base`."""

@@ -1,1 +1,0 @@
-"""The parts of contrast racing, compiled; the method is `worker.search.methods.contrast_racing`."""

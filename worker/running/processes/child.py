@@ -53,13 +53,16 @@ def main() -> None:
     from worker.running.catalogue.digests import with_digests
     from worker.running.catalogue.installed import catalogue
     from worker.running.processes import memory
+    from worker.running.runs import identity
 
-    document, code = catalogue(), sources.code()
+    document, code = catalogue(), identity.installation()
     heap.loaded()
     memory.bound()
     fresh = not sources.stale()
     if fresh:
-        published = with_digests(document).model_copy(update={"own": sources.own(sources.own_modules())})
+        published = with_digests(document).model_copy(
+            update={"own": sources.own(sources.own_modules()), "code": identity.code_parts()}
+        )
         write(engine, lambda connection: workers.publish(connection, published, code), PATIENCE)
     _send(answers, {"ready": True, "fresh": fresh, "simulators": [s.version for s in document.simulators]})
     serve(engine, execute, document, requests, answers)

@@ -62,7 +62,7 @@ def execute(
                 context.results[position] = record.result
             else:
                 _carry_out(context, position, record)
-        verdict = conclude(problem, _evidence(context), versions(problem.system))
+        verdict = conclude(problem, _evidence(context), versions(campaign, problem.system))
         store.conclude(verdict)
         return verdict
     finally:

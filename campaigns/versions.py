@@ -28,6 +28,10 @@ class Code:
     """The digest of each module by its name."""
 
 
+class OtherCode(ValueError):
+    """The run was begun by other code, packages or components; the message states the differences as clauses."""
+
+
 class CodeParts(BaseModel):
     """The digests of an installation's code by part, each with everything that it imports, without documentation."""
 

@@ -6,7 +6,7 @@ import sqlalchemy as sa
 
 from backend.db.engine import insert, now
 from backend.db.tables import CatalogueDocument, CodeVersion
-from campaigns.versions import Code, CodeParts, Versions, differences, differing
+from campaigns.versions import Code, CodeParts
 
 
 def store(writer: sa.Connection, code: Code) -> None:
@@ -35,9 +35,3 @@ def changed(reader: sa.Connection, then: str | None) -> list[str]:
     """The modules of a run's code that are others or gone at the newest worker; empty unless both are stored."""
     before, after = modules(reader, then), modules(reader, published(reader))
     return sorted(name for name, digest in before.items() if after.get(name) != digest) if after else []
-
-
-def others(reader: sa.Connection, then: Versions, here: Versions, code: Code) -> list[str]:
-    """The differences between the installation that ran a run and this one, as clauses."""
-    before = modules(reader, then.code)
-    return differences(then, here, differing(before, code.modules) if before else [])

@@ -9,6 +9,8 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Iterator
 from functools import cache
+from importlib.metadata import EntryPoint
+from pathlib import Path
 from typing import NamedTuple
 
 from campaigns import Campaign
@@ -66,7 +68,7 @@ def installation() -> Code:
 def packages(campaign: Campaign) -> dict[str, str]:
     """The versions of the packages that a run of the campaign uses."""
     reached = used(campaign)
-    guests = {e.dist.name for name, _, e in sources.added_places() if e.dist is not None and name in reached.modules}
+    guests = {e.dist.name for name, _, e in _added() if e.dist is not None and name in reached.modules}
     return {name: v for name, v in sources.LOADED.packages.items() if name in reached.packages | guests}
 
 
@@ -101,21 +103,35 @@ def used(campaign: Campaign) -> Used:
     return closure(roots)
 
 
+def choosing(kind: str, method: str | None) -> frozenset[str]:
+    """The modules that choose the points of a stage."""
+    methods = [] if method is None else [installed.source_of(installed.methods()[method]).__name__]
+    return closure([*_of_stage(kind), *methods]).modules
+
+
 def closure(roots: Iterable[str]) -> Used:
     """The loaded modules of these names and those that they import, directly or not; the operator's own left out."""
-    known = loaded()
-    found, others, waiting = set[str](), set[str](), [name for name in roots if name in known]
+    found, others, waiting = set[str](), set[str](), [name for name in roots if name in loaded()]
     while waiting:
         name = waiting.pop()
-        if name in found:
-            continue
-        found.add(name)
-        for one in known[name].imports:
-            base = _absolute(name, one.module)
-            homes = [home for home in _home(base, one.name) if not _within(home, WORDS)]
-            waiting += homes
-            others |= set() if homes else {base.partition(".")[0]}
+        if name not in found:
+            found.add(name)
+            modules, packages = _reached(name)
+            waiting += modules
+            others |= packages
     return Used(frozenset(name for name in found if not _within(name, sources.OWN)), frozenset(others))
+
+
+@cache
+def _reached(name: str) -> Used:
+    """What one module imports directly."""
+    modules, packages = set[str](), set[str]()
+    for one in loaded()[name].imports:
+        base = _absolute(name, one.module)
+        homes = [home for home in _home(base, one.name) if not _within(home, WORDS)]
+        modules |= set(homes)
+        packages |= set() if homes else {base.partition(".")[0]}
+    return Used(frozenset(modules), frozenset(packages))
 
 
 def _home(base: str, name: str) -> Iterator[str]:
@@ -172,8 +188,13 @@ def _guests() -> dict[str, str]:
 
 def _with_package(home: str) -> list[str]:
     """A module, with the whole package if another one's: it may load any part of itself."""
-    places = [name for name, _, _ in sources.added_places() if _within(home, name)]
+    places = [name for name, _, _ in _added() if _within(home, name)]
     return [home, *(name for name in loaded() if any(_within(name, place) for place in places))]
+
+
+@cache
+def _added() -> list[tuple[str, Path, EntryPoint]]:
+    return sources.added_places()
 
 
 @cache

@@ -15,6 +15,7 @@ import re
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import CodeType
 from typing import Any, NamedTuple
 
 from worker.engine.kernels.folder import cache_folder
@@ -101,11 +102,15 @@ def _file() -> Path:
 
     The code is that which runs: the text of this file may have been edited since.
     """
-    codes = [
-        (code.co_code, code.co_names, code.co_consts) for code in (f.__code__ for f in (meaning, _tokens, _imports))
-    ]
+    codes = [_essence(function.__code__) for function in (meaning, _tokens, _imports)]
     key = hashlib.sha256(f"{sys.version} {Path(__file__).parent} {codes}".encode())
     return cache_folder() / "meanings" / f"{key.hexdigest()[:32]}.json"
+
+
+def _essence(code: CodeType) -> tuple[object, ...]:
+    """What a function executes, without addresses and lines."""
+    inner = [_essence(each) if isinstance(each, CodeType) else each for each in code.co_consts]
+    return code.co_code, code.co_names, inner
 
 
 def _stored(file: Path) -> dict[str, Meaning]:

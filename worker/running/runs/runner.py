@@ -52,7 +52,7 @@ def execute(
     problem = problem or opened.problem(campaign)
     problem.system.warm()
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
-    begin(store, problem.system, campaign)
+    begin(store, problem.system, campaign, records)
     evaluate = InProcess(problem, threads)
     planned = [record.plan for record in records]
     context = Context(campaign, problem, evaluate, store, cancelled, progress, plan=planned, methods=methods())

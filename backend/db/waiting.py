@@ -1,6 +1,6 @@
 """The two ways on for a run that waits for the code that began it, besides a worker of that code.
 
-`restart` discards what was evaluated; `carry` begins a new run, whose worker takes over the evaluations that it may use.
+`restart` discards what was evaluated; `carry` begins a new run, whose worker takes over what it may use of it.
 """
 
 from __future__ import annotations
@@ -10,9 +10,7 @@ import sqlalchemy as sa
 from backend.db import labels, refusals, sizes
 from backend.db.engine import now
 from backend.db.queue import submit
-from backend.db.tables import (
-    Campaign as CampaignRow,
-)
+from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import (
     EvaluationAhead,
     EvaluationChunk,
@@ -25,6 +23,7 @@ from backend.db.tables import (
 )
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.documents import JsonObject
 from campaigns.runs import RunState, run_name
 from campaigns.stages.plan import plan
 
@@ -39,7 +38,14 @@ def restart(writer: sa.Connection, run_id: int) -> bool:
         writer.execute(sa.delete(table).where(table.run_id == run_id))
     refusals.clear(writer, run_id)
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
-    empty = {"attempts": 0, "started": None, "flown": None, "error": None, "evaluations": 0, "failed_evaluations": 0}
+    empty: JsonObject = {
+        "attempts": 0,
+        "started": None,
+        "flown": None,
+        "error": None,
+        "evaluations": 0,
+        "failed_evaluations": 0,
+    }
     empty |= {"nominal_cost": None, "worst_cost": None, "worst_method": None, "best_so_far": [], "carries": False}
     size = sizes.of_document(writer.execute(of).scalar_one())
     writer.execute(sa.update(Run).where(Run.id == run_id).values(**empty, size=size, not_before=0.0))

@@ -20,7 +20,7 @@ from campaigns.versions import Versions
 
 
 def restart(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
-    """Begin a run again, without its evaluations. 404, 403 if it is another user's, 409 unless it waits for its code."""
+    """Begin a run again without its evaluations; 409 unless it waits for its code, 403 if it is another user's."""
     _own(writer, run_id, visitor)
     lost = writer.scalar(sa.select(Run.evaluations).where(Run.id == run_id))
     if not waiting.restart(writer, run_id):
@@ -30,7 +30,7 @@ def restart(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
 
 
 def carry_on(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
-    """Continue a run as a new one. As `restart`; also 409 if no evaluation may be used, 422 for an unusable campaign."""
+    """Continue a run as a new one; as `restart`, and 409 if no evaluation may be used, 422 for an unusable campaign."""
     _own(writer, run_id, visitor)
     campaign, catalogue = service.campaign(writer, run_id), required(writer)
     if problems := check(campaign, catalogue):

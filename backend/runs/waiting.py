@@ -15,7 +15,7 @@ from backend.db.tables import Run, Worker
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs.schemas import RunDoing
 from campaigns.claims.numbers import count
-from campaigns.runs import run_name
+from campaigns.runs import RunState, run_name
 
 MOST_NAMED = 3
 """Largest number of runs that are named as the reason why another one waits."""
@@ -36,7 +36,7 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]
     Times in it are rounded, so that a page that is told of every change is not told every second.
     """
     asked = sa.select(Run.id, Run.needs, Run.not_before, Run.evaluations).where(
-        Run.id.in_(run_ids), Run.state == "queued"
+        Run.id.in_(run_ids), Run.state == RunState.QUEUED
     )
     queued = reader.execute(asked).all()
     if not queued:

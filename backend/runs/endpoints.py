@@ -10,7 +10,6 @@ from fastapi.concurrency import run_in_threadpool
 from pydantic import Field
 
 from backend.access.auth import CurrentVisitor
-from backend.access.once import OnceOnly
 from backend.db.engine import read
 from backend.http import bodies
 from backend.http.deps import Engine, Reader
@@ -215,25 +214,22 @@ def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSumm
     return edits.cancel(engine, [service.number(run)], visitor)[0]
 
 
-@router.post("/runs/{run}/restart", responses=problems("not-found", "not-waiting", "idempotency-key-reused"))
-def restart_run(run: RunName, visitor: CurrentVisitor, once: OnceOnly) -> RunSummary:
+@router.post("/runs/{run}/restart", responses=problems("not-found", "not-waiting"))
+def restart_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Begin a run again that waits for the code that began it; its evaluations are discarded."""
-    run_id = service.number(run)
-    return once.do(RunSummary, lambda writer: onward.restart(writer, run_id, visitor), lambda made: made.id)
+    return onward.restart(engine, service.number(run), visitor)
 
 
 @router.post(
     "/runs/{run}/continuation",
     status_code=status.HTTP_201_CREATED,
-    responses=LOCATION
-    | problems("not-found", "not-waiting", "not-continuable", "invalid-campaign", "idempotency-key-reused"),
+    responses=LOCATION | problems("not-found", "not-waiting", "not-continuable", "invalid-campaign", "no-catalogue"),
 )
 def continue_run(
-    run: RunName, request: Request, response: Response, visitor: CurrentVisitor, once: OnceOnly
+    run: RunName, request: Request, response: Response, engine: Engine, visitor: CurrentVisitor
 ) -> RunSummary:
     """Continue a run that waits for the code that began it as a new run, with the evaluations that are still valid."""
-    run_id = service.number(run)
-    made = once.do(RunSummary, lambda writer: onward.carry_on(writer, run_id, visitor), lambda found: found.id)
+    made = onward.carry_on(engine, service.number(run), visitor)
     response.headers["Location"] = at(request.url.path.replace(f"{run}/continuation", made.id))
     return made
 

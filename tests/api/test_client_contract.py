@@ -23,6 +23,8 @@ REQUESTS: dict[str, Call[Any]] = {
         q="q", state=SOME, verdict=SOME, tag=SOME, campaign=SOME, owner=SOME, label=SOME, sort="-created", cursor="c"
     ),
     "cancel_run": calls.cancel("R-0001"),
+    "restart_run": calls.restart("R-0001"),
+    "continue_run": calls.carry_on("R-0001"),
     "list_findings": calls.findings("R-0001"),
     "list_traces": calls.traces("R-0001"),
     "get_trace": calls.trace_data("R-0001", "F1", 100),

@@ -21,7 +21,7 @@ def upgrade() -> None:
         sa.Column("run_id", sa.Integer(), sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True),
         sa.Column("installation", sa.String(64), primary_key=True),
         sa.Column("text", sa.Text(), nullable=False),
-        sa.Column("created", sa.Float(), nullable=False),
+        sa.Column("created", sa.Double(), nullable=False),
     )
     op.add_column("workers", sa.Column("installation", sa.String(64), nullable=False, server_default=""))
     op.add_column("runs", sa.Column("carries", sa.Boolean(), nullable=False, server_default=sa.false()))

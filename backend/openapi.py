@@ -36,7 +36,7 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
 _LEFT_OUT = {
     "Criterion": ("component", "result", "from_centre", "requirements"),
     "Campaign": ("scenario", "simulator", "encounter", "regression", "baseline"),
-    "Catalogue": ("simulators", "digests", "own", "unusable"),
+    "Catalogue": ("simulators", "digests", "own", "code", "unusable"),
     "Provenance": ("components", "simulator", "evaluator", "command"),
     "Versions": ("components", "simulator", "evaluator", "command"),
     "Validation": ("again", "repeats"),

@@ -41,6 +41,7 @@ def restart(writer: sa.Connection, run_id: int) -> bool:
     empty: JsonObject = {
         "attempts": 0,
         "started": None,
+        "worker": None,
         "flown": None,
         "error": None,
         "evaluations": 0,

@@ -147,7 +147,13 @@ def test_a_write_may_be_repeated() -> None:
     """It has a key, or doing it twice is the same as doing it once."""
     writes = {name: call.key for name, call in REQUESTS.items() if call.method != "GET"}
     assert {name for name, key in writes.items() if key} == {"submit_run", "submit_sweep"}
-    assert {name for name, key in writes.items() if not key} == {"cancel_run", "cancel_sweep", "check_campaign"}
+    assert {name for name, key in writes.items() if not key} == {
+        "cancel_run",
+        "cancel_sweep",
+        "check_campaign",
+        "restart_run",
+        "continue_run",
+    }
 
 
 @pytest.mark.parametrize(

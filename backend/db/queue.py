@@ -179,7 +179,7 @@ class Queue:
     def refuse(self, claim: Claim, installation: str, text: str) -> None:
         """Return a run that other code began to the queue, for a worker of another installation; no attempt counts."""
         with self.engine.begin() as connection:
-            self._release(connection, claim)
+            self._release(connection, claim, error=None)
             refusals.store(connection, claim.run_id, installation, text)
 
     def fail(self, claim: Claim, why: str) -> None:
@@ -192,12 +192,12 @@ class Queue:
         with self.engine.begin() as connection:
             self._end(connection, claim, "cancelled")
 
-    def _release(self, connection: sa.Connection, claim: Claim) -> None:
+    def _release(self, connection: sa.Connection, claim: Claim, **more: None) -> None:
         row = _locked(connection, claim)
         if row.state == "cancelling":
             return self._end(connection, claim, "cancelled")
         free = {"state": "queued", "lease_until": 0.0, "not_before": 0.0, "attempts": max(0, row.attempts - 1)}
-        return fenced(connection, claim, **free)
+        return fenced(connection, claim, **free, **more)
 
     def _end(self, connection: sa.Connection, claim: Claim, state: str, error: str | None = None) -> None:
         error = error and error[:LONGEST_ERROR]

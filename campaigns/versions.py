@@ -62,7 +62,7 @@ class Versions(BaseModel):
     model_config = ConfigDict(frozen=True)
     code: str | None = None
     """Digest of the engine and of the parts of it that the campaign uses; see `campaigns.identity`."""
-    model: str | None = None
+    model: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
     """The same without stages and search methods: what evaluates a case. None: not stored by earlier versions."""
     loop: str | None = None
     """Digest of the compiled closed loop: every function and constant in it, by value."""

@@ -27,8 +27,8 @@ class HistoryEntry(Schema):
     via: str
     """The authentication: link, password, token, or cli for the command line."""
     action: str
-    """run.submitted, run.edited, run.cancelled, run.removed, run.restored, run.purged, signoff.created,
-    signoff.withdrawn, signoff.bound"""
+    """run.submitted, run.edited, run.cancelled, run.restarted, run.continued, run.removed, run.restored, run.purged,
+    signoff.created, signoff.withdrawn, signoff.bound"""
     detail: JsonObject
 
 

@@ -89,5 +89,5 @@ export const run = (more: Partial<RunDetail> = {}): RunDetail => ({
     },
     agreement: 0.05, target_probability: null, confidence: 0.95, seed: 1, published: [],
   },
-  criteria: [], components_digest: null, flown: null, plan: [], stages: [], summary: null, rate: null, remaining: null, waits: null, doing: null, ...more,
+  criteria: [], components_digest: null, flown: null, plan: [], stages: [], summary: null, rate: null, remaining: null, waits: null, other_code: null, doing: null, ...more,
 })

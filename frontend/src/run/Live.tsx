@@ -15,6 +15,7 @@ import { insteadOf } from './data/missing'
 import { Failures } from './search/Failures'
 import { MethodsTable } from './search/MethodsTable'
 import { Notes } from './header/Notes'
+import { OtherCode } from './header/OtherCode'
 import { NominalWorst } from './parameters/NominalWorst'
 import { StageStrip } from './search/StageStrip'
 import cards from '../ui/cards.module.css'
@@ -72,6 +73,7 @@ function Queued({ data }: { data: RunData }) {
       <p className={cards.note} style={{ marginBottom: 'var(--gap)' }} role="status">
         This run is waiting. {data.run.waits ?? 'It starts automatically when a worker is free.'}
       </p>
+      {data.run.other_code !== null && <OtherCode run={data.run} />}
       <StageStrip run={data.run} />
       <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
         <NominalWorst data={data} className={layout.c6} title="Uncertain parameters" column={null} worst={null} />

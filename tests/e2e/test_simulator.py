@@ -112,7 +112,6 @@ def test_a_declared_scene_is_drawn_and_another_case_evaluated(
     panel = frame.locator("body")
     for word in ("Nominal", "Worst", "margin", "over ground"):
         expect(panel).to_contain_text(word)
-    expect(panel).to_contain_text("Space")
     expect(panel).not_to_contain_text("Field")
     expect(page.get_by_role("button", name="Recording")).to_be_visible()
     until(lambda: draws(frame), "something drawn")

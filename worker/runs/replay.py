@@ -16,12 +16,12 @@ import numpy as np
 
 from campaigns import Campaign
 from campaigns.claims.numbers import count
+from campaigns.draws import of_draws
 from campaigns.results import Finding
 from campaigns.results.base import OK
 from campaigns.results.nominal import Measured
 from campaigns.versions import Versions
 from worker.problem.problem import Problem
-from worker.stages.parts.seeds import of_draws
 from worker.stages.parts.store import Columns, StagePlan
 from worker.systems.base import Floats, in_own_sign
 

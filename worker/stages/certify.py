@@ -1,7 +1,7 @@
 """Certify: an independent sample from the campaign's distributions, declared before the run, and what follows from it.
 
 It has its own random stream, separate from every search; no point comes from an optimiser. Excluded draws are counted
-and drawn again. If the scenario has noise, every draw simulates its own realisation (`worker.stages.parts.seeds`), so
+and drawn again. If the scenario has noise, every draw simulates its own realisation (`campaigns.draws`), so
 that the probability is that of the noisy system; of a simulator that does not repeat, every draw is one call. A full
 grid, if requested, supports no claim beyond its own points.
 """
@@ -15,12 +15,13 @@ import numpy as np
 
 from campaigns.asked.stages import Certify
 from campaigns.claims.say import count, number, say, symbol
+from campaigns.draws import of_draws
 from campaigns.results import CertifyResult
 from campaigns.results.base import EXCLUDED
 from campaigns.results.sample import GridPoint, GridResult
 from worker.problem.problem import Problem
 from worker.search.base import Batch, Ended, Floats
-from worker.stages.parts import noise, seeds
+from worker.stages.parts import noise
 from worker.stages.parts.base import Asking, Context, Seeded, Through, drive
 from worker.stages.parts.outcome import Outcome, Stage
 from worker.stages.parts.sample import DRAWN, Noise, Sample
@@ -82,7 +83,7 @@ def _search(
     while drawn.evaluated < asked.samples and drawn.draws < most:
         draws = min(BLOCK, asked.samples - drawn.evaluated, most - drawn.draws)
         drawn_points = problem.quantile(random.random((draws, problem.dimension)))
-        own = seeds.of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
+        own = of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
         if single is not None:
             batch: Batch = yield Through(drawn_points, single)
         else:

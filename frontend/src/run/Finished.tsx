@@ -1,6 +1,6 @@
 // A run that has ended: the verdict and its evidence, by sections.
 import { clsx } from 'clsx'
-import { lazy, Suspense, useCallback, useDeferredValue, useMemo } from 'react'
+import { useCallback, useDeferredValue, useMemo } from 'react'
 import { hasScenario } from '../api/campaign'
 import { resultOf } from '../api/stages'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
@@ -32,6 +32,7 @@ import { type Section, SectionTabs } from '../ui/SectionTabs'
 import { SensitivityCard as Sensitivity } from './parameters/SensitivityCard'
 import { SeparationCard } from './flight/SeparationCard'
 import { SinceCard } from './regression/SinceCard'
+import { hasSpace, SpaceSection } from './space/SpaceSection'
 import { StageStrip } from './search/StageStrip'
 import { Untraced } from './flight/Untraced'
 import { Tornado } from './parameters/Tornado'
@@ -43,8 +44,6 @@ import { useWhatIf } from './flight/useWhatIf'
 import { WhatIfCard } from './flight/WhatIfCard'
 import layout from '../ui/layout.module.css'
 import styles from './run.module.css'
-
-const SpaceCard = lazy(() => import('./space/SpaceCard').then((module) => ({ default: module.SpaceCard })))
 
 export function Finished({ data }: { data: RunData }) {
   const { run } = data
@@ -71,7 +70,7 @@ export function Finished({ data }: { data: RunData }) {
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
   const encounter = validation?.encounter
   const failures = data.evaluations?.failures ?? []
-  const space = data.parameters.length > 0 && data.evaluations?.stages.some((stage) => stage.index.length > 0)
+  const space = hasSpace(data)
   const searched = run.stages.some((stage) => stage.kind === 'search' && stage.evaluations > 0)
   const methods = run.stages.filter((stage) => stage.kind === 'search').length
   // Without a validated finding the page shows the lowest evaluation, labelled as not validated.
@@ -190,16 +189,7 @@ export function Finished({ data }: { data: RunData }) {
           ]}
         />
         {published > 0 && sample && <Published data={data} className={layout.c12} />}
-        {space && (
-          // Loaded after the page; its height is reserved, so that the layout does not shift.
-          <div className={layout.c12} id="space" style={{ minHeight: 520 }}>
-            {calm && (
-              <Suspense>
-                <SpaceCard data={data} className="" />
-              </Suspense>
-            )}
-          </div>
-        )}
+        {space && <SpaceSection data={data} whatIf={shown && (flown || !flies) ? whatIf : null} />}
         {front && <FrontCard data={data} className={layout.c12} />}
         {many && minima.map(({ position, search }) => <Minima key={position} data={data} search={search} position={position} className={layout.c12} tall />)}
         {failures.length > 0 && <Failures data={data} className={layout.c12} />}

@@ -17,6 +17,7 @@ import { MethodsTable } from './search/MethodsTable'
 import { Notes } from './header/Notes'
 import { NominalWorst } from './parameters/NominalWorst'
 import { StageStrip } from './search/StageStrip'
+import { hasSpace, LiveSpace } from './space/SpaceSection'
 import cards from '../ui/cards.module.css'
 import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
@@ -54,6 +55,7 @@ export function Live({ data }: { data: RunData }) {
           />
           <Improvements data={data} className="" />
         </div>
+        {hasSpace(data) && <LiveSpace data={data} />}
         <LiveFailures data={data} />
         <Notes run={run} className={layout.c12} />
       </div>

@@ -9,8 +9,8 @@ import sqlalchemy as sa
 
 from backend.db.tables import Finding, Stage
 from campaigns import Campaign
-from campaigns.draws import of_draws
 from campaigns.results.baseline import BaselineResult
+from campaigns.results.draws import of_draws
 
 
 def drawn(reader: sa.Connection, run_id: int, asked: Campaign) -> dict[int, list[int]]:

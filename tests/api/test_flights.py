@@ -16,7 +16,7 @@ from backend.db.purge import purge
 from backend.scenes.live.live import Live
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
-from campaigns.draws import of_draws
+from campaigns.results.draws import of_draws
 from tests import results
 from tests.api.answers import problem
 from tests.api.catalogue import CATALOGUE, campaign, component

@@ -13,8 +13,8 @@ from backend.scenes.base.progress import Progress
 from backend.scenes.base.setting import load
 from backend.scenes.panel.sampled import _sample
 from campaigns import Campaign, library, load_file
-from campaigns.draws import of_draws
 from campaigns.results.baseline import BaselineResult, Reevaluated
+from campaigns.results.draws import of_draws
 from tests import results
 from tests.api.finished import Work
 from tests.api.server import Service

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from campaigns import library, load_file
-from campaigns.draws import of_draws
+from campaigns.results.draws import of_draws
 from tests.problems import Problem
 from tests.unit.cases import CASE1, document
 from tests.unit.living import Live

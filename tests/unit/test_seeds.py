@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from campaigns.asked.spec import MAX_SEED
-from campaigns.draws import of_draws
 from campaigns.results import CertifyResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK
+from campaigns.results.draws import of_draws
 from tests.audited import audited
 from tests.problems import Problem
 from tests.unit.cases import searching

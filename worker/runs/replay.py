@@ -16,9 +16,9 @@ import numpy as np
 
 from campaigns import Campaign
 from campaigns.claims.numbers import count
-from campaigns.draws import of_draws
 from campaigns.results import Finding
 from campaigns.results.base import OK
+from campaigns.results.draws import of_draws
 from campaigns.results.nominal import Measured
 from campaigns.versions import Versions
 from worker.problem.problem import Problem

@@ -1,7 +1,7 @@
 """Certify: an independent sample from the campaign's distributions, declared before the run, and what follows from it.
 
 It has its own random stream, separate from every search; no point comes from an optimiser. Excluded draws are counted
-and drawn again. If the scenario has noise, every draw simulates its own realisation (`campaigns.draws`), so
+and drawn again. If the scenario has noise, every draw simulates its own realisation (`campaigns.results.draws`), so
 that the probability is that of the noisy system; of a simulator that does not repeat, every draw is one call. A full
 grid, if requested, supports no claim beyond its own points.
 """
@@ -15,9 +15,9 @@ import numpy as np
 
 from campaigns.asked.stages import Certify
 from campaigns.claims.say import count, number, say, symbol
-from campaigns.draws import of_draws
 from campaigns.results import CertifyResult
 from campaigns.results.base import EXCLUDED
+from campaigns.results.draws import of_draws
 from campaigns.results.sample import GridPoint, GridResult
 from worker.problem.problem import Problem
 from worker.search.base import Batch, Ended, Floats

@@ -1,7 +1,7 @@
 """The noise realisation of each evaluation, if a stage draws one per evaluation.
 
 It is that of the baseline's finding, or computed from the campaign's seed and the evaluation's index
-(`campaigns.draws`), so it is never stored with the evaluation.
+(`campaigns.results.draws`), so it is never stored with the evaluation.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from campaigns.draws import of_draws
 from campaigns.results import CertifyResult
 from campaigns.results.baseline import BaselineResult
+from campaigns.results.draws import of_draws
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.store import Columns
 from worker.systems.base import Seeds

@@ -32,6 +32,7 @@ export function Reading({ space, at, lowest, simulated, failures, whatIf, onStep
   if (at === null) return <p className={clsx('small mut', styles.read)}>No evaluation is selected.</p>
   const group = space.groups[space.of[at] as number]
   const fate = FATES[space.fates[at] as number]
+  const values = space.axes.map((axis, k) => ({ axis, value: space.columns[k]?.[at] as number })).filter(({ value }) => !Number.isNaN(value))
   const reason = failures.find((one) => String(one.position) === group?.key && one.index === space.index[at])?.reason
   return (
     <div className={clsx('small sec', styles.read)}>
@@ -39,18 +40,15 @@ export function Reading({ space, at, lowest, simulated, failures, whatIf, onStep
         <b className={lowest ? 'bad-t' : undefined}>{simulated ? 'Simulated' : lowest ? 'Lowest selected' : 'Pointed at'}</b>: {group?.title}, evaluation{' '}
         {count((space.index[at] as number) + 1)}
         {fate !== 'ok' && `, ${fate}${reason ? ` (${reason})` : ''}`}:{' '}
-        {space.axes.map((axis, k) => {
-          const value = space.columns[k]?.[at] as number
-          return Number.isNaN(value) ? null : (
-            <Fragment key={axis.key}>
-              {k > 0 && '; '}
-              <span className="nw">
-                <Sign text={axis.symbol} path={axis.key} /> = {plain(value, 5)}
-                {axis.unit && ` ${unitText(axis.unit)}`}
-              </span>
-            </Fragment>
-          )
-        })}
+        {values.map(({ axis, value }, k) => (
+          <Fragment key={axis.key}>
+            {k > 0 && '; '}
+            <span className="nw">
+              <Sign text={axis.symbol} path={axis.key} /> = {plain(value, 5)}
+              {axis.unit && ` ${unitText(axis.unit)}`}
+            </span>
+          </Fragment>
+        ))}
       </p>
       <div className={styles.ranges}>
         <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onStep(-1)}>
@@ -61,11 +59,11 @@ export function Reading({ space, at, lowest, simulated, failures, whatIf, onStep
         </button>
         {onPick && (
           <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onPick(at)}>
-            {flies ? 'Simulate' : 'Set as the what-if'}
+            {flies ? 'Simulate' : 'Use its values'}
           </button>
         )}
         {whatIf && (
-          <span role="status" aria-label="Simulated again">
+          <span role="status" aria-label={flies ? 'Simulated again' : 'Evaluated again'}>
             {simulated && <Again space={space} at={at} whatIf={whatIf} flies={flies} />}
           </span>
         )}
@@ -85,9 +83,10 @@ function Again({ space, at, whatIf, flies }: { space: Space; at: number; whatIf:
   const decimals = decimalsFor([cost, answer.threshold])
   return (
     <Shown>
+      {flies ? 'Simulated' : 'Evaluated'} again:{' '}
       {cost !== null && (
         <>
-          {flies ? 'Simulated' : 'Evaluated'} again: <Sign text={value?.symbol ?? 'value'} /> = {plain(cost, 5)} {unitText(answer.unit)}, margin {signed(margin, decimals)} {unitText(answer.unit)};{' '}
+          <Sign text={value?.symbol ?? 'value'} /> = {plain(cost, 5)} {unitText(answer.unit)}, margin {signed(margin, decimals)} {unitText(answer.unit)};{' '}
         </>
       )}
       {againOf(answer, { cost: space.columns[0]?.[at] ?? Number.NaN, fate: FATES[space.fates[at] as number] ?? 'ok' })}

@@ -104,7 +104,7 @@ export function SpaceCard({ data, className, whatIf, onPick }: Props) {
       className={className}
       run={run.id}
       data={() => tableOf(space, kept)}
-      footer={`${onPick ? `Click an evaluation to ${flies ? 'simulate it' : 'set it as the what-if'}. ` : ''}Drag along an axis or in a cell to select a range; drag its ends to change it, click next to the evaluations to clear it. The data and the CSV file contain the selection.`}
+      footer={`${onPick ? `Click an evaluation to ${flies ? 'simulate it' : 'use its values in the what-if'}. ` : ''}Drag along an axis or in a cell to select a range; drag its ends to change it, click next to the evaluations to clear it. The data and the CSV file contain the selection.`}
     >
       <div className={styles.space} onKeyDown={(event) => event.key === 'Escape' && setBrush({})}>
         <div className={styles.head}>

@@ -15,9 +15,6 @@ import layout from '../../ui/layout.module.css'
 
 const SpaceCard = lazy(() => import('./SpaceCard').then((module) => ({ default: module.SpaceCard })))
 
-export const hasSpace = ({ parameters, evaluations }: Pick<RunData, 'parameters' | 'evaluations'>): boolean =>
-  parameters.length > 0 && evaluations !== undefined && evaluations.stages.some((stage) => stage.index.length > 0)
-
 interface Props {
   data: RunData
   /** The what-if of the page, if its card is shown. */

@@ -21,7 +21,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from backend.scenes.base.noise import STATED, Noise
 from campaigns.documents import JsonObject
 
 ROOT = Path(__file__).parents[3]
@@ -81,13 +80,14 @@ class Live:
         digest: str,
         parameters: Mapping[str, float],
         rows: int,
-        noise: Noise = STATED,
+        seed: int | None = None,
     ) -> JsonObject:
         """Simulate with these parameters, the others nominal: status, cost, columns, data, meta. Raises `LiveError`.
 
-        digest: of the campaign, to recognise its first simulation.
+        digest: of the campaign, to recognise its first simulation. seed: of one noise realisation; None for those of
+        the campaign.
         """
-        return self._answered(digest, {"campaign": campaign, "parameters": parameters, "rows": rows} | noise.request)
+        return self._answered(digest, {"campaign": campaign, "parameters": parameters, "rows": rows} | _noise(seed))
 
     def field(
         self,
@@ -96,14 +96,14 @@ class Live:
         parameters: Mapping[str, float],
         time: float,
         places: Sequence[tuple[float, float]],
-        noise: Noise = STATED,
+        seed: int | None = None,
     ) -> JsonObject:
         """The avoider's demand at positions in the plane at the vehicle's height, at a time [s] of that flight.
 
         All in the flight's axes; the response is described in `worker/running/processes/live.py`. Raises `LiveError`.
         """
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
-        return self._answered(digest, asked | noise.request)
+        return self._answered(digest, asked | _noise(seed))
 
     def ask(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
         """The response to another request of the command, on the campaign of that digest. Raises `LiveError`."""
@@ -134,6 +134,11 @@ class Live:
             self._closed = True
             if self._child is not None:
                 self._child.end("the service is stopping")
+
+
+def _noise(seed: int | None) -> dict[str, int]:
+    """The field of the request to the simulation process."""
+    return {} if seed is None else {"seed": seed}
 
 
 class _Child:

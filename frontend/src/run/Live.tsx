@@ -10,7 +10,7 @@ import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { useNow } from '../ui/useNow'
 import { Convergence } from './search/Convergence'
-import { bestOf, leaderOf, type RunData, searchesOf } from './data/data'
+import { bestOf, hasSpace, leaderOf, type RunData, searchesOf } from './data/data'
 import { insteadOf } from './data/missing'
 import { Failures } from './search/Failures'
 import { MethodsTable } from './search/MethodsTable'
@@ -18,6 +18,7 @@ import { Notes } from './header/Notes'
 import { OtherCode } from './header/OtherCode'
 import { NominalWorst } from './parameters/NominalWorst'
 import { StageStrip } from './search/StageStrip'
+import { LiveSpace } from './space/SpaceSection'
 import cards from '../ui/cards.module.css'
 import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
@@ -55,6 +56,7 @@ export function Live({ data }: { data: RunData }) {
           />
           <Improvements data={data} className="" />
         </div>
+        {hasSpace(data) && <LiveSpace data={data} />}
         <LiveFailures data={data} />
         <Notes run={run} className={layout.c12} />
       </div>

@@ -37,7 +37,7 @@ class CodeParts(BaseModel):
 
     model_config = ConfigDict(frozen=True)
     systems: dict[str, str]
-    """By kind: see `campaigns.identity`."""
+    """By kind: see `campaigns.identity.code`."""
     stages: dict[str, str]
     methods: dict[str, str]
     components: dict[str, str]
@@ -61,7 +61,7 @@ class Versions(BaseModel):
 
     model_config = ConfigDict(frozen=True)
     code: str | None = None
-    """Digest of the engine and of the parts of it that the campaign uses; see `campaigns.identity`."""
+    """Digest of the engine and of the parts of it that the campaign uses; see `campaigns.identity.code`."""
     model: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
     """The same without stages and search methods: what evaluates a case. None: not stored by earlier versions."""
     loop: str | None = None

@@ -19,7 +19,7 @@ from backend.requirements.standing import Model
 from campaigns import Catalogue
 from campaigns.asked.load import load_document
 from campaigns.asked.requirements import definition
-from campaigns.identity import code_of
+from campaigns.identity.code import code_of
 from campaigns.runs import run_name
 from campaigns.versions import CodeParts, Versions, short
 
@@ -62,7 +62,7 @@ def present(reader: sa.Connection, names: Collection[str]) -> Present:
 def model(flown: Any) -> Model:
     """What ran a run, from the versions stored with it."""
     versions = Versions.of(flown)
-    return Model(versions.code, versions.model, tuple(sorted(versions.components.items())), versions.simulator)
+    return Model(versions.code, tuple(sorted(versions.components.items())), versions.simulator, versions.model)
 
 
 def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], flown: Any) -> Iterator[str]:

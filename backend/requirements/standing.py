@@ -22,13 +22,13 @@ ORDER: tuple[Status, ...] = ("violated", "inconclusive", "no verdict", "suspect"
 
 @dataclass(frozen=True)
 class Model:
-    """What ran a run, as digests: all code, that which evaluates, the operator's own components, the simulator; None:
+    """What ran a run, as digests: all code, the operator's own components, the simulator, the code that evaluates; None:
     not stored."""
 
     code: str | None
-    evaluating: str | None = None
     own: tuple[tuple[str, str], ...] = ()
     simulator: str | None = None
+    evaluating: str | None = None
 
     def may_equal(self, other: Model) -> bool:
         """False only if both are known and differ."""

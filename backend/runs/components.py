@@ -12,7 +12,7 @@ from backend.runs.schemas import RunComponents
 from campaigns import Catalogue
 from campaigns.checked.snapshot import changes, snapshot
 from campaigns.documents import JsonObject
-from campaigns.identity import code_of
+from campaigns.identity.code import code_of
 from campaigns.versions import Versions
 
 

@@ -15,7 +15,7 @@ from backend.http.errors import RefusedError
 from backend.runs import service
 from backend.runs.schemas import RunSummary
 from campaigns import Campaign, CampaignError, Catalogue, check
-from campaigns.identity import model_of
+from campaigns.identity.code import model_of
 from campaigns.runs import run_name
 from campaigns.versions import Versions
 

@@ -9,7 +9,7 @@ from backend.db import codes
 from backend.db.tables import Run
 from backend.runs.components import components
 from campaigns import Campaign
-from campaigns.identity import code_of
+from campaigns.identity.code import code_of
 from campaigns.runs import RunState, run_name
 from campaigns.versions import Versions, short
 

@@ -13,7 +13,7 @@ from backend.db.queue import Queue
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, EvaluationChunk, RunRefusal
 from campaigns import Campaign
-from campaigns.identity import model_of
+from campaigns.identity.code import model_of
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.finished import search
 from tests.api.reported import PLAN

@@ -6,7 +6,7 @@ import hashlib
 from typing import Any
 
 from campaigns import Campaign
-from campaigns.identity import CLOSED_LOOP, SIMULATOR, code_of, component_key
+from campaigns.identity.code import CLOSED_LOOP, SIMULATOR, code_of, component_key
 from campaigns.stages.found import declared
 from campaigns.versions import Code, CodeParts, Processor, Versions
 from tests.api.catalogue import CATALOGUE, campaign

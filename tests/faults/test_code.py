@@ -15,7 +15,7 @@ from backend.db.queue import request_cancel, submit
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueDocument, Stage
 from campaigns import Campaign
-from campaigns.identity import code_of
+from campaigns.identity.code import code_of
 from campaigns.runs import RunState
 from tests.faults.cases import campaign
 from tests.faults.processes import CLEARANCE, REPOSITORY, Started, kill, started, until

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from campaigns import library, load_file
-from campaigns.identity import code_of
+from campaigns.identity.code import code_of
 from tests.unit.cases import document
 from worker.running.runs import identity, meaning, sources
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from campaigns import Campaign
 from campaigns.checked.check import parts
-from campaigns.identity import CLOSED_LOOP, SIMULATOR, code_of, component_key
+from campaigns.identity.code import CLOSED_LOOP, SIMULATOR, code_of, component_key
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 from campaigns.versions import Code, CodeParts

@@ -14,7 +14,7 @@ from llvmlite import binding
 from numba.core.codegen import get_host_cpu_features
 
 from campaigns.asked.spec import Campaign
-from campaigns.identity import model_of
+from campaigns.identity.code import model_of
 from campaigns.versions import Processor, Versions
 from worker.engine.stages.parts.store import StageRecord, Store
 from worker.engine.systems.base import System

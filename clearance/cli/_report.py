@@ -118,14 +118,8 @@ def _validated(store: MemoryStore) -> ValidateResult | None:
 def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
     """The comparison of the methods, from `worker.engine.stages.parts.comparison`."""
     table = Table("Method")
-    for heading in (
-        f"Best [{verdict.unit}]",
-        "Evaluations",
-        "Failed",
-        "Excluded",
-        "Time [s]",
-        f"Within {percent(SAME_COST)} of best",
-    ):
+    near = f"Within {percent(SAME_COST)} of best"
+    for heading in (f"Best [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]", near):
         table.add_column(escape(heading), justify="right")
     table.add_column("Best is in")
     table.add_column("Findings")

@@ -24,7 +24,8 @@ def pages() -> str:
         {"code": rule.code, "title": rule.title, "requires": rule.requires, "intended": rule.intended} for rule in RULES
     ]
     limits = {name.lower(): limit.value for name, limit in LIMITS.items()}
-    return json.dumps({"limits": limits, "checks": checks}, indent=1) + "\n"
+    lines = ",\n".join(f"  {json.dumps(check)}" for check in checks)
+    return f'{{\n "limits": {json.dumps(limits)},\n "checks": [\n{lines}\n ]\n}}\n'
 
 
 def guide(text: str) -> str:

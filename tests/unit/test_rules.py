@@ -82,3 +82,13 @@ def test_pages_and_guide_are_written_from_todays_rules() -> None:
     assert written.PAGES.read_text(encoding="utf-8") == written.pages()
     guide = written.GUIDE.read_text(encoding="utf-8")
     assert guide == written.guide(guide)
+
+
+def test_other_guides_state_todays_limits() -> None:
+    methods, first = ((REPOSITORY / "docs" / name).read_text() for name in ("methods.md", "first-campaign.md"))
+    assert f"needs at least {rules.GLOBAL_LEAST.value} evaluations per\nparameter to count as a search" in methods
+    stated = f"agreement: {rules.AGREEMENT.value:g} "
+    assert [line for line in first.splitlines() if line.startswith(stated)] == [
+        f"{stated:<41}# fraction of nominal minus worst within which the methods agree; "
+        f"{rules.AGREEMENT_AT_MOST.value:g} at most"
+    ]

@@ -59,7 +59,6 @@ SLOW=(
     tests/unit/test_text.py
     tests/unit/test_text_names.py
     tests/unit/test_trace.py
-    tests/unit/test_verify.py
 )
 # Of files that are quick otherwise: these start several processes, each of which takes seconds.
 STARTING=(

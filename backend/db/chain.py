@@ -37,7 +37,7 @@ def head(text: str) -> Head:
     """The head of `12:HASH`; raises `ValueError`."""
     found = re.fullmatch(r"([0-9]{1,18}):([0-9a-f]{64})", text.strip())
     if found is None:
-        raise ValueError(f"invalid head {text[:100]!r}: give NUMBER:HASH, as `clearance audit head` prints it")
+        raise ValueError(f"invalid head {text[:100]!r}: give NUMBER:HASH, as `clearance trail head` prints it")
     return Head(int(found[1]), found[2])
 
 

@@ -18,7 +18,7 @@ router = APIRouter(tags=["audit"])
 
 LINES: dict[int | str, JsonObject] = {
     200: {
-        "description": "One JSON object a line, oldest first; `clearance audit verify --file` verifies it.",
+        "description": "One JSON object a line, oldest first; `clearance trail verify --file` verifies it.",
         "content": {"application/jsonl": {"schema": {"type": "string"}}},
     }
 }

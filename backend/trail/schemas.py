@@ -31,7 +31,7 @@ class AuditPage(Schema):
     items: list[AuditEntry]
     next_cursor: str | None
     head: str
-    """Number and hash of the newest row: note it elsewhere, and `clearance audit verify --head` finds missing rows."""
+    """Number and hash of the newest row: note it elsewhere, and `clearance trail verify --head` finds missing rows."""
     total: int
     """The number of rows in the whole trail."""
     actions: list[str]

@@ -11,9 +11,11 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-FEW, SEVERAL, MANY = 25, 100, 500
-"""Evaluations per parameter and method: below the first a global method does not count as a search in a verdict, above
-the second models of the cost pay less, and no method is given more than the third, if that is above the usual."""
+from campaigns.rules import GLOBAL_LEAST
+
+SEVERAL, MANY = 100, 500
+"""Evaluations per parameter and method: above the first models of the cost pay less, and no method is given more than
+the second, if that is above the usual."""
 CHEAP = 0.02
 """Time of an evaluation [s] below which methods that model the cost, which take milliseconds themselves, do not pay."""
 USUAL = 5000
@@ -160,7 +162,7 @@ def proposed(cost: float, parameters: int, slots: int = 1, patience: float = 360
         text = f"One evaluation takes about {lasting(cost)}{first}, longer than the {lasting(patience)} that are "
         return Proposal((), 0.0, text + "available: allow more time")
     most = max(USUAL, MANY * parameters)
-    needed = 2 * math.ceil(FEW * parameters / slots)
+    needed = 2 * math.ceil(GLOBAL_LEAST.value * parameters / slots)
     if rounds < needed:
         # One method gets them all: for two, and so for a verdict of "cleared", there are too few in any case.
         more = lasting(start + needed * cost)

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from campaigns import limits
 from campaigns.asked.distributions import Correlation, Uncertain
 from campaigns.asked.regression import Baseline, Policy
 from campaigns.asked.requirements import Requirements
@@ -188,12 +189,12 @@ class Campaign(Strict):
     objectives: Annotated[list[Objective], Field(max_length=8)] = []
     """Further criteria; objectives.0, objectives.1, ... in paths."""
     stages: Stages
-    agreement: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 0.05
+    agreement: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = limits.AGREEMENT
     """Fraction of nominal minus worst within which the global methods must agree."""
     target_probability: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] | None = None
     """If given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
     from the first plain random search."""
-    confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = 0.95
+    confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = limits.CONFIDENCE
     encounter: Annotated[Encounter, Field(exclude_if=lambda given: not given.intended)] = Encounter()
     """Omitted from the canonical form if empty, so campaigns without it keep their digests."""
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1

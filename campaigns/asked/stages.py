@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
+from campaigns import limits
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, MAX_EVALUATIONS, Identifier, Number, Option, Path, Strict
 from campaigns.documents import JsonObject
 
@@ -66,12 +67,8 @@ class Certify(Strict):
     grid: Grid | None = None
 
 
-REPEATS = 10
-"""Fewer independent calls of a noisy simulator would say too little about a finding."""
-
-
 def _usual(repeats: int) -> bool:
-    return repeats == REPEATS
+    return repeats == limits.REPEATS
 
 
 def _no_default(schema: JsonObject) -> None:
@@ -81,14 +78,14 @@ def _no_default(schema: JsonObject) -> None:
 class Validate(Strict):
     """How the findings are validated: tolerance of the reference integrator and step-halving check, and neighbours."""
 
-    tolerance: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 1e-3
+    tolerance: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = limits.TOLERANCE
     """Fraction of the criterion's value; a tenth of the margin also applies."""
     neighbours: Annotated[int, Field(ge=0, le=100_000), AS_WHOLE] = 300
     reach: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 1e-3
     """Fraction of each range that contains the neighbours."""
     repeats: Annotated[
-        int, Field(ge=REPEATS, le=10_000, exclude_if=_usual, json_schema_extra=_no_default), AS_WHOLE
-    ] = REPEATS
+        int, Field(ge=limits.REPEATS, le=10_000, exclude_if=_usual, json_schema_extra=_no_default), AS_WHOLE
+    ] = limits.REPEATS
     """Independent calls of a simulator that does not repeat, for every finding and the best of every search; omitted
     from the canonical form if usual, so campaigns without it keep their digests."""
 
@@ -98,9 +95,9 @@ class Findings(Strict):
 
     at_most: Annotated[int, Field(ge=1, le=50), AS_WHOLE] = 8
     evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = 20_000
-    distance: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 0.03
+    distance: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = limits.DISTANCE
     """Two minima closer than this fraction of every range count as one."""
-    barrier: Annotated[float, Field(ge=0, le=1), AS_NUMBER] = 0.05
+    barrier: Annotated[float, Field(ge=0, le=1), AS_NUMBER] = limits.BARRIER
     """Two minima count as one if no barrier between them is above this fraction of nominal minus worst."""
 
 

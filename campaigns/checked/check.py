@@ -17,8 +17,8 @@ from campaigns.asked.spec import Campaign, Part
 from campaigns.asked.values import MAX_EVALUATIONS
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.checked import effort, extents, frames, limits, said, simulated, uncertainty
+from campaigns.limits import CONFIDENCE_AT_LEAST
 
-LEAST_CONFIDENCE = 0.9
 SEED = "seed"
 """The parameter of a random component that selects its realisation."""
 
@@ -127,8 +127,8 @@ def _composed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 
 def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from effort.excessive(campaign)
-    if campaign.confidence < LEAST_CONFIDENCE:
-        text = f"the confidence is too low to support a claim; give at least {LEAST_CONFIDENCE:g}"
+    if campaign.confidence < CONFIDENCE_AT_LEAST:
+        text = f"the confidence is too low to support a claim; give at least {CONFIDENCE_AT_LEAST:g}"
         yield Problem("confidence", f"{campaign.confidence:g}", text)
     if campaign.scenario is None:
         return

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from campaigns.asked.proposal import Cost, lasting
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Search
+from campaigns.limits import SPOT_CHECKS
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 
@@ -48,10 +49,6 @@ POLISH, POLL = (1, 5, 60), (5, 15, 100)
 
 SLICE = 42
 """Evaluations along each parameter through a worst case."""
-
-SPOT_CHECKS, VIOLATIONS = 200, 200
-"""Random evaluations, and violations at most, that are made again to confirm them; of a simulator in fresh
-processes."""
 
 RAY, RAYS = 34, 2
 """Evaluations along one ray to the boundary of a violation; rays per parameter, and one more to the worst case."""
@@ -125,7 +122,7 @@ def _rounded(value: int, towards: Callable[[float], int]) -> int:
 
 def again(campaign: Campaign, noisy: bool, halved: bool) -> int:
     """How many evaluations of a simulator are usually made again to confirm results, each in a fresh process; they are
-    not counted as evaluations. Up to `VIOLATIONS` more are, if so many violate.
+    not counted as evaluations. Up to `campaigns.limits.VIOLATIONS` more are, if so many violate.
 
     noisy: its results do not repeat; halved: it has a step, which is halved too.
     """

@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, computed_field, model_validator
 
 from campaigns.claims import spans
-from campaigns.claims.codes import StopCode
 from campaigns.claims.say import say
 from campaigns.claims.spans import Said
+from campaigns.codes import StopCode
 from campaigns.documented import Documented
 
 Values = dict[str, float]

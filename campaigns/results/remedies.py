@@ -10,43 +10,26 @@ import copy
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Any
 
 from pydantic import JsonValue, ValidationError
 
+from campaigns import rules
 from campaigns.asked.spec import MAX_EVALUATIONS, Campaign
 from campaigns.asked.stages import Certify, Search
-from campaigns.claims.codes import CheckCode
 from campaigns.claims.say import Part, count, listed, method, number, say
 from campaigns.documents import JsonObject
 from campaigns.results.base import Described, Result
 from campaigns.results.search import SearchResult
 from campaigns.results.verdict import Check, Statistics
+from campaigns.rules import RemedyKind
 
-GLOBAL_LEAST = 25
-"""Evaluations per parameter below which a global method has not searched."""
 MORE = 4
 """Factor on a budget that was used up."""
 LONGER = 1.5
 """Factor on a horizon that ends before the encounter does."""
-CEILING = 0.05
-"""The largest bound on P(violation) with which a campaign without a target is cleared."""
 SECONDS = {"direct": "DIRECT", "cma_es": "CMA-ES", "genetic": "the genetic algorithm"}
 """Global methods that are added, in this order, if the campaign lacks them."""
-
-
-class RemedyKind(StrEnum):
-    """What a remedy changes."""
-
-    STEP = "step"
-    HORIZON = "horizon"
-    EVALUATIONS = "evaluations"
-    METHOD = "method"
-    FINDINGS = "findings"
-    SAMPLE = "sample"
-    REALISATIONS = "realisations"
-    CALLS = "calls"
 
 
 class Change(Result):
@@ -77,10 +60,11 @@ class Ran:
 
 def remedies(check: Check, ran: Ran) -> list[Remedy]:
     """The remedies of a check that does not hold, each with a valid campaign; none for a check without a remedy."""
-    found = _OF.get(str(check.code))
-    if check.ok or found is None:
+    rule = rules.rule(check.code)
+    if check.ok or rule is None or rule.remedy is None:
         return []
-    return [remedy for remedy in found(check, ran) if applied(ran.campaign, [remedy]) not in (None, ran.campaign)]
+    found = _OF[rule.remedy](check, ran)
+    return [remedy for remedy in found if applied(ran.campaign, [remedy]) not in (None, ran.campaign)]
 
 
 def applied(campaign: Campaign, wanted: Sequence[Remedy]) -> Campaign | None:
@@ -136,7 +120,7 @@ def _agreeing(check: Check, ran: Ran) -> Iterator[Remedy]:
     result = dict(zip((i for i, _ in asked), ran.searches, strict=False))
     if len(ran.searches) != len(asked):
         return
-    globally = [(i, search) for i, search in asked if result[i].kind == "global"]
+    globally = [(i, search) for i, search in asked if rules.FAMILIES[result[i].kind].all_agree]
     more = [(i, search, wanted) for i, search in globally if (wanted := _budget(ran, search, result[i]))]
     if more:
         yield _more(more, [result[i].title for i, _, _ in more])
@@ -146,7 +130,7 @@ def _agreeing(check: Check, ran: Ran) -> Iterator[Remedy]:
 
 def _budget(ran: Ran, search: Search, result: SearchResult) -> int | None:
     """The budget with which a search is repeated; None if it ended by its own rule after enough evaluations."""
-    least = GLOBAL_LEAST * len(ran.campaign.uncertain)
+    least = rules.GLOBAL_LEAST.value * len(ran.campaign.uncertain)
     if result.evaluations >= least and (result.stop is None or result.stop.kind != "budget"):
         return None
     wanted = min(max(MORE * search.evaluations, least), MAX_EVALUATIONS)
@@ -171,7 +155,7 @@ def _further(ran: Ran, globally: Sequence[Search]) -> Iterator[Remedy]:
     name = next((name for name in SECONDS if name in ran.methods and name not in used), None)
     if name is None:
         return
-    least = GLOBAL_LEAST * len(ran.campaign.uncertain)
+    least = rules.GLOBAL_LEAST.value * len(ran.campaign.uncertain)
     budget = max([least, *(search.evaluations for search in globally or searches)])
     value: JsonValue = {"method": name, "evaluations": budget}
     said = ("with ", method(name, SECONDS[name]), " as a further method")
@@ -189,7 +173,7 @@ def _distinguished(check: Check, ran: Ran) -> Iterator[Remedy]:
 
 def _larger_sample(check: Check, ran: Ran) -> Iterator[Remedy]:
     """An independent sample that is large enough for the bound, if few of its flights violate."""
-    stated, goal = ran.statistics, ran.campaign.target_probability or CEILING
+    stated, goal = ran.statistics, ran.campaign.target_probability or rules.CEILING.value
     if stated is None or ran.campaign.stages.certify is None:
         wanted = needed(0, 0, goal, ran.campaign.confidence)
     else:
@@ -225,7 +209,7 @@ def _repeated_calls(check: Check, ran: Ran) -> Iterator[Remedy]:
         return
     at = ("simulator", "repeats")
     if simulator.calls == 1:
-        calls = int(check.values.get("repeats", 10))
+        calls = int(check.values.get("repeats", rules.CALLS_UNMEASURED))
         said: tuple[Part, ...] = ("with the worst of ", count(calls), " calls for each evaluation")
         yield _remedy(RemedyKind.CALLS, said, (at, {"count": calls, "combine": "worst"}))
     elif simulator.combine != "worst":
@@ -241,18 +225,16 @@ def _certified() -> Remedy:
     return _remedy(RemedyKind.SAMPLE, said, (("stages", "certify"), {"samples": samples}))
 
 
-_OF: dict[str, Callable[[Check, Ran], Iterator[Remedy]]] = {
-    CheckCode.AGREEMENT: _agreeing,
-    CheckCode.MINIMUM: _distinguished,
-    CheckCode.VALIDATION: _smaller_step,
-    CheckCode.REPETITION: _repeated_calls,
-    CheckCode.CALLS: _repeated_calls,
-    CheckCode.CLOSEST_APPROACH: _longer_horizon,
-    CheckCode.NOISE: _drawn_noise,
-    CheckCode.PROBABILITY: _larger_sample,
-    CheckCode.TARGET: _larger_sample,
+_OF: dict[RemedyKind, Callable[[Check, Ran], Iterator[Remedy]]] = {
+    RemedyKind.EVALUATIONS: _agreeing,
+    RemedyKind.FINDINGS: _distinguished,
+    RemedyKind.STEP: _smaller_step,
+    RemedyKind.CALLS: _repeated_calls,
+    RemedyKind.HORIZON: _longer_horizon,
+    RemedyKind.REALISATIONS: _drawn_noise,
+    RemedyKind.SAMPLE: _larger_sample,
 }
-"""By the code of the check; all others ask for a decision that no change of a number makes."""
+"""By the remedy that the rule of a check names."""
 
 
 def needed(violations: int, samples: int, goal: float, confidence: float) -> int | None:

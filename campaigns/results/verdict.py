@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, computed_field, model_validator
 
-from campaigns.claims.codes import CheckCode
 from campaigns.claims.spans import Said, values, words
+from campaigns.codes import CheckCode
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
 from campaigns.results.regression import OptionalRegression
 from campaigns.results.sample import Noise, QuantileBound

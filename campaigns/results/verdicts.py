@@ -11,7 +11,7 @@ from typing import Literal
 
 from pydantic import computed_field
 
-from campaigns.claims.codes import CheckCode
+from campaigns import rules
 from campaigns.claims.say import count, say
 from campaigns.claims.spans import Said, words
 from campaigns.results.finding import Validation
@@ -19,31 +19,6 @@ from campaigns.results.remedies import Ran, Remedy, remedies
 from campaigns.results.verdict import Check
 
 Standing = Literal["holds", "open", "fails"]
-
-TITLES: dict[str, str] = {
-    CheckCode.NOMINAL: "Nominal case",
-    CheckCode.SEARCH: "Searches ended",
-    CheckCode.NO_VIOLATION: "No violation",
-    CheckCode.MINIMUM: "Lowest evaluation",
-    CheckCode.AGREEMENT: "Agreement of methods",
-    CheckCode.VALIDATION: "Integration",
-    CheckCode.REPETITION: "Repeated evaluation",
-    CheckCode.EVALUATIONS: "Failed evaluations",
-    CheckCode.RETRIES: "Calls tried again",
-    CheckCode.CALLS: "Noise of the simulator",
-    CheckCode.CLOSEST_APPROACH: "Closest approach",
-    CheckCode.MOTION: "Vehicle motion",
-    CheckCode.AVOIDANCE: "Effect of the avoidance",
-    CheckCode.INFLUENCE: "Effect of the parameters",
-    CheckCode.NOISE: "Noise realisations",
-    CheckCode.EXCLUSIONS: "Excluded starts",
-    CheckCode.PROBABILITY: "Bound on P(violation)",
-    CheckCode.TARGET: "Target for P(violation)",
-}
-"""By the code of a check; a check of an earlier version that is not listed has its code as title."""
-
-OF_VALUES = (CheckCode.NO_VIOLATION, CheckCode.MINIMUM)
-"""Checks that hold for the evaluations that have a value."""
 
 
 class DescribedCheck(Check):
@@ -71,14 +46,14 @@ def described(checks: Iterable[Check], failed: int, ran: Ran | None = None) -> l
 
 
 def _described(check: Check, failed: int, found: list[Remedy]) -> DescribedCheck:
-    code = check.code
-    limited = check.ok and failed > 0 and code in OF_VALUES
+    rule = rules.rule(check.code)
+    limited = check.ok and failed > 0 and rule is not None and rule.of_values
     standing: Standing = "open" if limited else "holds" if check.ok else "fails"
     verb = "evaluation failed and has" if failed == 1 else "evaluations failed and have"
     limit = say(count(failed, "failed"), f" {verb} no value") if limited else ()
-    title = TITLES.get(code, code[:1].upper() + code[1:])
+    title = check.code[:1].upper() + check.code[1:] if rule is None else rule.title
     return DescribedCheck(
-        code=code, ok=check.ok, said=check.said, title=title, standing=standing, limit=limit, remedies=found
+        code=check.code, ok=check.ok, said=check.said, title=title, standing=standing, limit=limit, remedies=found
     )
 
 

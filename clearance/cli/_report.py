@@ -18,6 +18,7 @@ from campaigns.documents import JsonObject
 from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.verdict import Counts, NominalCost
+from campaigns.rules import SAME_COST, SAME_PLACE, percent
 from clearance.cli import _since
 from clearance.cli._ended import changes
 from clearance.local.failures import lines as failures
@@ -117,7 +118,8 @@ def _validated(store: MemoryStore) -> ValidateResult | None:
 def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
     """The comparison of the methods, from `worker.engine.stages.parts.comparison`."""
     table = Table("Method")
-    for heading in (f"Best [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]", "Within 1 % of best"):
+    near = f"Within {percent(SAME_COST)} of best"
+    for heading in (f"Best [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]", near):
         table.add_column(escape(heading), justify="right")
     table.add_column("Best is in")
     table.add_column("Findings")
@@ -203,7 +205,8 @@ def _how_found(store: MemoryStore) -> list[str]:
         how = (
             f"found by {words(listed(ways))} evaluations"
             if ways
-            else "reached only by polishing: no search evaluated a point with nearly its cost within 5 % of every range"
+            else "reached only by polishing: no search evaluated a point with nearly its cost within "
+            f"{percent(SAME_PLACE)} of every range"
         )
         lines.append(f"{finding.label}: {how}")
     validated = _validated(store)

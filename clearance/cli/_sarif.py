@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from campaigns.claims.codes import CheckCode
 from campaigns.claims.numbers import signed
+from campaigns.codes import CheckCode
 from campaigns.documents import JsonObject
 from campaigns.results.regression import FindingChange, Standing
 from campaigns.results.verdicts import DescribedCheck

@@ -1,8 +1,7 @@
 """`clearance audit RUN`: checks with an independent program whether a run's verdict follows from its stored data.
 
-The exit code is 0 if it follows, 1 if it does not, 3 if there is nothing to audit. The program is
-`worker.evidence.audit`. `clearance audit verify` and `head` are about the audit trail of the service instead; see
-`clearance.cli._trail`.
+The exit code is 0 if it follows, 1 if it does not or is not known to, 3 if there is nothing to audit. The program is
+`worker.evidence.audit`. `clearance audit verify` and `head` are earlier names of `clearance trail`, for one version.
 """
 
 from __future__ import annotations
@@ -15,8 +14,9 @@ import typer
 from typer.core import TyperGroup
 
 from clearance.cli import VIOLATED, WrongInputError
-from clearance.cli._trail import print_head, verify_trail
+from clearance.cli._renamed import renamed
 from clearance.cli._where import DATA, Data, Database, loaded_run
+from clearance.cli.trail import print_head, verify_trail
 
 if TYPE_CHECKING:
     from worker.evidence.audit.judge import Item
@@ -31,18 +31,16 @@ class _RunFirst(TyperGroup):
     usual = "run"
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        if args and args[0] not in self.commands and "--help" not in args[:1]:
+        if args and args[0] not in self.commands:
             args = [self.usual, *args]
+        elif args and args[0] in ("verify", "head"):
+            renamed(f"audit {args[0]}", f"trail {args[0]}")
         return super().parse_args(ctx, args)
 
 
-app = typer.Typer(
-    cls=_RunFirst,
-    help="RUN: recompute the verdict of a run independently. verify, head: the audit trail of the service.",
-    no_args_is_help=True,
-)
-app.command("verify")(verify_trail)
-app.command("head")(print_head)
+app = typer.Typer(cls=_RunFirst, help="RUN: recompute the verdict of a run independently.", no_args_is_help=True)
+app.command("verify", hidden=True)(verify_trail)
+app.command("head", hidden=True)(print_head)
 
 
 @app.command("run")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from campaigns.rules import CALLS
 from clearance.cli import WrongInputError
 from clearance.cli._where import DATA, Database, opened
 
@@ -191,15 +192,13 @@ def _propose(measured: Measured, parameters: int) -> None:
 
 def _advise(measured: Measured, values: bool, unit: str) -> None:
     """The proposal for `repeats`."""
-    from worker.evidence.verdicts.calls import FEW, MANY
-
     if not values or measured.repeats:
         return
     deviation = f"{measured.deviation or 0.0:.3g} {unit}".rstrip()
     typer.echo(
         "It does not repeat, so single evaluations never clear a campaign. Proposal, below `simulator`:\n"
-        f"  repeats: {{count: {FEW}, combine: worst}}\n"
-        f"and up to {MANY} where the margin is less than ten times the standard deviation of {deviation}."
+        f"  repeats: {{count: {CALLS[0][1]}, combine: worst}}\n"
+        f"and up to {CALLS[-1][1]} where the margin is less than ten times the standard deviation of {deviation}."
     )
     if measured.by_process:
         typer.echo("Evaluations in one process repeat, but differ in another: set recycle: 1 in its descriptor.")

@@ -19,7 +19,7 @@ from backend.db.chain import COVERED, FIRST, digest
 from campaigns.capsules.capsule import digest_of
 from campaigns.capsules.packing import CapsuleError, unpacked
 from clearance.cli import WrongInputError
-from clearance.cli._trail import _of_file
+from clearance.cli.trail import _of_file
 from tests.adversary.mutations import GROWING, mutated
 from tests.fmu import made
 from tests.logs import written

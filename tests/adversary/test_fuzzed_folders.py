@@ -18,9 +18,8 @@ from clearance.cli import INTERNAL, WRONG_INPUT, invoke
 from tests.adversary.mutations import mutated
 
 FILES = ("result.json", "evidence.json", "campaign.json", "evaluations.npz")
-READING = ("verify", "audit", "replay")
+READING = ("audit", "replay")
 COMMANDS: dict[str, Callable[[Path, Path], list[str]]] = {
-    "verify": lambda folder, _: ["verify", str(folder)],
     "audit": lambda folder, _: ["audit", str(folder)],
     "replay": lambda folder, _: ["replay", str(folder), "F1"],
     "baseline": lambda folder, campaign: ["run", str(campaign), "--out", str(folder / "o"), "--baseline", str(folder)],

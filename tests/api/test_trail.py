@@ -23,6 +23,7 @@ from tests.api.server import Service
 from tests.api.submitting import submit
 
 AUDIT = "/api/v1/audit"
+RENAMED = "Note: `clearance audit head` is now `clearance trail head`; the earlier name goes with the next version.\n"
 ADA = Visitor("ada", "password", account="ada", role="admin")
 
 
@@ -90,22 +91,22 @@ def test_the_export_has_every_row_and_is_verified_as_a_file(
     file = tmp_path / "audit.jsonl"
     file.write_text(answer.text)
     head = f"{rows[-1]['id']}:{rows[-1]['hash']}"
-    assert invoke(["audit", "verify", "--file", str(file), "--head", head]) == 0
+    assert invoke(["trail", "verify", "--file", str(file), "--head", head]) == 0
     assert f"Head: {head}" in capsys.readouterr().out
     file.write_text("".join(answer.text.splitlines(keepends=True)[:-1]))
-    assert invoke(["audit", "verify", "--file", str(file)]) == 0
+    assert invoke(["trail", "verify", "--file", str(file)]) == 0
     assert "noted elsewhere" in capsys.readouterr().out, "it says what it cannot show"
-    assert invoke(["audit", "verify", "--file", str(file), "--head", head]) == VIOLATED
+    assert invoke(["trail", "verify", "--file", str(file), "--head", head]) == VIOLATED
     assert "The last row is missing" in capsys.readouterr().out
     file.write_text(answer.text.replace('"number":17}', '"number":71}', 1))
-    assert invoke(["audit", "verify", "--file", str(file)]) == VIOLATED
+    assert invoke(["trail", "verify", "--file", str(file)]) == VIOLATED
     assert "was changed" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("text", ["x\n", "{}\n", "[1]\n", '{"id": "1"}\n', "\n"])
 def test_a_file_that_is_no_trail_is_refused(tmp_path: Path, text: str, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "x").write_text(text)
-    assert invoke(["audit", "verify", "--file", str(tmp_path / "x")]) == WRONG_INPUT
+    assert invoke(["trail", "verify", "--file", str(tmp_path / "x")]) == WRONG_INPUT
     assert "line 1: not a row of an audit trail" in capsys.readouterr().err
 
 
@@ -166,25 +167,27 @@ def test_a_request_that_fails_leaves_no_row_and_no_gap(bare: Service) -> None:
 
 def test_the_command_line_verifies_and_prints_the_head(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     data = ["--data", str(tmp_path)]
-    assert invoke(["audit", "verify", *data]) == WRONG_INPUT
+    assert invoke(["trail", "verify", *data]) == WRONG_INPUT
     assert "there is no database" in capsys.readouterr().err
     assert invoke(["token", "create", "ci", "--scope", "read", "--days", "30", *data]) == 0
     assert invoke(["token", "revoke", "ci", *data]) == 0
     capsys.readouterr()
-    assert invoke(["audit", "head", *data]) == 0
+    assert invoke(["trail", "head", *data]) == 0
     head = capsys.readouterr().out.strip()
     assert head.startswith("2:")
-    assert invoke(["audit", "verify", "--head", head, *data]) == 0
+    assert invoke(["audit", "head", *data]) == 0, "the earlier name, for one version"
+    assert capsys.readouterr() == (f"{head}\n", RENAMED)
+    assert invoke(["trail", "verify", "--head", head, *data]) == 0
     assert invoke(["login-link", *data]) == 0
-    assert invoke(["audit", "verify", "--head", head, *data]) == 0, "later rows do not concern a noted head"
-    assert invoke(["audit", "verify", "--head", f"2:{'0' * 64}", *data]) == VIOLATED
+    assert invoke(["trail", "verify", "--head", head, *data]) == 0, "later rows do not concern a noted head"
+    assert invoke(["trail", "verify", "--head", f"2:{'0' * 64}", *data]) == VIOLATED
     assert "another hash than the noted head" in capsys.readouterr().out
-    assert invoke(["audit", "verify", "--head", "nonsense", *data]) == WRONG_INPUT
+    assert invoke(["trail", "verify", "--head", "nonsense", *data]) == WRONG_INPUT
 
 
 def test_a_line_that_is_nested_too_deeply_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "x").write_text("[" * 200_000)
-    assert invoke(["audit", "verify", "--file", str(tmp_path / "x")]) == WRONG_INPUT
+    assert invoke(["trail", "verify", "--file", str(tmp_path / "x")]) == WRONG_INPUT
     assert "line 1" in capsys.readouterr().err
 
 
@@ -210,7 +213,7 @@ def test_strange_values_are_found_and_the_rest_is_read(
         for lift in unlocked(bare):
             writer.exec_driver_sql(lift)
         writer.exec_driver_sql(f"update audit set {change} where id = 2")
-    assert invoke(["audit", "verify", "--data", str(bare.settings.data)]) == VIOLATED
+    assert invoke(["trail", "verify", "--data", str(bare.settings.data)]) == VIOLATED
     assert said in capsys.readouterr().out
     if "JSON" in change:
         with bare.signed_in() as admin:

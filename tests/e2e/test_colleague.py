@@ -170,4 +170,4 @@ def takes_the_evidence_away(assessor: Visit, folder: Path) -> None:
     rows = [json.loads(line) for line in file.read_text().splitlines()]
     assert ("signoff.created", REVIEWER) in {(row["action"], row["user"]) for row in rows}
     assert (rows[-1]["action"], rows[-1]["user"]) == ("audit.exported", REVIEWER)
-    assert invoke(["audit", "verify", "--file", str(file), "--head", f"{rows[-1]['id']}:{rows[-1]['hash']}"]) == 0
+    assert invoke(["trail", "verify", "--file", str(file), "--head", f"{rows[-1]['id']}:{rows[-1]['hash']}"]) == 0

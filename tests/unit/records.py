@@ -1,4 +1,4 @@
-"""Stored runs, and changes of their records that audit and verify must notice. Start reading at `CORRUPTIONS`."""
+"""Stored runs, and changes of their records that the audit must notice. Start reading at `CORRUPTIONS`."""
 
 from __future__ import annotations
 
@@ -183,6 +183,12 @@ class Folder:
             del check["said"], check["values"], check["code"], check["limit"]
         self.result["reason"] = self.result["reason"].replace(" samples drawn ", " flights drawn ")
 
+    def fail_another_check(self) -> None:
+        said = [{"kind": "text", "text": "the tether is slack"}]
+        self.result["checks"].append(
+            {"name": "tether", "code": "tether", "ok": False, "text": "the tether is slack", "said": said}
+        )
+
     def withdraw_a_draw(self) -> None:
         """Take the last draw of the sample out, and make every count fit."""
         row = len(self.arrays[f"status_{CERTIFY}"]) - GRID - 1
@@ -313,7 +319,36 @@ CORRUPTIONS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
     ("a changed distribution", "cleared", edit(DEVIATION, 0.1), "digests.result"),
     ("a distribution with another bound", "cleared", edit(DEVIATION, 0.1), "statistics.upper_bound"),
     ("another method", "cleared", edit("campaign/stages/search/0/method", "ga"), "stages.2.method"),
+    ("a point outside the bounds", "cleared", lambda f: f.arrays["points_2"].__setitem__((3, 0), 1.5), "placed"),
+    ("an unknown status", "cleared", edit("arrays/status_2/3", 9), "sound"),
+    ("an evaluation of no stage", "cleared", lambda f: f.result["stages"].pop(), "stages.count"),
+    (
+        "a finding listed twice",
+        "cleared",
+        lambda f: f.result["findings"].append(f.result["findings"][0]),
+        "findings.1.label",
+    ),
+    ("no findings", "cleared", edit("result/findings", []), "checks.minimum"),
+    ("no statistics", "cleared", edit("result/statistics", None), "statistics"),
+    ("no checks", "cleared", edit("result/checks", []), "verdict"),
+    ("a check of another package that fails", "cleared", Folder.fail_another_check, "verdict"),
+    ("a cost of another type", "cleared", edit("result/worst/cost", "0.94"), "worst.cost"),
+    ("a cost that is NaN", "cleared", edit("result/worst/cost", float("nan")), "worst.cost"),
 ]
+
+UNREADABLE: list[tuple[str, str, Callable[[Folder], Any]]] = [
+    ("a finding of fewer parameters", "violated", lambda f: f.result["findings"][0]["point"].pop()),
+    ("a finding of no cost", "violated", edit(f"{FINDING}/cost", None)),
+    ("another seed, without the counts", "cleared", lambda f: (f.campaign.update(seed=9), f.result.pop("evaluations"))),
+    ("no results", "cleared", edit("evidence/results", [])),
+]
+"""Changes after which a record is not that of a run."""
+
+UNKNOWN: list[tuple[str, str, Callable[[Folder], Any]]] = [
+    ("a nominal case that is not evaluated again", "cleared", edit("evidence/results/5/nominal", None)),
+    ("no components", "cleared", lambda f: f.evidence.pop("components")),
+]
+"""Changes after which it is not known whether the verdict follows."""
 
 LAST, MEASURED = "evidence/results/5", "evidence/results/0/measured"
 

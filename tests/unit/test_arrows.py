@@ -279,6 +279,21 @@ def test_no_folder_imports_another_in_a_circle() -> None:
     assert not found, "\n" + "\n".join(found)
 
 
+def test_nothing_that_can_change_a_number_imports_the_rules_of_a_claim() -> None:
+    """Not through other modules either: another limit of a verdict is no other code of a run."""
+    files = {name_of(path): path for path in modules("worker", "campaigns", "backend/db")}
+    waiting = [name for name in files if name.startswith("worker.engine")]
+    seen: set[str] = set(waiting)
+    while waiting:
+        name = waiting.pop()
+        others = imported(files[name]) | {name.rpartition(".")[0]}  # a package runs before what is in it
+        fresh = {other for other in others if other in files} - seen
+        seen |= fresh
+        waiting += fresh
+    assert "campaigns.limits" in seen
+    assert "campaigns.rules" not in seen
+
+
 def test_the_arrows_are_held() -> None:
     """The reading of imports sees what it is there to see, and the rules refuse what they are there to refuse."""
     here = imported(REPOSITORY / "backend" / "db" / "queue.py")

@@ -27,6 +27,8 @@ from tests.unit.records import (
     CORRUPTIONS,
     DIRECT,
     RUNS,
+    UNKNOWN,
+    UNREADABLE,
     Folder,
     ran,
     write_called,
@@ -122,6 +124,25 @@ def test_a_corrupted_record_of_calls_does_not_follow(
     follows, sentence = closing(items)
     assert not follows
     assert item in [i.name for i in items if i.agrees is False], sentence
+
+
+@pytest.mark.parametrize(("name", "change"), [c[1:] for c in UNREADABLE], ids=[c[0] for c in UNREADABLE])
+def test_a_record_of_another_structure_is_refused(name: str, change: Callable[[Folder], Any], tmp_path: Path) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    change(folder)
+    with pytest.raises(UnreadableError, match="is not that of a run"):
+        folder.items()
+
+
+@pytest.mark.parametrize(("name", "change"), [c[1:] for c in UNKNOWN], ids=[c[0] for c in UNKNOWN])
+def test_without_its_evidence_a_verdict_does_not_follow(
+    name: str, change: Callable[[Folder], Any], tmp_path: Path
+) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    change(folder)
+    follows, sentence = closing(folder.items())
+    assert not follows
+    assert sentence.startswith("it is not known whether the verdict follows; ")
 
 
 def _document(connection: sa.Connection, **changes: Any) -> None:
@@ -223,6 +244,18 @@ def test_a_run_without_a_verdict_is_wrong_input(tmp_path: Path, capsys: pytest.C
     assert "there is no such run in this database" in capsys.readouterr().err
     assert invoke(["audit", "R-0009", "--data", str(tmp_path / "nowhere")]) == WRONG_INPUT
     shutil.rmtree(tmp_path, ignore_errors=True)
+
+
+def test_its_earlier_name_runs_it_for_one_version(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = str(written(tmp_path / "out", "violated"))
+    assert invoke(["audit", folder]) == 0
+    audited_output = capsys.readouterr()
+    assert invoke(["verify", folder]) == 0
+    verified = capsys.readouterr()
+    assert verified.out == audited_output.out
+    assert (audited_output.err, verified.err.count("\n")) == ("", 1)
+    assert verified.err.startswith("Note: `clearance verify` is now `clearance audit`")
+    assert invoke(["verify", str(tmp_path)]) == WRONG_INPUT
 
 
 @pytest.mark.parametrize("violations", [0, 1, 7, 299])

@@ -207,7 +207,7 @@ def test_a_worse_controller_fails_and_every_other_command_reads_the_run(
     assert result["labels"] == {"branch": "slow"}
     assert result["regression"]["cases"][0]["standing"] == "worse"
     assert f"| F1 of {first} | **worse** |" in (tmp_path / "s.md").read_text().replace("\\", "")
-    for command in (["audit", second], ["verify", second], ["replay", second, "baseline:0"]):
+    for command in (["audit", second], ["replay", second, "baseline:0"]):
         assert invoke(command) == 0, (command, capsys.readouterr().out)
     assert_audit_notices(Folder(tmp_path / "second"), capsys)
     assert invoke(["run", "--continue", second, "--budget", "+20", "--out", more]) == 1

@@ -126,7 +126,7 @@ def test_many_faults_are_shortened() -> None:
 
 @pytest.mark.parametrize("text", ["", "x", "12", "12:", "-1:" + "0" * 64, "12:" + "0" * 63, "12:" + "G" * 64, "1" * 40])
 def test_a_head_that_is_none_is_refused_with_a_sentence(text: str) -> None:
-    with pytest.raises(ValueError, match="clearance audit head"):
+    with pytest.raises(ValueError, match="clearance trail head"):
         head(text)
 
 

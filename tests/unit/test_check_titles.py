@@ -5,7 +5,8 @@ from __future__ import annotations
 from backend.reports.words import svg_symbol, symbol_html
 from campaigns.asked.spec import Encounter
 from campaigns.results.verdict import Check
-from campaigns.results.verdicts import OF_VALUES, TITLES, described, validated
+from campaigns.results.verdicts import described, validated
+from campaigns.rules import RULES, rule
 from campaigns.symbols import labels
 from tests.unit.cases import case1
 from tests.unit.evidence import case, concluded, evidence
@@ -14,15 +15,17 @@ from worker.evidence.verdicts.checks import checks
 
 def test_every_check_has_a_title() -> None:
     names = {check.name for check in checks(case1(), evidence(excluded=1))} | {"noise", "target", "probability"}
-    assert names <= TITLES.keys()
+    assert all(rule(name) for name in names)
     intended = Encounter.model_json_schema()["properties"]["intended"]["propertyNames"]["enum"]
-    assert {name.replace("_", " ") for name in intended} <= TITLES.keys()
+    assert {name.replace("_", " ") for name in intended} == {rule.code for rule in RULES if rule.intended}
 
 
 def test_checks_of_values_are_open_where_evaluations_failed() -> None:
     stored = concluded(failed=2).checks
     told = {check.name: check for check in described(stored, 2)}
-    for name in OF_VALUES:
+    of_values = [rule.code for rule in RULES if rule.of_values]
+    assert of_values
+    for name in of_values:
         assert told[name].ok
         assert told[name].standing == "open"
         assert told[name].but == "2 evaluations failed and have no value"

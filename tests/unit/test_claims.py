@@ -14,11 +14,11 @@ from pathlib import Path
 import pytest
 
 from campaigns.claims import earlier
-from campaigns.claims.codes import CheckCode, StopCode
 from campaigns.claims.numbers import Format, printed, written
 from campaigns.claims.say import capital, count, finding, joined, listed, method, number, percent, say, sentence, signed
 from campaigns.claims.say import symbol as named
 from campaigns.claims.spans import Quantity, Text, values, words
+from campaigns.codes import CheckCode, StopCode
 from campaigns.results.base import Stop
 from campaigns.results.search import Gap
 from campaigns.results.verdict import Check, Verdict

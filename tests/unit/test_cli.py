@@ -40,7 +40,7 @@ def test_wrong_usage_exits_with_3_and_names_the_mistake(
 def test_help_is_0(capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["--help"]) == 0
     shown = capsys.readouterr().out
-    for command in ("run", "audit", "verify", "submit", "follow", "validate", "serve", "worker", "token", "login-link"):
+    for command in ("run", "audit", "trail", "submit", "follow", "validate", "serve", "worker", "token", "login-link"):
         assert f" {command} " in shown
 
 

@@ -15,8 +15,6 @@ from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.checked import expected as module
 from campaigns.checked.expected import (
-    SPOT_CHECKS,
-    VIOLATIONS,
     Expected,
     Total,
     again,
@@ -142,12 +140,6 @@ def test_what_is_made_again_in_fresh_processes(
     campaign = load_document(given)
     assert (len(campaign.stages.search), len(campaign.uncertain)) == (2, 2)
     assert again(campaign, noisy, halved) == expected_again
-
-
-def test_as_many_are_made_again_as_the_stage_makes() -> None:
-    from worker.engine.stages.parts import offered
-
-    assert (SPOT_CHECKS, VIOLATIONS) == (offered.SPOT_CHECKS, offered.AT_MOST)
 
 
 def test_a_violation_adds_what_its_boundary_takes() -> None:

@@ -9,10 +9,10 @@ import pytest
 import yaml
 
 from campaigns import check
-from campaigns.asked.proposal import FEW, TITLES, Cost, lasting, proposed
+from campaigns.asked.proposal import TITLES, Cost, lasting, proposed
+from campaigns.rules import GLOBAL_LEAST
 from clearance.cli import WRONG_INPUT, invoke
 from tests.unit.cases import searching
-from worker.evidence.verdicts.agreement import GLOBAL_LEAST
 from worker.running.catalogue.installed import catalogue, methods
 
 GRID = list(itertools.product([1e-6, 1e-3, 0.03, 1.0, 12.0, 900.0], [1, 4, 25], [1, 4, 300], [0.5, 10.0, 1200.0, 1e6]))
@@ -76,10 +76,12 @@ def test_processes_that_are_replaced_or_fresh_take_their_start(
 
 
 def test_two_methods_each_get_enough_to_count_as_a_search() -> None:
-    assert FEW == GLOBAL_LEAST
     for cost, parameters, slots, patience in GRID:
         found = proposed(cost, parameters, slots, patience)
-        assert all(s.evaluations >= FEW * parameters for s in found.searches) or "second method" in found.sentence
+        assert (
+            all(s.evaluations >= GLOBAL_LEAST.value * parameters for s in found.searches)
+            or "second method" in found.sentence
+        )
 
 
 def test_titles_are_those_of_the_methods() -> None:

@@ -149,7 +149,7 @@ def test_every_command_shown_exists() -> None:
     assert {words[0] for words in shown} >= {
         "run",
         "audit",
-        "verify",
+        "trail",
         "submit",
         "follow",
         "reproduce",

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from campaigns import Campaign
-from campaigns.claims.codes import CheckCode
 from campaigns.claims.say import number, say
+from campaigns.codes import CheckCode
 from campaigns.results import SearchResult
 from campaigns.results.base import Stop
 from campaigns.results.remedies import Ran, Remedy, applied, bound, needed, remedies

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
-from campaigns.claims.codes import StopCode
+from campaigns.codes import StopCode
 from campaigns.results import NominalResult, SearchResult, SensitivityResult, ValidateResult, Verdict
 from campaigns.results.base import Result
 from campaigns.results.verdict import NominalCost

@@ -68,7 +68,7 @@ export function AuditPage() {
           <Card title="Head" note="Number and hash of the newest row" right={<CopyButton text={() => first.head}>Copy the head</CopyButton>}>
             <code className={`mono ${styles.secret ?? ''}`}>{first.head}</code>
             <p className="small sec">
-              Note it where this service cannot write. <code>clearance audit verify --head HEAD</code> then shows whether rows up to it were changed
+              Note it where this service cannot write. <code>clearance trail verify --head HEAD</code> then shows whether rows up to it were changed
               or are missing; without a noted head, whoever may write the database could compute the whole chain again.
             </p>
           </Card>

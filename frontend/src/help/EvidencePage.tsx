@@ -1,6 +1,7 @@
 // The basis of a verdict: attacks and countermeasures, permitted statements of a campaign, and remaining limits.
 import { clsx } from 'clsx'
 import { Link } from '@tanstack/react-router'
+import { CHECKS, LIMITS } from '../api/rules'
 import { useTitle } from '../page/useTitle'
 import { count, percent, plain } from '../format/numbers'
 import { ATTACKS } from './attacks'
@@ -12,19 +13,21 @@ import prose from '../ui/prose.module.css'
 import tables from '../ui/tables.module.css'
 import styles from './help.module.css'
 
-const INTENDED: readonly [string, string][] = [
-  ['closest_approach', 'The closest approach may be at the start or at the end of the horizon.'],
-  ['motion', 'The vehicle need not move.'],
-  ['avoidance', 'The avoidance need not make a difference to the nominal case.'],
-  ['influence', 'No uncertain parameter need change the criterion.'],
-]
-
 const CAPS: readonly [string, string][] = [
-  ['agreement', 'At most 0.2 of nominal minus worst counts as agreement, whatever the campaign asks for. Default 0.05.'],
-  ['confidence', 'At least 0.9; a campaign with less is refused. Default 0.95.'],
-  ['target_probability', 'Without a target, the bound on P(violation) from a sample must be at most 5 %.'],
-  ['Excluded', 'At most 10 % of the draws of the sample, and of all evaluations.'],
-  ['Least budget', '25 evaluations for each uncertain parameter for a global method, 3 for a local one.'],
+  [
+    'agreement',
+    `At most ${LIMITS.agreement_at_most} of nominal minus worst counts as agreement, whatever the campaign asks for. Default ${LIMITS.agreement}.`,
+  ],
+  ['confidence', `At least ${LIMITS.confidence_at_least}; a campaign with less is refused. Default ${LIMITS.confidence}.`],
+  [
+    'target_probability',
+    `Without a target, the bound on P(violation) from a sample must be at most ${percent(LIMITS.ceiling, 1)}.`,
+  ],
+  ['Excluded', `At most ${percent(LIMITS.excluded, 1)} of the draws of the sample, and of all evaluations.`],
+  [
+    'Least budget',
+    `${LIMITS.global_least} evaluations for each uncertain parameter for a global method, ${LIMITS.local_least} for a local one.`,
+  ],
 ]
 
 const EXAMPLE = `encounter:
@@ -83,10 +86,10 @@ function Intended() {
         </p>
         <pre tabIndex={0}>{EXAMPLE}</pre>
         <dl className={styles.terms}>
-          {INTENDED.map(([name, text]) => (
-            <div key={name}>
-              <dt className="mono">{name}</dt>
-              <dd>{text}</dd>
+          {CHECKS.filter(({ intended }) => intended).map(({ code, intended }) => (
+            <div key={code}>
+              <dt className="mono">{code.replace(' ', '_')}</dt>
+              <dd>{intended}</dd>
             </div>
           ))}
         </dl>

@@ -2,6 +2,7 @@
 import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
+import { CHECKS } from '../api/rules'
 import { useTitle } from '../page/useTitle'
 import { type Outcome, VerdictBadge } from '../ui/VerdictBadge'
 import { HelpFrame } from './HelpFrame'
@@ -29,17 +30,7 @@ const MEANINGS: readonly Meaning[] = [
   {
     outcome: 'cleared',
     says: 'No evaluation reaches the criterion, and the search was thorough enough to support the verdict.',
-    takes: [
-      'The nominal case meets the criterion.',
-      'Every search ended by its own rule or its budget, and no stored evaluation of any stage violates the criterion.',
-      'The worst finding is the lowest of all evaluations, and it was fully polished.',
-      'Every global method reaches the worst case within the campaign’s agreement, by default 5 % of nominal minus worst, and at least two methods do.',
-      'The step-halving check and the reference integrator agree for the nominal case and every finding, and no random evaluation violates the criterion with the reference integrator alone.',
-      'No evaluation failed, and at most 10 % were excluded.',
-      'The encounter took place: the closest approach is inside the horizon, the vehicle moves, the avoidance makes a difference, and so does a parameter.',
-      'With noise, an independent sample draws a realisation for every evaluation.',
-      'If there is a sample, its bound on P(violation) meets the campaign’s target, or 5 % if none is stated.',
-    ],
+    takes: CHECKS.map(({ requires }) => requires),
     not: 'It is not a proof. A search can miss a worse case, and the verdict holds only for this model, these bounds and this criterion. The verdict’s sentence and scope name them.',
   },
   {

@@ -1,4 +1,6 @@
 // The classes of attack on a verdict: how it could claim too much, and the countermeasures.
+import { LIMITS } from '../api/rules'
+import { percent, plain } from '../format/numbers'
 
 export interface Attack {
   id: string
@@ -15,7 +17,7 @@ export const ATTACKS: readonly Attack[] = [
     title: 'A violation that was simulated and not counted',
     danger: 'A stage meets a violation, and the verdict looks at the findings alone.',
     answer:
-      'The minimum is taken over every stored evaluation of every stage. Stored violations are counted, up to 200 of them are simulated again, and no run with one is cleared. Whatever is lower than the worst case becomes a candidate itself.',
+      `The minimum is taken over every stored evaluation of every stage. Stored violations are counted, up to ${LIMITS.violations} of them are simulated again, and no run with one is cleared. Whatever is lower than the worst case becomes a candidate itself.`,
   },
   {
     id: 'lazy',
@@ -37,7 +39,7 @@ export const ATTACKS: readonly Attack[] = [
     title: 'A collision whose tolerance is 0',
     danger: 'A tolerance that is a fraction of the distance is 0 where the distance is 0: no collision could be confirmed.',
     answer:
-      'Tolerances have a floor of one millionth of the scale of the threshold. A violation counts when every integration violates, however much they differ; if they differ beyond tolerance, the verdict reports it.',
+      `Tolerances have a floor of ${plain(LIMITS.rounding)} of the scale of the threshold. A violation counts when every integration violates, however much they differ; if they differ beyond tolerance, the verdict reports it.`,
   },
   {
     id: 'jump',
@@ -58,7 +60,7 @@ export const ATTACKS: readonly Attack[] = [
     title: 'Excluded starts',
     danger: 'Flights that start at or below the criterion are excluded. If many are, the verdict holds for few.',
     answer:
-      'They are counted everywhere, the statement on probability names its condition, and above 10 % the run is inconclusive.',
+      `They are counted everywhere, the statement on probability names its condition, and above ${percent(LIMITS.excluded, 1)} the run is inconclusive.`,
   },
   {
     id: 'tails',
@@ -78,7 +80,7 @@ export const ATTACKS: readonly Attack[] = [
     title: 'A step that hides the worst case',
     danger: 'With a coarse step the closest approach falls between two steps, or the integration is wrong in the same way everywhere.',
     answer:
-      'The minimum is refined between steps. Nominal and findings are integrated at half the step and with the reference integrator (DOP853), which also checks 200 random evaluations of all stages; the run page shows the median and the largest distance.',
+      `The minimum is refined between steps. Nominal and findings are integrated at half the step and with the reference integrator (DOP853), which also checks ${LIMITS.spot_checks} random evaluations of all stages; the run page shows the median and the largest distance.`,
   },
   {
     id: 'code',

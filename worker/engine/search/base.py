@@ -81,7 +81,7 @@ class Ended(str):
 
     `Ended("iterations", "completed the {iterations} iterations", iterations=100)`. A number is named in braces,
     with its significant digits if it is not a whole number: `{width:.3g}`; the value may itself be such a sentence.
-    A method may return a plain string, which has no code. `campaigns.claims.codes.StopCode` lists the codes.
+    A method may return a plain string, which has no code. `campaigns.codes.StopCode` lists the codes.
     """
 
     code: str

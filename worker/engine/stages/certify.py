@@ -15,6 +15,7 @@ import numpy as np
 
 from campaigns.asked.stages import Certify
 from campaigns.claims.say import count, number, say, symbol
+from campaigns.limits import DRAWS
 from campaigns.results import CertifyResult
 from campaigns.results.base import EXCLUDED
 from campaigns.results.draws import of_draws
@@ -33,8 +34,6 @@ STREAM = 2**21
 """Index of the random stream; searches use those from 0 on."""
 
 BLOCK = 4096
-MOST_DRAWS = 20
-"""The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""
 
 
 @dataclass
@@ -52,7 +51,7 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     random = stream(context.campaign.seed, STREAM)
     single = problem.system.single() if noise.noisy(context) else None
     searching = _search(problem, asked, random, drawn, single)
-    driven = drive(context, position, searching, MOST_DRAWS * asked.samples + grid + 1)
+    driven = drive(context, position, searching, DRAWS * asked.samples + grid + 1)
     assert driven.columns is not None
     own = problem.realisations.random
     kind = DRAWN if own else Noise.of_calls(context, single=True)
@@ -79,7 +78,7 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
 def _search(
     problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn, single: System | None
 ) -> Asking[str]:
-    most = MOST_DRAWS * asked.samples
+    most = DRAWS * asked.samples
     while drawn.evaluated < asked.samples and drawn.draws < most:
         draws = min(BLOCK, asked.samples - drawn.evaluated, most - drawn.draws)
         drawn_points = problem.quantile(random.random((draws, problem.dimension)))

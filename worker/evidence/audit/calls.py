@@ -13,6 +13,7 @@ import numpy as np
 from campaigns import Campaign
 from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
+from worker.evidence.audit import limits
 from worker.evidence.audit.binomial import interval
 from worker.evidence.audit.record import MISSING
 
@@ -59,7 +60,7 @@ class Calls:
     def influence(self, varies: bool, spread: float) -> bool:
         """Whether the criterion varies by more than the noise alone would let it."""
         deviation = self.measured.get("deviation") or 0.0
-        return varies and not (deviation and spread <= 10.0 * deviation)
+        return varies and not (deviation and spread <= limits.ABOVE_NOISE * deviation)
 
     def _cases(self) -> list[JsonObject]:
         last = self.claims["results"][-1]

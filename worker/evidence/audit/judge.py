@@ -20,16 +20,13 @@ from campaigns.claims.say import listed
 from campaigns.claims.spans import Quantity, Said, words
 from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
-from worker.evidence.audit.recompute import FLOOR, Run, Tree
+from worker.evidence.audit import limits
+from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING, Record, UnreadableError
 from worker.evidence.audit.regression import evaluated, regression
 
-AT_MOST, SPOT_CHECKS = 200, 200
-"""The numbers of stored violations and of random evaluations that a run simulates again."""
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
-SEARCHED = {"global": 25, "local": 3}
-"""By the kind of methods that can agree: the fewest evaluations per parameter that count as a search."""
 BESIDE = ("outside", "lowest", "mean")
 """Fields of a sample that the statistics of the verdict do not have."""
 SAID: TypeAdapter[Said] = TypeAdapter(Said)
@@ -52,11 +49,11 @@ class Item(NamedTuple):
         return bool(self.given == self.recomputed)
 
 
-def audit(record: Record, at_most: int = AT_MOST, spot_checks: int = SPOT_CHECKS) -> list[Item]:
+def audit(record: Record, at_most: int = limits.VIOLATIONS, spot_checks: int = limits.SPOT_CHECKS) -> list[Item]:
     """Every claim with its recomputed value; raises `UnreadableError` for a record with a different structure."""
     try:
         run = Run(record)
-        given = run.claims | {"sound": True, "checks": {c["name"]: c["ok"] for c in run.claims["checks"]}}
+        given = run.claims | {"sound": True, "placed": True, "checks": _as_stated(run)}
         try:
             run.describe()
             given["sentence"], sentence = _sentence(run)
@@ -101,6 +98,7 @@ def _stored(run: Run) -> Tree:
     stages = zip(run.plan, run.best, run.ended, strict=True)
     expected: Tree = {
         "sound": bool((((run.status == OK) == np.isfinite(run.raw)) & (run.status < len(STATUS))).all()),
+        "placed": bool((np.abs(run.points - 0.5) <= 0.5 + 1e-9).all() and (run.stage < len(run.plan)).all()),
         "stages": [{"kind": s.kind, "method": s.method, "best": best} | ended for s, best, ended in stages],
         "evaluations": total | {k: run.total[k] for k in ("failed", "excluded")},
         "nominal": {"cost": run.nominal, "margin": run.nominal - run.threshold},
@@ -148,8 +146,15 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     if run.campaign.baseline is not None:
         expected["regression"] = regression(run)
     if not run.confirmed:
-        expected["verdict"] = "cleared" if all(checks.values()) else "inconclusive"
+        stated = _as_stated(run)
+        clear = all((stated | checks).values()) and stated.keys() >= checks.keys()
+        expected["verdict"] = "cleared" if clear else "inconclusive"
     return expected
+
+
+def _as_stated(run: Run) -> dict[str, bool]:
+    """The checks as the record has them, those that no rule here requires included."""
+    return {check["name"]: check["ok"] for check in run.claims["checks"]}
 
 
 def _incumbents(run: Run) -> Iterator[Tree]:
@@ -186,8 +191,8 @@ def _encounter(run: Run) -> dict[str, bool]:
     campaign, components, encounter = run.campaign, run.claims["components"], run.claims["results"][-1]["encounter"]
     moved, unseen = (math.nan if c is None else c for c in (encounter["moved"], encounter["unseen"]["cost"]))
     shown = {
-        "motion": moved > 0.01 * abs(run.nominal),
-        "avoidance": run.nominal - unseen > FLOOR * max(abs(run.nominal), abs(unseen)),
+        "motion": moved > limits.MOVED * abs(run.nominal),
+        "avoidance": run.nominal - unseen > limits.ROUNDING * max(abs(run.nominal), abs(unseen)),
     }
     criterion = components.component("criterion", campaign.criterion.component)
     if criterion.of == "obstacles":
@@ -204,16 +209,16 @@ def _agreement(run: Run) -> bool:
     findings, came = run.claims["findings"], dict[int, bool]()
     stated = [f["cost"] for f in findings if f["validation"]["realisation"] is None]
     worst = min(stated or [f["cost"] for f in findings], default=math.nan)
-    fall = min(run.campaign.agreement, 0.2) * (run.nominal - worst)
+    fall = min(run.campaign.agreement, limits.AGREEMENT_AT_MOST) * (run.nominal - worst)
     for k, row in zip(run.searches, run.claims["comparison"], strict=True):
         kind, spent = run.methods[k].kind, run.ended[k]["evaluations"]
-        near = run.best[k] - worst <= max(fall, 1e-9 * max(abs(worst), 1.0))
+        near = run.best[k] - worst <= max(fall, limits.AGREEMENT_ROUNDING * max(abs(worst), 1.0))
         there = near and row["basin"] in {f["label"] for f in findings}
-        searched = kind in SEARCHED and spent >= SEARCHED[kind] * len(run.bounds)
+        searched = kind in limits.LEAST and spent >= limits.LEAST[kind] * len(run.bounds)
         came[k] = there and searched and not (kind == "local" and spent >= run.plan[k].planned)
     globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
-    methods = {run.plan[k].method for k in run.searches if came[k]}
-    return bool(globally) and all(globally) and len(methods) > 1 and (not run.varies or worst < run.nominal)
+    several = len({run.plan[k].method for k in run.searches if came[k]}) >= limits.METHODS
+    return bool(globally) and all(globally) and several and (not run.varies or worst < run.nominal)
 
 
 def _probability(run: Run) -> dict[str, bool]:
@@ -225,11 +230,11 @@ def _probability(run: Run) -> dict[str, bool]:
         asked = campaign.given_scenario.realisations
         checks["noise"] = noise == "drawn" and not (asked.combine == "mean" and len(asked.seeds) > 1)
     if excluded:
-        checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= 0.1
+        checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= limits.EXCLUDED
     if campaign.target_probability is not None:
         checks["target"] = bound <= campaign.target_probability and noise != "stated"
     elif sample is not None:
-        checks["probability"] = bound <= 0.05
+        checks["probability"] = bound <= limits.CEILING
     return checks
 
 

@@ -15,13 +15,12 @@ from campaigns.checked.check import parameters, seeded
 from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
+from worker.evidence.audit import limits
 from worker.evidence.audit.binomial import cumulative, upper_bound
 from worker.evidence.audit.calls import Calls
 from worker.evidence.audit.record import MISSING, Record
 
 Tree = JsonObject
-FLOOR = 1e-6
-"""Fraction of the scale of compared values below which a difference counts as rounding."""
 
 
 def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
@@ -59,7 +58,7 @@ class Run:
         self.lowest = min(self.costs.tolist(), default=math.nan)
         self.calls = Calls(self.campaign, self.claims, *self.rows(0))
         self.highest, self.total = max(self.costs.tolist(), default=math.nan), counts(self.status)
-        self.varies = self.highest - self.lowest > FLOOR * max(abs(self.highest), abs(self.lowest))
+        self.varies = self.highest - self.lowest > limits.ROUNDING * max(abs(self.highest), abs(self.lowest))
         self.others = self.means()
         self.findings = [self.finding(k, given) for k, given in enumerate(self.claims["findings"], 1)]
         violating = [f for f in self.findings if f["validation"]["violates"]]
@@ -91,8 +90,8 @@ class Run:
         stated = (given["cost"], *(given[k]["cost"] for k in self.others))
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
-        floor = min(FLOOR, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
-        allowed = max(min(tolerance * abs(cost), 0.1 * abs(cost - self.threshold)), floor)
+        floor = min(limits.ROUNDING, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
+        allowed = max(min(tolerance * abs(cost), limits.TOLERANCE_OF_MARGIN * abs(cost - self.threshold)), floor)
         violates, clear = (bool(side.all()) for side in (costs <= self.threshold, costs > self.threshold))
         agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())
         apart = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
@@ -146,7 +145,7 @@ class Run:
         if asked:
             ranked = [-math.inf] * found["failed"] + costs.tolist()
             found["quantile"] = lowest_of_quantile(ranked, asked.quantile - outside, self.campaign.confidence)
-            if size < asked.samples and draws < 20 * asked.samples:  # an excluded draw is repeated, up to 20 times
+            if size < asked.samples and draws < limits.DRAWS * asked.samples:  # an excluded draw is repeated, so often
                 found["samples"] = asked.samples
         return found
 

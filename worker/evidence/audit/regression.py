@@ -9,10 +9,8 @@ import math
 from typing import Any
 
 from campaigns.results.base import OK
-from worker.evidence.audit.recompute import FLOOR, Run, Tree
-
-SEARCH = 0.01
-"""Fraction of nominal minus worst by which two searches of the same model may end apart."""
+from worker.evidence.audit import limits
+from worker.evidence.audit.recompute import Run, Tree
 
 
 def evaluated(run: Run, position: int) -> Tree:
@@ -73,7 +71,7 @@ def _case(run: Run, given: Tree) -> Tree:
     if before <= 0 < lowest:
         standing = "fixed"
     else:
-        allowed = max(tolerance, SEARCH * max(run.nominal - run.threshold - lowest, 0.0))
+        allowed = max(tolerance, limits.SAME_COST * max(run.nominal - run.threshold - lowest, 0.0))
         worse = new or again < before - tolerance or lowest < before - allowed
         standing = "worse" if worse else "better" if lowest > before + tolerance else "same"
     return _row(standing, before, again, lowest, tolerance, new) | {"change": lowest - before}
@@ -91,7 +89,7 @@ def _tolerance(run: Run, before: float, label: str | None) -> float:
     apart = [abs(other["difference"]) for other in others if other.get("difference") is not None]
     spread = (run.claims["results"][0].get("measured") or {}).get("spread") or 0.0
     nominal = 0.0 if math.isnan(run.nominal) else run.nominal
-    floor = FLOOR * max(abs(run.threshold), abs(nominal))
+    floor = limits.ROUNDING * max(abs(run.threshold), abs(nominal))
     return float(max([before, *apart, spread, run.campaign.regression.tolerance, floor]))
 
 

@@ -9,20 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from campaigns.claims.codes import CheckCode
+from campaigns import rules
 from campaigns.claims.say import Part, count, finding, joined, listed, method, number, say
 from campaigns.claims.spans import Said, Span
+from campaigns.codes import CheckCode
 from campaigns.results import SearchResult
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence
-
-AT_MOST = 0.2
-"""The largest fraction of nominal minus worst that counts as agreement, whatever the campaign states."""
-GLOBAL_LEAST, LOCAL_LEAST = 25, 3
-"""Evaluations per parameter below which a global or a local method has not searched."""
-FLAT = 1e-6
-"""The criterion does not vary if all evaluations are within this fraction of its size."""
 
 
 def agreement(problem: Problem, evidence: Evidence) -> Check:
@@ -30,8 +24,8 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
     known, nominal, unit = evidence.finding, evidence.nominal.cost, problem.unit
     if known is None or nominal is None:
         return _check(False, "there is no worst case to agree on")
-    aiming = [s for s in evidence.searches if s.kind in ("global", "local")]
-    globally = [s for s in aiming if s.kind == "global"]
+    aiming = [s for s in evidence.searches if rules.FAMILIES[s.kind].least is not None]
+    globally = [s for s in aiming if rules.FAMILIES[s.kind].all_agree]
     if not globally:
         return _check(False, "no global method searched; add one, such as DIRECT")
     lazy = [said for s in globally if (said := _not_searched(s, problem.dimension))]
@@ -39,7 +33,7 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
         return _check(False, joined("; ", lazy))
     # No method has evaluated the cases that drew their own noise.
     worst = min([f.cost for f in evidence.findings if f.realisation is None], default=known.cost)
-    within = max(allowed(problem, nominal - worst), 1e-9 * max(abs(worst), 1.0))
+    within = max(allowed(problem, nominal - worst), rules.AGREEMENT_ROUNDING.value * max(abs(worst), 1.0))
     late = [said for s in globally if (said := _stopped_short(s, worst, within, problem))]
     if late:
         return _check(False, "the worst case is ", number(worst, unit, "worst"), ", but ", joined(" and ", late))
@@ -56,7 +50,7 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
 
 def allowed(problem: Problem, fall: float) -> float:
     """The largest difference of costs that agree, for this fall from nominal to worst [the criterion's unit]."""
-    return min(problem.campaign.agreement, AT_MOST) * fall
+    return min(problem.campaign.agreement, rules.AGREEMENT_AT_MOST.value) * fall
 
 
 def varies(evidence: Evidence) -> float:
@@ -65,12 +59,12 @@ def varies(evidence: Evidence) -> float:
     if spread.lowest is None or spread.highest is None:
         return 0.0
     by = spread.highest - spread.lowest
-    return by if by > FLAT * max(abs(spread.lowest), abs(spread.highest)) else 0.0
+    return by if by > rules.ROUNDING.value * max(abs(spread.lowest), abs(spread.highest)) else 0.0
 
 
 def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
     reached = listed([_titled(s) for s in counted])
-    if len({s.method for s in counted}) < 2:
+    if len({s.method for s in counted}) < rules.METHODS.value:
         return _check(False, "only ", reached, " reached the worst case; a second method must confirm it")
     if not varies(evidence):
         evaluations = count(evidence.encounter.spread.evaluations, "evaluations")
@@ -97,12 +91,13 @@ def _titled(search: SearchResult) -> Span:
 def _not_searched(search: SearchResult, dimension: int) -> Said:
     """Why a stage does not count as a search, as a sentence; empty if it does."""
     title, spent = _titled(search), search.evaluations
-    least = dimension * (GLOBAL_LEAST if search.kind == "global" else LOCAL_LEAST)
+    family = rules.FAMILIES[search.kind]
+    least = dimension * (family.least.value if family.least is not None else 0)
     if spent < least:
         many = " evaluation" if spent == 1 else " evaluations"
         ended = say(title, " ended after ", count(spent), many)
         return say(ended, "; at least ", count(least), " are required to count as a search")
-    if search.kind == "local" and (search.stop is None or search.stop.kind != "rule"):
+    if family.converges and (search.stop is None or search.stop.kind != "rule"):
         return say(title, " spent its budget before it converged")
     return ()
 

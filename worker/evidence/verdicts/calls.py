@@ -10,19 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from campaigns import rules
 from campaigns.asked.spec import Simulator
-from campaigns.claims.codes import CheckCode
 from campaigns.claims.say import capital, case, count, finding, joined, listed, number, percent, say
 from campaigns.claims.spans import Said
+from campaigns.codes import CheckCode
 from campaigns.results import Finding
 from campaigns.results.finding import Validation
 from campaigns.results.nominal import Measured
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence
-
-FEW, SOME, MANY = 5, 10, 20
-"""Proposed calls per evaluation: for a standard deviation below a tenth of the nominal margin, below a third, above."""
 
 
 def calls(problem: Problem, evidence: Evidence) -> list[Check]:
@@ -69,9 +67,9 @@ def repeated(problem: Problem, violation: Finding) -> Said:
 def proposed(deviation: float | None, margin: float | None) -> int:
     """How many calls an evaluation needs, by the ratio of the noise to the nominal margin."""
     if deviation is None or not margin:
-        return SOME
+        return rules.CALLS_UNMEASURED
     ratio = deviation / abs(margin)
-    return FEW if ratio < 0.1 else SOME if ratio < 1 / 3 else MANY
+    return next((calls for below, calls in rules.CALLS if ratio < below), rules.CALLS[-1][1])
 
 
 def _advice(deviation: float | None, margin: float | None) -> Said:

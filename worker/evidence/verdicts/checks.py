@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from campaigns.claims.codes import CheckCode
+from campaigns import rules
 from campaigns.claims.say import Part, count, finding, joined, method, number, say, signed, unnamed
+from campaigns.codes import CheckCode
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.agreement import agreement
@@ -14,8 +15,8 @@ from worker.evidence.verdicts.probability import probability
 
 
 def checks(problem: Problem, evidence: Evidence) -> list[Check]:
-    """All checks in the order in which they are displayed."""
-    return [
+    """All checks in the order of the rules."""
+    found = [
         _nominal(problem, evidence),
         _ended(problem, evidence),
         _no_violation(problem, evidence),
@@ -28,6 +29,7 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
         *_distances(problem),
         *probability(problem, evidence),
     ]
+    return sorted(found, key=lambda check: rules.position(check.code))
 
 
 def _nominal(problem: Problem, evidence: Evidence) -> Check:

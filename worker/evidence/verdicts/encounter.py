@@ -8,21 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from campaigns.claims.codes import CheckCode
+from campaigns import rules
 from campaigns.claims.say import capital, case, listed, number, say, symbol
 from campaigns.claims.spans import Said, Text
+from campaigns.codes import CheckCode
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
-from worker.evidence.verdicts.agreement import FLAT, varies
+from worker.evidence.verdicts.agreement import varies
 from worker.evidence.verdicts.evidence import Evidence
-
-MOVED = 0.01
-"""Fraction of the nominal closest approach that the vehicle must at least move."""
-
-ABOVE_NOISE = 10.0
-"""Standard deviations of a simulator's noise that the range of all evaluations must exceed; that of a million normal
-numbers is about as wide."""
 
 INTENDED = ", which the author states is intended: "
 
@@ -90,7 +84,7 @@ def _motion(problem: Problem, evidence: Evidence) -> Condition | None:
     if moved is None or nominal is None:
         return False, say("the vehicle's motion is unknown: the nominal case has no trace")
     said = say("the vehicle moves ", number(moved, "m", "moved"), " in the nominal case")
-    if moved <= MOVED * abs(nominal):
+    if moved <= rules.MOVED.value * abs(nominal):
         return False, say(said, "; place the goal beyond the obstacle")
     return True, said
 
@@ -106,7 +100,7 @@ def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
             "choose a nominal case that the vehicle completes without avoidance"
         )
     by, blind = nominal - unseen.cost, number(unseen.cost, unit, "unseen")
-    if by <= FLAT * max(abs(nominal), abs(unseen.cost)):
+    if by <= rules.ROUNDING.value * max(abs(nominal), abs(unseen.cost)):
         return False, say(
             *("the avoidance makes no difference: if the avoider sees no obstacle, the nominal ", quantity),
             *(" is ", blind),
@@ -123,13 +117,14 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
         choose = "; choose parameters that the encounter depends on"
         return False, say("no uncertain parameter changes ", quantity, choose)
     measured = evidence.nominal.measured
-    if measured is not None and measured.deviation and by <= ABOVE_NOISE * measured.deviation:
+    if measured is not None and measured.deviation and by <= rules.ABOVE_NOISE.value * measured.deviation:
         noise = number(measured.deviation, unit, "deviation")
         return False, say(
             *(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations, which may be noise alone: "),
             *("evaluations of the same point have a standard deviation of ", noise),
         )
     parameters = problem.symbols
-    without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= FLAT * by]
+    least = rules.ROUNDING.value * by
+    without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= least]
     said = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
     return True, say(said, "; no effect along the slices of ", listed(without)) if without else said

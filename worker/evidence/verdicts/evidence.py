@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from campaigns import rules
 from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, ValidateResult
 from campaigns.results.baseline import BaselineResult
 from campaigns.results.sample import Sample
@@ -76,7 +77,7 @@ class Evidence:
     def sample(self) -> Sample | None:
         """The independent sample that supports a claim on probability: that of the certify stage; without one, that of
         the first random search whose points are independent. Both are declared in the campaign."""
-        searched = [s.sample for s in self.searches if s.kind == "random" and s.sample is not None]
+        searched = [s.sample for s in self.searches if rules.FAMILIES[s.kind].samples and s.sample is not None]
         samples = [self.certificate.sample] if self.certificate is not None else searched
         return next((s for s in samples if s.upper_bound is not None), None)
 

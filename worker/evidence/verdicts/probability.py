@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from campaigns.claims.codes import CheckCode
+from campaigns import rules
 from campaigns.claims.say import count, listed, percent, say
 from campaigns.claims.spans import Said
+from campaigns.codes import CheckCode
 from campaigns.results.sample import Sample
 from campaigns.results.verdict import Check, Statistics
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence
-
-CEILING = 0.05
-"""The largest bound on P(violation) with which a campaign without a target is cleared."""
-EXCLUDED = 0.1
-"""The largest excluded fraction, of the draws or of all evaluations, with which a campaign is cleared."""
 
 
 def statistics(evidence: Evidence) -> Statistics | None:
@@ -74,14 +70,15 @@ def _excluded(evidence: Evidence) -> list[Check]:
     of = "draws of the sample" if drawn >= evaluated else "evaluations"
     excluded = f" of the {of} start at or below the threshold and were excluded: nothing is known about them"
     said = say(percent(much, name="excluded"), excluded)
-    if much > EXCLUDED:
-        said = say(said, "; narrow the bounds until at most ", percent(EXCLUDED, 6, "most"), " are excluded")
-    return [Check(code=CheckCode.EXCLUSIONS, ok=much <= EXCLUDED, said=said)]
+    most = rules.EXCLUDED.value
+    if much > most:
+        said = say(said, "; narrow the bounds until at most ", percent(most, 6, "most"), " are excluded")
+    return [Check(code=CheckCode.EXCLUSIONS, ok=much <= most, said=said)]
 
 
 def _advice(sample: Sample) -> Said:
     """Advice on a bound above the ceiling: more samples help only if few of them violate."""
-    if sample.violations > CEILING * sample.samples:
+    if sample.violations > rules.CEILING.value * sample.samples:
         drawn = count(sample.samples, "samples")
         return say(count(sample.violations, "violations"), " of its ", drawn, " samples violate the criterion")
     return say("draw more than ", count(sample.samples, "samples"), " samples, or set target_probability")
@@ -89,13 +86,13 @@ def _advice(sample: Sample) -> Said:
 
 def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     target, sample = problem.campaign.target_probability, evidence.sample
-    goal = percent(target or CEILING, 4, "target")
+    goal = percent(target or rules.CEILING.value, 4, "target")
     if sample is None or sample.upper_bound is None:
         said = say("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
         return [] if target is None else [Check(code=CheckCode.TARGET, ok=False, said=said)]
     bound = say("the bound of ", percent(sample.upper_bound, name="upper_bound"))
     if target is None:
-        ok = sample.upper_bound <= CEILING
+        ok = sample.upper_bound <= rules.CEILING.value
         said = say(bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
         if not ok:
             said = say(said, "; ", _advice(sample))

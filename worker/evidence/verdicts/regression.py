@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from campaigns import rules
 from campaigns.asked.regression import BaselineCase, Policy
 from campaigns.claims.say import Part, count, finding, joined, number, say, signed, symbol
 from campaigns.claims.spans import Said
@@ -19,8 +20,6 @@ from campaigns.results.baselines import difference
 from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.stages.plan import plan
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.confirm import FLOOR
-from worker.engine.stages.parts.findings import SAME_COST
 from worker.evidence.verdicts.evidence import Evidence
 
 ORDER = list(Standing)
@@ -103,7 +102,7 @@ def _standing(
     if before <= threshold < cost:
         return Standing.FIXED
     # Where two searches of the same model end in a basin may differ by so much.
-    search = 0.0 if nominal is None else SAME_COST * max(nominal - cost, 0.0)
+    search = 0.0 if nominal is None else rules.SAME_COST.value * max(nominal - cost, 0.0)
     if again < before - tolerance or cost < before - max(tolerance, search):
         return Standing.WORSE
     return Standing.BETTER if cost > before + tolerance else Standing.SAME
@@ -128,7 +127,7 @@ def _tolerance(problem: Problem, evidence: Evidence, before: BaselineCase, there
     nominal, measured = evidence.nominal.cost, evidence.nominal.measured
     spread = 0.0 if measured is None or measured.spread is None else measured.spread
     now = difference(evidence.validation.nominal if there is None else there.validation)
-    floor = FLOOR * max(abs(problem.threshold), abs(nominal or 0.0))
+    floor = rules.ROUNDING.value * max(abs(problem.threshold), abs(nominal or 0.0))
     return max(before.difference, now, spread, problem.campaign.regression.tolerance, floor)
 
 

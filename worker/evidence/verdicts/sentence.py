@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from campaigns.claims.codes import CheckCode
 from campaigns.claims.say import (
     Part,
     capital,
@@ -20,6 +19,7 @@ from campaigns.claims.say import (
     unnamed,
 )
 from campaigns.claims.spans import Said
+from campaigns.codes import CheckCode
 from campaigns.results import Finding, SearchResult
 from campaigns.results.finding import Validation
 from campaigns.results.verdict import Check, Statistics, VerdictWord

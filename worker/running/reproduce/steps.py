@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from campaigns import Campaign, library, load_file
+from campaigns.limits import TOLERANCE_OF_MARGIN
 from campaigns.results.base import OK
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.confirm import FRACTION_OF_MARGIN
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.system import ClosedLoop
 from worker.running.opening.opened import closed_loop
@@ -87,7 +87,7 @@ def declared(campaign: Campaign) -> float | None:
 
 def _allowed(problem: Problem, costs: Floats) -> Floats:
     tolerance = problem.campaign.stages.validate_.tolerance
-    return np.minimum(tolerance * np.abs(costs), FRACTION_OF_MARGIN * np.abs(costs - problem.threshold))
+    return np.minimum(tolerance * np.abs(costs), TOLERANCE_OF_MARGIN * np.abs(costs - problem.threshold))
 
 
 def of_library(names: Sequence[str] = ()) -> list[Adequacy]:

@@ -1,8 +1,9 @@
 // Comparison of the methods: results, effort, and how each ended.
 import { clsx } from 'clsx'
+import { LIMITS } from '../../api/rules'
 import { resultOf } from '../../api/stages'
 import type { Compared, Member } from '../../client'
-import { count, decimalsApart, duration, fixed, NONE, plain, signed } from '../../format/numbers'
+import { count, decimalsApart, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { words } from '../../format/said'
 import { HelpLink } from '../../help/links'
 import { Card, NumHead, Progress } from '../../ui/Card'
@@ -51,7 +52,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
             <NumHead unit="evaluation">Best at</NumHead>
             {compared && (
               <>
-                <NumHead unit="at evaluation">Within 1 %</NumHead>
+                <NumHead unit="at evaluation">Within {percent(LIMITS.same_cost, 1)}</NumHead>
                 <NumHead unit={`of ${data.findings.length}`}>Findings</NumHead>
                 <th title="The finding whose basin contains the method's best evaluation">Best is in</th>
               </>

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from campaigns.limits import SAME_COST
 from campaigns.results import Finding
 from campaigns.results.base import OK
 from campaigns.results.validate import Compared
 from worker.engine.stages.parts.base import Context, all_columns
-from worker.engine.stages.parts.findings import SAME_COST, Found, scale
+from worker.engine.stages.parts.findings import Found, scale
 
 
 def compare(context: Context, findings: Sequence[Finding], found: Found, labels: list[str]) -> list[Compared]:

@@ -13,14 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.limits import ROUNDING, TOLERANCE_OF_MARGIN
 from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validation
 from worker.engine.stages.parts import noise, repeated
 from worker.engine.stages.parts.base import Cancelled, Context
 from worker.engine.systems.base import Comparison, Confirmed, Floats
-
-FRACTION_OF_MARGIN = 0.1
-FLOOR = 1e-6
-"""Fraction of the threshold's scale below which a difference counts as rounding."""
 
 LOST = "the evaluation failed"
 
@@ -122,5 +119,5 @@ def _stored(other: Comparison, difference: float | None) -> Any:
 def _allowed(context: Context, cost: float) -> float:
     tolerance = context.campaign.stages.validate_.tolerance
     margin = abs(cost - context.problem.threshold)
-    floor = min(FLOOR, tolerance) * scale(context)  # the requested tolerance may be below rounding
-    return max(min(tolerance * abs(cost), FRACTION_OF_MARGIN * margin), floor)
+    floor = min(ROUNDING, tolerance) * scale(context)  # the requested tolerance may be below rounding
+    return max(min(tolerance * abs(cost), TOLERANCE_OF_MARGIN * margin), floor)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from string import Formatter
 from typing import Any, Literal
 
-from campaigns.claims.codes import StopCode
 from campaigns.claims.say import Part, count, number, say
 from campaigns.claims.spans import Said
+from campaigns.codes import StopCode
 from campaigns.results.base import Stop
 from worker.engine.search.base import Ended
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.baseline import BaselineResult
 from campaigns.results.finding import Neighbours
@@ -26,12 +27,8 @@ from worker.engine.systems.base import Floats
 
 EACH, ALL = 12, 60
 """Limits on the points to descend from: per stage, and in total."""
-SAME_COST, SAME_PLACE = 0.01, 0.05
-"""A method found a worst case if its evaluations came this close: fraction of nominal minus worst, of every range."""
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
-ROUNDING = 1e-6
-"""Fraction of nominal minus worst by which a nearby point may be lower without becoming a new candidate."""
 ROUNDS = 20
 """The largest number of rounds in which lower evaluations become candidates."""
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns import limits
 from campaigns.claims.say import count, number, say
 from campaigns.claims.spans import Said
 from campaigns.results.base import OK
@@ -22,8 +23,7 @@ from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.confirm import Case, cases, reference
 from worker.engine.systems.base import Floats, Words
 
-AT_MOST = 200
-SPOT_CHECKS = 200
+AT_MOST, SPOT_CHECKS = limits.VIOLATIONS, limits.SPOT_CHECKS
 STREAM = 2**22
 """Spawn key of the choice of spot checks."""
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from numba.core.errors import NumbaError
 
 from campaigns import Campaign
-from campaigns.claims.codes import CheckCode
 from campaigns.claims.spans import Said
+from campaigns.codes import CheckCode
 from campaigns.stored.records import Trace
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import (

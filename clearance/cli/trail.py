@@ -1,4 +1,4 @@
-"""`clearance audit verify|head`: verifies the hash chain of the audit trail; nothing is written."""
+"""`clearance trail verify|head`: verifies the hash chain of the audit trail; nothing is written."""
 
 from __future__ import annotations
 
@@ -23,6 +23,10 @@ CANNOT = (
 )
 
 
+app = typer.Typer(help="The audit trail of the service.", no_args_is_help=True)
+
+
+@app.command("verify")
 def verify_trail(
     noted: Annotated[
         str, typer.Option("--head", metavar="NUMBER:HASH", help="A head noted earlier.", show_default=False)
@@ -50,6 +54,7 @@ def verify_trail(
         typer.echo(CANNOT)
 
 
+@app.command("head")
 def print_head(data: Data = DATA, database: Database = "") -> None:
     """Print number and hash of the newest row, to be noted where the service cannot write."""
     engine = connect(existing_url_of(data, database))

@@ -1,0 +1,22 @@
+"""Limits that a run itself applies, and usual values of a campaign: a change of one can change a number.
+
+`campaigns.rules` lists them with those that only a verdict applies.
+"""
+
+AGREEMENT, CONFIDENCE, CONFIDENCE_AT_LEAST = 0.05, 0.95, 0.9
+"""Usual agreement of methods, a fraction of nominal minus worst; usual confidence of bounds, and the least allowed."""
+TOLERANCE, TOLERANCE_OF_MARGIN = 1e-3, 0.1
+"""How much the evaluations of a case may differ: usual fraction of its value, and at most that of the margin."""
+ROUNDING = 1e-6
+"""Fraction of the scale of what is compared below which a difference counts as rounding."""
+DISTANCE, BARRIER = 0.03, 0.05
+"""Usual limits within which two minima count as one: fraction of every range, of nominal minus worst."""
+SAME_COST, SAME_PLACE = 0.01, 0.05
+"""A method found a worst case if its evaluations came this close: fraction of nominal minus worst, of every range."""
+SPOT_CHECKS, VIOLATIONS = 200, 200
+"""Random evaluations, and stored violations at most, that are made again to confirm them; of a simulator in fresh
+processes."""
+REPEATS = 10
+"""Fewer independent calls of a noisy simulator would say too little about a finding."""
+DRAWS = 20
+"""The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""

@@ -1,0 +1,16 @@
+"""The limits of the rules, written a second time on purpose: an error in `campaigns.rules` must not pass unnoticed.
+
+A test compares the two, name by name.
+"""
+
+LEAST = {"global": 25, "local": 3}
+"""By the kind of methods that can agree: the fewest evaluations per parameter that count as a search."""
+METHODS = 2
+AGREEMENT_AT_MOST, AGREEMENT_ROUNDING = 0.2, 1e-9
+TOLERANCE_OF_MARGIN = 0.1
+ROUNDING = 1e-6
+MOVED, ABOVE_NOISE = 0.01, 10.0
+EXCLUDED, CEILING = 0.1, 0.05
+SAME_COST = 0.01
+SPOT_CHECKS, VIOLATIONS = 200, 200
+DRAWS = 20

@@ -22,6 +22,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Avoider, Parameter
 from worker.engine.kernels.maths import kernel, norm2
 from worker.engine.physics.fields import attraction, relative
+from worker.engine.physics.vectors import Goal
 
 
 class GeCui(NamedTuple):
@@ -31,11 +32,6 @@ class GeCui(NamedTuple):
     A_max: Annotated[float, Parameter("m/s2", "Greatest deceleration", 1e-3, 1e3)] = 0.71
     floor: Annotated[float, Parameter("m", "Distance below which the repulsion is constant", 1e-6, 1e3)] = 0.1
     s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
-
-
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
 
 
 @kernel
@@ -70,11 +66,6 @@ def steer(
     return (fx, fy), ()
 
 
-@kernel
-def remember(p: GeCui) -> tuple[()]:
-    return ()
-
-
 component = Avoider(
     name="ge_cui",
     title="Potential field for moving obstacles",
@@ -84,5 +75,4 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
 )

@@ -22,6 +22,7 @@ from worker.engine.kernels.component import Avoider, Parameter
 from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import attraction, relative
 from worker.engine.physics.space import Vector, norm3
+from worker.engine.physics.vectors import SpatialGoal as Goal
 
 
 class GeCui(NamedTuple):
@@ -33,12 +34,6 @@ class GeCui(NamedTuple):
     s: Annotated[float, Parameter("m", "Distance from the goal beyond which the attraction is constant", 1e-3, 1e9)] = (
         1e9
     )
-
-
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-    z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6)]
 
 
 @kernel
@@ -72,11 +67,6 @@ def steer(
     return force, ()
 
 
-@kernel
-def remember(p: GeCui) -> tuple[()]:
-    return ()
-
-
 component = Avoider(
     name="ge_cui_3d",
     title="Potential field for moving obstacles",
@@ -86,7 +76,6 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
     weigh=weigh,
     first=first,
 )

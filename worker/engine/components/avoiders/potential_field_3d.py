@@ -18,6 +18,7 @@ from worker.engine.kernels.component import Avoider, Parameter
 from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import attraction, firas
 from worker.engine.physics.space import Vector, norm3
+from worker.engine.physics.vectors import SpatialGoal as Goal
 
 
 class PotentialField(NamedTuple):
@@ -27,12 +28,6 @@ class PotentialField(NamedTuple):
     s: Annotated[float, Parameter("m", "Distance from the goal beyond which the attraction is constant", 1e-3, 1e9)] = (
         1e9
     )
-
-
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-    z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6)]
 
 
 @kernel
@@ -57,11 +52,6 @@ def steer(
     return force, ()
 
 
-@kernel
-def remember(p: PotentialField) -> tuple[()]:
-    return ()
-
-
 component = Avoider(
     name="potential_field_3d",
     title="Potential field",
@@ -71,7 +61,6 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
     weigh=weigh,
     first=first,
 )

@@ -99,19 +99,11 @@ def halves(state: Vector) -> tuple[Vector, Vector]:
 
 
 @kernel
-def centre(body: Any, q: Vector) -> Vector:
-    """The position of an obstacle, in as many dimensions as q has."""
+def seen_from(q: Vector, body: Any) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Where an obstacle is relative to q, and its velocity, both in space."""
     if len(q) == 2:
-        return body.x, body.y
-    return body.x, body.y, body.z
-
-
-@kernel
-def velocity(body: Any, q: Vector) -> Vector:
-    """The velocity of an obstacle, in as many dimensions as q has."""
-    if len(q) == 2:
-        return body.vx, body.vy
-    return body.vx, body.vy, body.vz
+        return (body.x - q[0], body.y - q[1], 0.0), (body.vx, body.vy, 0.0)
+    return (body.x - q[0], body.y - q[1], body.z - q[2]), (body.vx, body.vy, body.vz)
 
 
 @kernel

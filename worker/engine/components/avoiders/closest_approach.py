@@ -22,18 +22,7 @@ from worker.engine.kernels.component import Avoider, Parameter
 from worker.engine.kernels.maths import kernel
 from worker.engine.physics.closest import NEVER, Rules, resolve
 from worker.engine.physics.fields import cruise
-from worker.engine.physics.vectors import (
-    Goal,
-    Vector,
-    centre,
-    difference,
-    like,
-    norm,
-    right_of,
-    scaled,
-    spatial,
-    velocity,
-)
+from worker.engine.physics.vectors import Goal, Vector, difference, like, norm, right_of, scaled, seen_from, spatial
 
 
 class ClosestApproach(NamedTuple):
@@ -51,16 +40,18 @@ def steer(
     way = difference(goal, q)
     own = spatial(scaled(cruise(norm(way), p.speed, p.k_goal), way))
     right = right_of(way)
-    soonest, nan_guard, best = NEVER, 0.0, own
+    soonest, nan_guard, best_x, best_y, best_z = NEVER, 0.0, own[0], own[1], own[2]
     for body in bodies:
         rules = Rules(body.radius + p.clearance, p.horizon, p.sharing)
-        r = spatial(difference(centre(body, q), q))
-        tau, u = resolve(r, own, spatial(velocity(body, q)), right, rules)
+        r, other = seen_from(q, body)
+        tau, u = resolve(r, own, other, right, rules)
         nan_guard += 0.0 * tau
         sooner = tau < soonest
         soonest = tau if sooner else soonest
-        best = (u[0] if sooner else best[0], u[1] if sooner else best[1], u[2] if sooner else best[2])
-    return like((best[0] + nan_guard, best[1] + nan_guard, best[2] + nan_guard), q), ()
+        best_x = u[0] if sooner else best_x
+        best_y = u[1] if sooner else best_y
+        best_z = u[2] if sooner else best_z
+    return like((best_x + nan_guard, best_y + nan_guard, best_z + nan_guard), q), ()
 
 
 component = Avoider(

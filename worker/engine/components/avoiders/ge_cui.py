@@ -20,9 +20,9 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Avoider, Parameter
-from worker.engine.kernels.maths import kernel, norm2
+from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import attraction, relative
-from worker.engine.physics.vectors import Goal
+from worker.engine.physics.vectors import Goal, Vector, difference, moved, norm, scaled
 
 
 class GeCui(NamedTuple):
@@ -46,24 +46,13 @@ def repulsion(body: Any, v: tuple[float, float], p: GeCui) -> tuple[float, float
 
 @kernel
 def steer(
-    t: float,
-    q: tuple[float, float],
-    v: tuple[float, float],
-    goal: Goal,
-    bodies: Any,
-    memory: tuple[()],
-    p: GeCui,
-) -> tuple[tuple[float, float], tuple[()]]:
-    x = goal.x - q[0]
-    y = goal.y - q[1]
-    k = attraction(norm2(x, y), p.k_att, p.s)
-    fx = k * x
-    fy = k * y
+    t: float, q: Vector, v: Vector, goal: Goal, bodies: Any, memory: tuple[()], p: GeCui
+) -> tuple[Vector, tuple[()]]:
+    way = difference(goal, q)
+    force = scaled(attraction(norm(way), p.k_att, p.s), way)
     for body in bodies:
-        rx, ry = repulsion(body, v, p)
-        fx += rx
-        fy += ry
-    return (fx, fy), ()
+        force = moved(force, 1.0, repulsion(body, v, p))
+    return force, ()
 
 
 component = Avoider(

@@ -17,8 +17,8 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Avoider, Parameter
 from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import attraction, firas
-from worker.engine.physics.space import Vector, norm3
 from worker.engine.physics.vectors import SpatialGoal as Goal
+from worker.engine.physics.vectors import Vector, difference, moved, norm, normal, scaled
 
 
 class PotentialField(NamedTuple):
@@ -32,9 +32,8 @@ class PotentialField(NamedTuple):
 
 @kernel
 def first(t: float, q: Vector, v: Vector, goal: Goal, memory: tuple[()], p: PotentialField) -> Vector:
-    x, y, z = goal.x - q[0], goal.y - q[1], goal.z - q[2]
-    k = attraction(norm3((x, y, z)), p.k_att, p.s)
-    return k * x, k * y, k * z
+    way = difference(goal, q)
+    return scaled(attraction(norm(way), p.k_att, p.s), way)
 
 
 @kernel
@@ -42,7 +41,7 @@ def weigh(
     force: Vector, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Goal, m: tuple[()], p: PotentialField
 ) -> Vector:
     away = firas(body.gap, p.k_rep, p.d_0)
-    return force[0] + away * body.nx, force[1] + away * body.ny, force[2] + away * body.nz
+    return moved(force, away, normal(body, q))
 
 
 @kernel

@@ -6,6 +6,7 @@ others are ignored. Avoiders keep clear of its radius; `separation` measures dis
 
 from __future__ import annotations
 
+from collections import namedtuple
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
@@ -31,30 +32,11 @@ class WaypointCircle(NamedTuple):
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 0.5
 
 
-class Constants(NamedTuple):
-    """The start, the velocity on each leg, and when each ends; in the plane every z is 0."""
-
-    x: float
-    y: float
-    z: float
-    vx_1: float
-    vy_1: float
-    vz_1: float
-    vx_2: float
-    vy_2: float
-    vz_2: float
-    vx_3: float
-    vy_3: float
-    vz_3: float
-    vx_4: float
-    vy_4: float
-    vz_4: float
-    ends_1: float
-    ends_2: float
-    ends_3: float
-    ends_4: float
-    radius: float
-
+Constants = namedtuple(
+    "Constants",
+    "x y z vx_1 vy_1 vz_1 vx_2 vy_2 vz_2 vx_3 vy_3 vz_3 vx_4 vy_4 vz_4 ends_1 ends_2 ends_3 ends_4 radius",
+)
+"""The start, the velocity on each leg, and when each ends; in the plane every z is 0."""
 
 PLANAR = len(WaypointCircle._fields)
 

@@ -15,7 +15,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError, model_validator
 
 from backend.db.engine import default_url
-from backend.provider.configured import Configured, default_of, roles_of, safe_address, secret_of
+from backend.provider.configured import Configured, default_of, is_loopback, roles_of, safe_address, secret_of
 from backend.webhooks import configured as hooked
 
 PREFIX = "CLEARANCE_"
@@ -174,7 +174,7 @@ class Settings(BaseModel):
 
     @model_validator(mode="after")
     def _loopback(self) -> Settings:
-        if not self.allow_any_host and not _is_loopback(self.host):
+        if not self.allow_any_host and not is_loopback(self.host):
             raise ValueError(
                 f"refusing to listen on {self.host!r}: only the loopback address is allowed, because the service does "
                 f"not encrypt passwords and cookies; set {PREFIX}ALLOW_ANY_HOST=true behind a proxy with TLS, or where "
@@ -218,17 +218,8 @@ class Settings(BaseModel):
 
     def url(self, port: int) -> str:
         """The service's address for a browser on this machine."""
-        host = self.host if _is_loopback(self.host) else "127.0.0.1"
+        host = self.host if is_loopback(self.host) else "127.0.0.1"
         return self.public_url.rstrip("/") or f"http://{f'[{host}]' if ':' in host else host}:{port}"
-
-
-def _is_loopback(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def _line(error: object) -> str:

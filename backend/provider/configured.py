@@ -89,10 +89,11 @@ def safe_address(address: str) -> bool:
         return False
     if parsed.username or parsed.fragment or not host:
         return False
-    return parsed.scheme == "https" or (parsed.scheme == "http" and _loopback(host))
+    return parsed.scheme == "https" or (parsed.scheme == "http" and is_loopback(host))
 
 
-def _loopback(host: str) -> bool:
+def is_loopback(host: str) -> bool:
+    """Whether a host is this machine, by name or address."""
     if host == "localhost":
         return True
     try:

@@ -22,8 +22,8 @@ ORDER: tuple[Status, ...] = ("violated", "inconclusive", "no verdict", "suspect"
 
 @dataclass(frozen=True)
 class Model:
-    """What ran a run, as digests: all code, the operator's own components, the simulator, the code that evaluates; None:
-    not stored."""
+    """What ran a run, as digests: all code, the operator's own components, the simulator, the code that evaluates;
+    None: not stored."""
 
     code: str | None
     own: tuple[tuple[str, str], ...] = ()

@@ -96,27 +96,26 @@ def _component(called: str, then: ComponentEntry, now: ComponentEntry | None) ->
         yield _gone(called)
         return
     yield from _fields(called, then, now, ("parameters", "starts", "goals", "role", "name", "look"))
-    for group, of in _GROUPS.items():
-        before, after = _by_name(then, group), _by_name(now, group)
-        yield from _defaults(called, then, now, group)
-        for name, entry in after.items():
-            if name in before:
-                yield from _parameter(f"{of}{name} of {called}", before[name], entry)
-            else:
-                yield f"{called} has one more parameter here, {of}{name}"
+    for group in _GROUPS:
+        yield from _parameters(called, then, now, group)
 
 
-def _defaults(
+def _parameters(
     called: str, then: ComponentEntry | SimulatorEntry, now: ComponentEntry | SimulatorEntry, group: str
 ) -> Iterator[str]:
-    """Changed default values that the campaign relies on, and parameters that no longer exist."""
-    after, of = _by_name(now, group), _GROUPS[group]
-    for name, before in _by_name(then, group).items():
+    """Default values that the campaign relies on, parameters that no longer exist, and then what else differs."""
+    before, after, of = _by_name(then, group), _by_name(now, group), _GROUPS[group]
+    for name, entry in before.items():
         if name not in after:
             yield f"{called} has no parameter {of}{name} in this installation any more"
-        elif after[name].default != before.default:
-            was, is_ = _value(before.default, before.unit), _value(after[name].default, after[name].unit)
+        elif after[name].default != entry.default:
+            was, is_ = _value(entry.default, entry.unit), _value(after[name].default, after[name].unit)
             yield f"the default of {of}{name} of {called} was {was}, here it is {is_}"
+    for name, entry in after.items():
+        if name in before:
+            yield from _parameter(f"{of}{name} of {called}", before[name], entry)
+        else:
+            yield f"{called} has one more parameter here, {of}{name}"
 
 
 def _parameter(called: str, then: ParameterEntry, now: ParameterEntry) -> Iterator[str]:
@@ -152,13 +151,7 @@ def _simulator(called: str, then: SimulatorEntry, now: SimulatorEntry | None) ->
         yield f"the text of {called} is different here"
     if then.results != now.results:
         yield f"the results of {called} are described differently here"
-    before, after = _by_name(then, "parameters"), _by_name(now, "parameters")
-    yield from _defaults(called, then, now, "parameters")
-    for name, entry in after.items():
-        if name in before:
-            yield from _parameter(f"{name} of {called}", before[name], entry)
-        else:
-            yield f"{called} has one more parameter here, {name}"
+    yield from _parameters(called, then, now, "parameters")
 
 
 def _fields(

@@ -63,8 +63,8 @@ class TestGradients:
     @pytest.mark.parametrize("n", [0.0, 1.0, 2.0, 3.0])
     @pytest.mark.parametrize("q", PLANE + SPACE)
     def test_gnron(self, q: tuple[float, ...], n: float) -> None:
-        file: Any = gnron if len(q) == 2 else gnron_3d
-        p = file.Gnron(5.0, 4.0, 2.0, n, 3.0)
+        component: Any = (gnron if len(q) == 2 else gnron_3d).component
+        p = component.parameters(5.0, 4.0, 2.0, n, 3.0)
         goal = np.array([6.0, 7.0, 1.0][: len(q)])
 
         def potential(at: Any) -> float:
@@ -72,7 +72,7 @@ class TestGradients:
             near = [b.gap for b in around(*at) if b.gap <= p.d_0]
             return pull(g, p.k_att, p.s) + sum(0.5 * p.k_rep * (1 / d - 1 / p.d_0) ** 2 * g**n for d in near)
 
-        force, _ = plain(file.steer)(0.0, q, (0.0,) * len(q), file.Goal(*goal), around(*q), (), p)
+        force, _ = plain(component.steer)(0.0, q, (0.0,) * len(q), component.goal(*goal), around(*q), (), p)
         assert force == pytest.approx([-g for g in slope(potential, np.array(q))], rel=1e-5, abs=1e-5)
 
     def test_the_repulsion_of_gnron_vanishes_at_the_goal(self) -> None:
@@ -161,8 +161,9 @@ class TestClosestApproach:
         assert u[1] < 0
         space = closest_approach_3d.ClosestApproach(speed=2.0, clearance=1.0, horizon=20.0)
         there = Body3(8.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.5, 7.5, -1.0, 0.0, 0.0)
-        u3, _ = plain(closest_approach_3d.steer)(
-            0.0, (0.0, 0.0, 0.0), (2.0, 0.0, 0.0), closest_approach_3d.Goal(20.0, 0.0, 0.0), (there,), (), space
+        component = closest_approach_3d.component
+        u3, _ = plain(component.steer)(
+            0.0, (0.0, 0.0, 0.0), (2.0, 0.0, 0.0), component.goal(20.0, 0.0, 0.0), (there,), (), space
         )
         assert u3[1] > 0  # z is down: y is right of x
         assert (u3[0], -u3[1], u3[2]) == pytest.approx((*u, 0.0))

@@ -50,7 +50,7 @@ class TestLinear:
     def test_they_are_those_of_the_vehicle(self, speed: float) -> None:
         # the component's own right-hand side, differenced about its trim
         p, f = linear(speed), plain(fixed_wing_linear.derivative)
-        x = np.array(plain(fixed_wing_linear.begin)(fixed_wing_linear.Start(speed=speed), p))
+        x = np.array(plain(fixed_wing_linear.component.begin)(fixed_wing.Start(speed=speed), p))
         u = np.array([p.elevator, 0.0, 0.0, p.throttle])
 
         def slopes(of: Floats, k: int) -> Floats:

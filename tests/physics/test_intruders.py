@@ -56,13 +56,13 @@ def ask(
     """Demand and memory of one guidance sample; by default heading north at 20 m/s."""
     p = parameters(file, **given)
     goal = Plan(20.0, 0.0, 0.0) if goal is None else goal
-    memory = plain(file.remember)(p) if memory is None else memory
+    memory = plain(file.component.remember)(p) if memory is None else memory
     if file.component.weigh is None:
-        return plain(file.steer)(0.0, q, v, goal, tuple(b(q) for b in around), memory, p)
-    so_far = plain(file.first)(0.0, q, v, goal, memory, p)
+        return plain(file.component.steer)(0.0, q, v, goal, tuple(b(q) for b in around), memory, p)
+    so_far = plain(file.component.first)(0.0, q, v, goal, memory, p)
     for i, b in enumerate(around):
-        so_far = plain(file.weigh)(so_far, float(i), b(q), 0.0, q, v, goal, memory, p)
-    return plain(file.steer)(0.0, q, v, goal, so_far, memory, p)
+        so_far = plain(file.component.weigh)(so_far, float(i), b(q), 0.0, q, v, goal, memory, p)
+    return plain(file.component.steer)(0.0, q, v, goal, so_far, memory, p)
 
 
 def slope(of: Any, at: Any) -> list[float]:
@@ -118,7 +118,7 @@ class TestPotentials:
 
     def test_nothing_is_avoided_without_avoidance(self) -> None:
         around = [body(100.0, 0.0, 0.0)]
-        force, _ = ask(none_3d, around, goal=none_3d.Goal(30.0, -40.0, 12.0), k_att=2.0, s=6.5)
+        force, _ = ask(none_3d, around, goal=none_3d.component.goal(30.0, -40.0, 12.0), k_att=2.0, s=6.5)
         assert force == pytest.approx([13.0 * 30 / 51.42, -13.0 * 40 / 51.42, 13.0 * 12 / 51.42], rel=1e-3)
         velocity, _ = ask(cruise_3d, around, goal=Plan(20.0, math.pi / 2, 0.3))
         assert velocity == pytest.approx([0.0, 20 * math.cos(0.3), -20 * math.sin(0.3)], abs=1e-12)

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from worker.engine.kernels import signatures as sig
 from worker.engine.kernels.look import ObstacleLook, VehicleLook
+from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.parameters import Declared, Parameter, declared, extended
 
 __all__ = [
@@ -143,13 +144,20 @@ class Controller:
     role: Literal["controller"] = "controller"
 
 
+@kernel
+def _nothing(p: Any) -> tuple[()]:
+    """The memory of an avoider without one."""
+    return ()
+
+
 @dataclass(frozen=True)
 class Avoider:
     """An avoidance algorithm.
 
     `frame`: the axes that it assumes, if it depends on the directions of up, right or heading; None if it works in any.
     `weigh` folds over the obstacles one by one, starting with the result of `first`; `steer` then receives the last
-    result in place of the bodies. This unrolls the loop over bodies: a long loop body would not vectorise.
+    result in place of the bodies. This unrolls the loop over bodies: a long loop body would not vectorise. One with
+    memory needs `remember`.
     """
 
     name: str
@@ -160,7 +168,7 @@ class Avoider:
     goal: type
     memory: int
     steer: sig.Steer
-    remember: sig.Wake
+    remember: sig.Wake = _nothing
     weigh: sig.Weigh | None = None
     first: sig.First | None = None
     derived: Derived | None = None

@@ -5,10 +5,11 @@ Start reading at `Parameter`; `declared` returns them as data.
 
 from __future__ import annotations
 
+import re
 import typing
 from collections import namedtuple
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
 
 
 @dataclass(frozen=True)
@@ -70,4 +71,25 @@ def extended(name: str, *parts: type) -> Any:
     made: Any = namedtuple(name, fields, defaults=defaults if len(defaults) == len(fields) else ())  # type: ignore[misc]
     hints = [typing.get_type_hints(part, include_extras=True) for part in parts]
     made.__annotations__ = {field: hint for part in hints for field, hint in part.items()}
+    return made
+
+
+_Y = re.compile(r"(?<![a-z])y(?![a-z])")
+
+
+def in_space(planar: Any, **defaults: float) -> Any:
+    """The parameters in space: a z like it follows every y; with these defaults in place of the planar ones."""
+    hints: dict[str, Any] = {}
+    values = planar._field_defaults | defaults
+    for field, hint in typing.get_type_hints(planar, include_extras=True).items():
+        hints[field] = hint
+        third = _Y.sub("z", field)
+        if third != field:
+            (y,) = hint.__metadata__
+            named = {key: _Y.sub("z", getattr(y, key)) for key in ("text", "symbol", "name")}
+            hints[third] = Annotated[float, replace(y, **named)]
+            values |= {third: values[field]} if field in values else {}
+    defaulted = [values[field] for field in hints if field in values]
+    made: Any = namedtuple(planar.__name__, hints, defaults=defaulted)  # type: ignore[misc]
+    made.__annotations__ = hints
     return made

@@ -26,16 +26,7 @@ from campaigns.catalogue import (
     Role,
     UnusableEntry,
 )
-from worker.engine.kernels.component import (
-    Avoider,
-    Component,
-    Controller,
-    Criterion,
-    Environment,
-    Fault,
-    Obstacle,
-    Vehicle,
-)
+from worker.engine.kernels.component import Component
 from worker.engine.search.base import Method
 from worker.engine.systems.closed_loop.parts import Installed
 from worker.engine.systems.simulators.declared.described import Described
@@ -121,8 +112,7 @@ def _added(found: dict[tuple[Role, str], Component], name: str) -> str:
 
 def _component_of(module: ModuleType) -> Component | None:
     component = getattr(module, "component", None)
-    kinds = (Vehicle, Controller, Avoider, Obstacle, Environment, Fault, Criterion)
-    return component if isinstance(component, kinds) else None
+    return component if isinstance(component, Component) else None
 
 
 def methods() -> dict[str, Method]:
@@ -243,14 +233,10 @@ def source_of(thing: Component | Method | Simulator | PythonFunction) -> ModuleT
         return sys.modules[_HOMES[id(thing)]]
     if isinstance(thing, PythonFunction):
         return sys.modules[thing.place["module"]]
-    function = thing.open if isinstance(thing, Simulator) else _function(thing)
-    module = inspect.getmodule(getattr(function, "py_func", function))
+    assert isinstance(thing, Method | Simulator)
+    module = inspect.getmodule(thing.search if isinstance(thing, Method) else thing.open)
     assert module is not None
     return module
-
-
-def _function(thing: Component | Method) -> Any:
-    return thing.search if isinstance(thing, Method) else _a_kernel(thing)
 
 
 def _add(found: dict[Any, Any], key: Any, thing: Any, module: ModuleType) -> None:
@@ -263,17 +249,3 @@ def _in_folder(folder: str) -> Iterator[ModuleType]:
     package = importlib.import_module(folder)
     for info in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
         yield importlib.import_module(f"{folder}.{info.name}")
-
-
-def _a_kernel(component: Component) -> Any:
-    if isinstance(component, Vehicle):
-        return component.begin
-    if isinstance(component, Controller):
-        return next(iter(component.command.values()))
-    if isinstance(component, Avoider):
-        return component.steer
-    if isinstance(component, Obstacle):
-        return component.body
-    if isinstance(component, Environment):
-        return component.blow
-    return component.kernel if isinstance(component, Fault) else next(iter(component.sample.values()))

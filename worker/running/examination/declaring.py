@@ -213,6 +213,8 @@ def _lacking(c: Component) -> Iterator[tuple[str, str, str]]:
         yield ("weigh", "first", "the fold over the obstacles begins with its result") if c.weigh else (
             "first", "weigh", "first begins the fold over the obstacles that weigh continues",
         )  # fmt: skip
+    if isinstance(c, Avoider) and c.memory and c.remember is Avoider.remember:
+        yield "memory", "remember", "it gives the memory at the start"
     if isinstance(c, Obstacle) and c.states and (c.wake is None or c.move is None):
         yield "states", "wake and move", "they give the states at the start and their rates"
     if isinstance(c, Environment) and c.states and c.wake is None:

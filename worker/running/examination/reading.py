@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import builtins
 import io
+import symtable
 import tokenize
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -56,11 +57,12 @@ _FORBIDDEN: dict[type[ast.AST], str] = {
 
 @dataclass(frozen=True)
 class Source:
-    """A file, its text and its syntax tree."""
+    """A file, its text, its syntax tree, and where it binds its names."""
 
     file: Path
     text: str
     tree: ast.Module
+    table: symtable.SymbolTable
 
     @cached_property
     def functions(self) -> dict[str, Function]:
@@ -76,6 +78,17 @@ class Source:
     def kernels(self) -> list[Function]:
         """The functions that are decorated with `kernel`."""
         return [f for f in self.functions.values() if any(_last_name(d) == "kernel" for d in f.decorator_list)]
+
+    @cached_property
+    def names(self) -> set[str]:
+        """Names that the file itself has."""
+        given = {s.get_name() for s in self.table.get_symbols() if s.is_assigned() or s.is_imported()}
+        return given | {name for node in ast.walk(self.tree) if isinstance(node, ast.Global) for name in node.names}
+
+    def scope(self, function: Function | ast.AsyncFunctionDef) -> symtable.SymbolTable:
+        """The names of a function."""
+        known = (function.name, function.lineno)
+        return next(s for s in _within(self.table) if (s.get_name(), s.get_lineno()) == known)
 
     @cached_property
     def declaration(self) -> ast.expr | None:
@@ -122,7 +135,7 @@ def read(file: Path) -> Source:
         tree = ast.parse(content, str(file))
         if _depth(tree) > DEEPEST:
             raise RecursionError
-        return Source(file, text, tree)
+        return Source(file, text, tree, symtable.symtable(text, str(file), "exec"))
     except SyntaxError as error:
         text = str(error.msg).rstrip(".")
         raise Mistake(f"this is not Python: {text}; correct the line", error.lineno) from None
@@ -146,10 +159,9 @@ def check(source: Source) -> None:
     """Raises `Mistake` for the first one in the text."""
     for cls in source.classes.values():
         _check_fields(cls)
-    module = _module_names(source.tree)
     for kernel in source.kernels:
-        _check_kernel(kernel, source, module)
-    if source.declaration is None and "component" not in module:
+        _check_kernel(kernel, source)
+    if source.declaration is None and "component" not in source.names:
         for node in source.tree.body:
             if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
                 kind, name = _last_name(node.value.func), _last_name(node.targets[0])
@@ -191,61 +203,29 @@ def check_names(source: Source) -> None:
     """Raises `Mistake` for a name in a function that exists nowhere; the import finds those at the top."""
     if any(isinstance(n, ast.ImportFrom) and any(a.name == "*" for a in n.names) for n in ast.walk(source.tree)):
         return
-    module = _module_names(source.tree) | set(dir(builtins)) | {"__name__", "__file__", "__doc__"}
-    for function, bound in _functions(source.tree, set()):
+    known = source.names | set(dir(builtins)) | {"__name__", "__file__", "__doc__"}
+    for function in ast.walk(source.tree):
+        if not isinstance(function, Function | ast.AsyncFunctionDef):
+            continue
+        scope = source.scope(function)
+        unknown = _globals(scope) - known
         for node in _loads(function):
-            if node.id not in module and node.id not in bound:
-                close = meant(node.id, sorted((module | bound) - set(dir(builtins))))
+            if node.id in unknown:
+                close = meant(node.id, sorted((source.names | set(scope.get_identifiers())) - unknown))
                 advice = close if close.startswith("did") else "define or import it"
                 raise Mistake(f"{node.id} in {function.name} is not defined: {advice}", node.lineno)
 
 
-def _functions(node: ast.AST, around: set[str]) -> Iterator[tuple[ast.FunctionDef | ast.AsyncFunctionDef, set[str]]]:
-    """Every function, with the names that are bound in it or in one around it."""
-    for inner in ast.iter_child_nodes(node):
-        if isinstance(inner, ast.FunctionDef | ast.AsyncFunctionDef):
-            bound = around | _bound_in(inner)
-            yield inner, bound
-            yield from _functions(inner, bound)
-        else:
-            yield from _functions(inner, around)
+def _within(scope: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]:
+    for inner in scope.get_children():
+        yield inner
+        yield from _within(inner)
 
 
-def _bound_in(function: ast.AST) -> set[str]:
-    """Names that are bound anywhere in a function."""
-    found: set[str] = set()
-    for node in ast.walk(function):
-        if isinstance(node, ast.arg):
-            found.add(node.arg)
-        elif isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
-            found.add(node.id)
-        else:
-            found |= _defined(node)
-    return found
-
-
-def _defined(node: ast.AST) -> set[str]:
-    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
-        return {node.name}
-    if isinstance(node, ast.Import | ast.ImportFrom):
-        return {(alias.asname or alias.name).partition(".")[0] for alias in node.names}
-    if isinstance(node, ast.ExceptHandler) and node.name:
-        return {node.name}
-    if isinstance(node, ast.MatchAs | ast.MatchStar) and node.name:
-        return {node.name}
-    if isinstance(node, ast.MatchMapping) and node.rest:
-        return {node.rest}
-    return set(node.names) if isinstance(node, ast.Global) else set()
-
-
-def _module_names(tree: ast.Module) -> set[str]:
-    """Names that the file itself has."""
-    found: set[str] = set()
-    for node in _outside_functions(tree):
-        found |= _defined(node)
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            found.add(node.id)
-    return found | {name for node in ast.walk(tree) if isinstance(node, ast.Global) for name in node.names}
+def _globals(scope: symtable.SymbolTable) -> set[str]:
+    """The names that a function, or one in it, reads and that are bound in neither."""
+    read = [s for each in (scope, *_within(scope)) for s in each.get_symbols() if s.is_referenced()]
+    return {s.get_name() for s in read if s.is_global()}
 
 
 def _outside_functions(node: ast.AST) -> Iterator[ast.AST]:
@@ -267,7 +247,7 @@ def _loads(node: ast.AST) -> Iterator[ast.Name]:
                 yield from _loads(inner)
 
 
-def _check_kernel(kernel: Function, source: Source, module: set[str]) -> None:
+def _check_kernel(kernel: Function, source: Source) -> None:
     for statement in kernel.body:
         for node in ast.walk(statement):
             if type(node) in _FORBIDDEN:
@@ -280,7 +260,7 @@ def _check_kernel(kernel: Function, source: Source, module: set[str]) -> None:
             kernel.lineno,
         )
     _check_lengths(kernel)
-    _check_globals(kernel, source, module)
+    _check_globals(kernel, source)
 
 
 def _returns(body: list[ast.stmt]) -> bool:
@@ -336,11 +316,11 @@ def _counted(length: int) -> str:
     return "a number" if length == 0 else f"a tuple of {length}"
 
 
-def _check_globals(kernel: Function, source: Source, module: set[str]) -> None:
+def _check_globals(kernel: Function, source: Source) -> None:
     """Kernels read constants only: the compiled form keeps the value that a name had."""
-    own = _bound_in(kernel)
+    read = _globals(source.scope(kernel)) & source.names
     for node in _loads(kernel):
-        if node.id not in module or node.id in own:
+        if node.id not in read:
             continue
         bound = [n for n in _outside_functions(source.tree) if _binds(n, node.id)]
         shared = [n for n in ast.walk(source.tree) if isinstance(n, ast.Global) and node.id in n.names]

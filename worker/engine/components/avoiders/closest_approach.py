@@ -19,9 +19,10 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Avoider, Parameter
-from worker.engine.kernels.maths import kernel, norm2
+from worker.engine.kernels.maths import kernel
 from worker.engine.physics.closest import NEVER, Rules, resolve
 from worker.engine.physics.fields import cruise
+from worker.engine.physics.vectors import Goal, Vector, difference, like, norm, right_of, scaled, seen_from, spatial
 
 
 class ClosestApproach(NamedTuple):
@@ -32,44 +33,25 @@ class ClosestApproach(NamedTuple):
     sharing: Annotated[float, Parameter("", "Fraction left to the other: 0 nothing, 1 by the rule", 0.0, 1.0)] = 0.0
 
 
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-
-
 @kernel
 def steer(
-    t: float,
-    q: tuple[float, float],
-    v: tuple[float, float],
-    goal: Goal,
-    bodies: Any,
-    memory: tuple[()],
-    p: ClosestApproach,
-) -> tuple[tuple[float, float], tuple[()]]:
-    x = goal.x - q[0]
-    y = goal.y - q[1]
-    distance = norm2(x, y)
-    k = cruise(distance, p.speed, p.k_goal)
-    own = (k * x, k * y, 0.0)
-    flat = 1.0 / (distance + 1e-12)
-    right = (y * flat, -x * flat, 0.0)
-    soonest, nan_guard, best_x, best_y = NEVER, 0.0, own[0], own[1]
+    t: float, q: Vector, v: Vector, goal: Goal, bodies: Any, memory: tuple[()], p: ClosestApproach
+) -> tuple[Vector, tuple[()]]:
+    way = difference(goal, q)
+    own = spatial(scaled(cruise(norm(way), p.speed, p.k_goal), way))
+    right = right_of(way)
+    soonest, nan_guard, best_x, best_y, best_z = NEVER, 0.0, own[0], own[1], own[2]
     for body in bodies:
         rules = Rules(body.radius + p.clearance, p.horizon, p.sharing)
-        r = (body.x - q[0], body.y - q[1], 0.0)
-        tau, u = resolve(r, own, (body.vx, body.vy, 0.0), right, rules)
+        r, other = seen_from(q, body)
+        tau, u = resolve(r, own, other, right, rules)
         nan_guard += 0.0 * tau
         sooner = tau < soonest
         soonest = tau if sooner else soonest
         best_x = u[0] if sooner else best_x
         best_y = u[1] if sooner else best_y
-    return (best_x + nan_guard, best_y + nan_guard), ()
-
-
-@kernel
-def remember(p: ClosestApproach) -> tuple[()]:
-    return ()
+        best_z = u[2] if sooner else best_z
+    return like((best_x + nan_guard, best_y + nan_guard, best_z + nan_guard), q), ()
 
 
 component = Avoider(
@@ -81,5 +63,4 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
 )

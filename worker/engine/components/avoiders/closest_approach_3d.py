@@ -17,74 +17,19 @@ Axes as in flight mechanics: z down, so that right is (-y, x) of the course.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
+from dataclasses import replace
 
-from worker.engine.kernels.component import Avoider, Parameter
-from worker.engine.kernels.maths import kernel, norm2
-from worker.engine.physics.closest import NEVER, Rules, resolve
-from worker.engine.physics.fields import cruise
-from worker.engine.physics.space import Vector, norm3
+from worker.engine.components.avoiders import closest_approach
+from worker.engine.kernels.parameters import in_space
+from worker.engine.physics.vectors import SpatialGoal
 
+ClosestApproach = in_space(closest_approach.ClosestApproach, speed=20.0, clearance=50.0, horizon=30.0)
 
-class ClosestApproach(NamedTuple):
-    speed: Annotated[float, Parameter("m/s", "Speed towards the goal", 0.0, 1e3)] = 20.0
-    k_goal: Annotated[float, Parameter("1/s", "Speed per distance near the goal", 1e-3, 1e3)] = 1.0
-    clearance: Annotated[float, Parameter("m", "Clearance from the obstacle's surface", 0.0, 1e5)] = 50.0
-    horizon: Annotated[float, Parameter("s", "Time horizon of conflicts", 1e-2, 1e5)] = 30.0
-    sharing: Annotated[float, Parameter("", "Fraction left to the other: 0 nothing, 1 by the rule", 0.0, 1.0)] = 0.0
-
-
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-    z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6)]
-
-
-@kernel
-def steer(
-    t: float,
-    q: Vector,
-    v: Vector,
-    goal: Goal,
-    bodies: Any,
-    memory: tuple[()],
-    p: ClosestApproach,
-) -> tuple[Vector, tuple[()]]:
-    x = goal.x - q[0]
-    y = goal.y - q[1]
-    z = goal.z - q[2]
-    k = cruise(norm3((x, y, z)), p.speed, p.k_goal)
-    own = (k * x, k * y, k * z)
-    flat = 1.0 / (norm2(x, y) + 1e-12)
-    right = (-y * flat, x * flat, 0.0)
-    soonest, nan_guard, best_x, best_y, best_z = NEVER, 0.0, own[0], own[1], own[2]
-    for body in bodies:
-        rules = Rules(body.radius + p.clearance, p.horizon, p.sharing)
-        r = (body.x - q[0], body.y - q[1], body.z - q[2])
-        tau, u = resolve(r, own, (body.vx, body.vy, body.vz), right, rules)
-        nan_guard += 0.0 * tau
-        sooner = tau < soonest
-        soonest = tau if sooner else soonest
-        best_x = u[0] if sooner else best_x
-        best_y = u[1] if sooner else best_y
-        best_z = u[2] if sooner else best_z
-    return (best_x + nan_guard, best_y + nan_guard, best_z + nan_guard), ()
-
-
-@kernel
-def remember(p: ClosestApproach) -> tuple[()]:
-    return ()
-
-
-component = Avoider(
+component = replace(
+    closest_approach.component,
     name="closest_approach_3d",
-    title="Point of closest approach, vector sharing",
     dimension=3,
-    demand="velocity",
     parameters=ClosestApproach,
-    goal=Goal,
-    memory=0,
-    steer=steer,
-    remember=remember,
+    goal=SpatialGoal,
     frame="ned",
 )

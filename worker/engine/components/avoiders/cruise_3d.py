@@ -27,11 +27,6 @@ def steer(
     return velocity_vector(goal.speed, goal.heading, goal.climb), ()
 
 
-@kernel
-def remember(p: Nothing) -> tuple[()]:
-    return ()
-
-
 component = Avoider(
     name="cruise_3d",
     title="No avoidance, constant velocity",
@@ -41,6 +36,5 @@ component = Avoider(
     goal=Plan,
     memory=0,
     steer=steer,
-    remember=remember,
     frame="ned",
 )

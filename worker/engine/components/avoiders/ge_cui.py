@@ -20,8 +20,9 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Avoider, Parameter
-from worker.engine.kernels.maths import kernel, norm2
+from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import attraction, relative
+from worker.engine.physics.vectors import Goal, Vector, difference, moved, norm, scaled
 
 
 class GeCui(NamedTuple):
@@ -31,11 +32,6 @@ class GeCui(NamedTuple):
     A_max: Annotated[float, Parameter("m/s2", "Greatest deceleration", 1e-3, 1e3)] = 0.71
     floor: Annotated[float, Parameter("m", "Distance below which the repulsion is constant", 1e-6, 1e3)] = 0.1
     s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
-
-
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
 
 
 @kernel
@@ -50,29 +46,13 @@ def repulsion(body: Any, v: tuple[float, float], p: GeCui) -> tuple[float, float
 
 @kernel
 def steer(
-    t: float,
-    q: tuple[float, float],
-    v: tuple[float, float],
-    goal: Goal,
-    bodies: Any,
-    memory: tuple[()],
-    p: GeCui,
-) -> tuple[tuple[float, float], tuple[()]]:
-    x = goal.x - q[0]
-    y = goal.y - q[1]
-    k = attraction(norm2(x, y), p.k_att, p.s)
-    fx = k * x
-    fy = k * y
+    t: float, q: Vector, v: Vector, goal: Goal, bodies: Any, memory: tuple[()], p: GeCui
+) -> tuple[Vector, tuple[()]]:
+    way = difference(goal, q)
+    force = scaled(attraction(norm(way), p.k_att, p.s), way)
     for body in bodies:
-        rx, ry = repulsion(body, v, p)
-        fx += rx
-        fy += ry
-    return (fx, fy), ()
-
-
-@kernel
-def remember(p: GeCui) -> tuple[()]:
-    return ()
+        force = moved(force, 1.0, repulsion(body, v, p))
+    return force, ()
 
 
 component = Avoider(
@@ -84,5 +64,4 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
 )

@@ -21,7 +21,9 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Avoider, Parameter
 from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import attraction, relative
-from worker.engine.physics.space import Vector, norm3
+from worker.engine.physics.space import dot3
+from worker.engine.physics.vectors import SpatialGoal as Goal
+from worker.engine.physics.vectors import Vector, difference, moved, norm, scaled
 
 
 class GeCui(NamedTuple):
@@ -35,34 +37,21 @@ class GeCui(NamedTuple):
     )
 
 
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-    z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6)]
-
-
 @kernel
 def first(t: float, q: Vector, v: Vector, goal: Goal, memory: tuple[()], p: GeCui) -> Vector:
-    x, y, z = goal.x - q[0], goal.y - q[1], goal.z - q[2]
-    k = attraction(norm3((x, y, z)), p.k_att, p.s)
-    return k * x, k * y, k * z
+    way = difference(goal, q)
+    return scaled(attraction(norm(way), p.k_att, p.s), way)
 
 
 @kernel
 def weigh(
     force: Vector, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Goal, m: tuple[()], p: GeCui
 ) -> Vector:
-    vx = v[0] - body.vx
-    vy = v[1] - body.vy
-    vz = v[2] - body.vz
-    closing = -(vx * body.nx + vy * body.ny + vz * body.nz)  # n is the reversed normal
+    away, outward = difference(v, (body.vx, body.vy, body.vz)), (body.nx, body.ny, body.nz)
+    closing = -dot3(away, outward)  # n is the reversed normal
     along, across = relative(body.gap, closing, p.eta, p.rho_0, p.A_max, p.floor)
     inward = across * closing - along
-    return (
-        force[0] + across * vx + inward * body.nx,
-        force[1] + across * vy + inward * body.ny,
-        force[2] + across * vz + inward * body.nz,
-    )
+    return moved(moved(force, across, away), inward, outward)
 
 
 @kernel
@@ -70,11 +59,6 @@ def steer(
     t: float, q: Vector, v: Vector, goal: Goal, force: Vector, memory: tuple[()], p: GeCui
 ) -> tuple[Vector, tuple[()]]:
     return force, ()
-
-
-@kernel
-def remember(p: GeCui) -> tuple[()]:
-    return ()
 
 
 component = Avoider(
@@ -86,7 +70,6 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
     weigh=weigh,
     first=first,
 )

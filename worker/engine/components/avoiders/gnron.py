@@ -17,8 +17,9 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Avoider, Parameter
-from worker.engine.kernels.maths import kernel, norm2
+from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import attraction, gnron
+from worker.engine.physics.vectors import Goal, Vector, difference, moved, norm, normal, scaled
 
 
 class Gnron(NamedTuple):
@@ -29,38 +30,19 @@ class Gnron(NamedTuple):
     s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
 
 
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-
-
 @kernel
 def steer(
-    t: float,
-    q: tuple[float, float],
-    v: tuple[float, float],
-    goal: Goal,
-    bodies: Any,
-    memory: tuple[()],
-    p: Gnron,
-) -> tuple[tuple[float, float], tuple[()]]:
-    x = goal.x - q[0]
-    y = goal.y - q[1]
-    g = norm2(x, y)
+    t: float, q: Vector, v: Vector, goal: Goal, bodies: Any, memory: tuple[()], p: Gnron
+) -> tuple[Vector, tuple[()]]:
+    way = difference(goal, q)
+    g = norm(way)
     to_goal = attraction(g, p.k_att, p.s)
-    away_x = 0.0
-    away_y = 0.0
+    force = scaled(0.0, way)
     for body in bodies:
         away, back = gnron(body.gap, g, p.k_rep, p.d_0, p.n)
-        away_x += away * body.nx
-        away_y += away * body.ny
+        force = moved(force, away, normal(body, q))
         to_goal += back
-    return (to_goal * x + away_x, to_goal * y + away_y), ()
-
-
-@kernel
-def remember(p: Gnron) -> tuple[()]:
-    return ()
+    return moved(force, to_goal, way), ()
 
 
 component = Avoider(
@@ -72,5 +54,4 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
 )

@@ -14,68 +14,9 @@ do; local minima remain.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
+from dataclasses import replace
 
-from worker.engine.kernels.component import Avoider, Parameter
-from worker.engine.kernels.maths import kernel
-from worker.engine.physics.fields import attraction, gnron
-from worker.engine.physics.space import Vector, norm3
+from worker.engine.components.avoiders import gnron
+from worker.engine.physics.vectors import SpatialGoal
 
-
-class Gnron(NamedTuple):
-    k_att: Annotated[float, Parameter("N/m", "Attraction per distance to the goal", 0.0, 1e6)] = 5.0
-    k_rep: Annotated[float, Parameter("N m3/(m^n)", "Strength of the repulsion", 0.0, 1e12)] = 4.0
-    d_0: Annotated[float, Parameter("m", "Distance from the surface at which repulsion begins", 1e-2, 1e5)] = 2.0
-    n: Annotated[float, Parameter("", "Power of the distance to the goal: 0, 1, 2 or 3", 0.0, 3.0)] = 2.0
-    s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
-
-
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-    z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6)]
-
-
-@kernel
-def steer(
-    t: float,
-    q: Vector,
-    v: Vector,
-    goal: Goal,
-    bodies: Any,
-    memory: tuple[()],
-    p: Gnron,
-) -> tuple[Vector, tuple[()]]:
-    x = goal.x - q[0]
-    y = goal.y - q[1]
-    z = goal.z - q[2]
-    g = norm3((x, y, z))
-    to_goal = attraction(g, p.k_att, p.s)
-    away_x = 0.0
-    away_y = 0.0
-    away_z = 0.0
-    for body in bodies:
-        away, back = gnron(body.gap, g, p.k_rep, p.d_0, p.n)
-        away_x += away * body.nx
-        away_y += away * body.ny
-        away_z += away * body.nz
-        to_goal += back
-    return (to_goal * x + away_x, to_goal * y + away_y, to_goal * z + away_z), ()
-
-
-@kernel
-def remember(p: Gnron) -> tuple[()]:
-    return ()
-
-
-component = Avoider(
-    name="gnron_3d",
-    title="Potential field, goal reachable near obstacles",
-    dimension=3,
-    demand="force",
-    parameters=Gnron,
-    goal=Goal,
-    memory=0,
-    steer=steer,
-    remember=remember,
-)
+component = replace(gnron.component, name="gnron_3d", dimension=3, goal=SpatialGoal)

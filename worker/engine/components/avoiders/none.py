@@ -12,8 +12,9 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Avoider, Parameter
-from worker.engine.kernels.maths import kernel, norm2
+from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import attraction
+from worker.engine.physics.vectors import Goal, Vector, difference, norm, scaled
 
 
 class Attraction(NamedTuple):
@@ -21,30 +22,12 @@ class Attraction(NamedTuple):
     s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
 
 
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-
-
 @kernel
 def steer(
-    t: float,
-    q: tuple[float, float],
-    v: tuple[float, float],
-    goal: Goal,
-    bodies: Any,
-    memory: tuple[()],
-    p: Attraction,
-) -> tuple[tuple[float, float], tuple[()]]:
-    x = goal.x - q[0]
-    y = goal.y - q[1]
-    k = attraction(norm2(x, y), p.k_att, p.s)
-    return (k * x, k * y), ()
-
-
-@kernel
-def remember(p: Attraction) -> tuple[()]:
-    return ()
+    t: float, q: Vector, v: Vector, goal: Goal, bodies: Any, memory: tuple[()], p: Attraction
+) -> tuple[Vector, tuple[()]]:
+    way = difference(goal, q)
+    return scaled(attraction(norm(way), p.k_att, p.s), way), ()
 
 
 component = Avoider(
@@ -56,5 +39,4 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
 )

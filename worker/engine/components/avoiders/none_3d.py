@@ -9,12 +9,12 @@ does not grow with the distance. A baseline that shows the encounter without avo
 
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple
+from dataclasses import replace
+from typing import Annotated, NamedTuple
 
-from worker.engine.kernels.component import Avoider, Parameter
-from worker.engine.kernels.maths import kernel
-from worker.engine.physics.fields import attraction
-from worker.engine.physics.space import Vector, norm3
+from worker.engine.components.avoiders import none
+from worker.engine.kernels.component import Parameter
+from worker.engine.physics.vectors import SpatialGoal
 
 
 class Attraction(NamedTuple):
@@ -24,34 +24,4 @@ class Attraction(NamedTuple):
     )
 
 
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-    z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6)]
-
-
-@kernel
-def steer(
-    t: float, q: Vector, v: Vector, goal: Goal, bodies: Any, memory: tuple[()], p: Attraction
-) -> tuple[Vector, tuple[()]]:
-    to_goal = (goal.x - q[0], goal.y - q[1], goal.z - q[2])
-    k = attraction(norm3(to_goal), p.k_att, p.s)
-    return (k * to_goal[0], k * to_goal[1], k * to_goal[2]), ()
-
-
-@kernel
-def remember(p: Attraction) -> tuple[()]:
-    return ()
-
-
-component = Avoider(
-    name="none_3d",
-    title="No avoidance",
-    dimension=3,
-    demand="force",
-    parameters=Attraction,
-    goal=Goal,
-    memory=0,
-    steer=steer,
-    remember=remember,
-)
+component = replace(none.component, name="none_3d", dimension=3, parameters=Attraction, goal=SpatialGoal)

@@ -24,6 +24,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Avoider, Parameter
 from worker.engine.kernels.maths import kernel, norm2
 from worker.engine.physics.fields import cruise
+from worker.engine.physics.vectors import Goal
 
 
 class Orca(NamedTuple):
@@ -34,11 +35,6 @@ class Orca(NamedTuple):
     tau: Annotated[float, Parameter("s", "Time horizon of the avoidance", 1e-2, 1e4, symbol="τ")] = 5.0
     escape: Annotated[float, Parameter("s", "Time to leave an overlap", 1e-2, 1e4)] = 0.5
     c: Annotated[float, Parameter("", "Fraction of the change that the vehicle makes", 0.0, 1.0)] = 1.0
-
-
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
 
 
 Pair = tuple[float, float]
@@ -143,11 +139,6 @@ def steer(t: float, q: Pair, v: Pair, goal: Goal, bodies: Any, memory: tuple[()]
     return (scale * best[0] + nan_guard, scale * best[1] + nan_guard), ()
 
 
-@kernel
-def remember(p: Orca) -> tuple[()]:
-    return ()
-
-
 component = Avoider(
     name="orca",
     title="Velocity obstacles (ORCA)",
@@ -157,5 +148,4 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
 )

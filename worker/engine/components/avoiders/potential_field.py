@@ -17,17 +17,13 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Avoider, Parameter
 from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import firas
+from worker.engine.physics.vectors import Goal
 
 
 class PotentialField(NamedTuple):
     k_att: Annotated[float, Parameter("N/m", "Attraction per distance to the goal", 0.0, 1e6)] = 5.0
     k_rep: Annotated[float, Parameter("N m3", "Strength of the repulsion", 0.0, 1e9)] = 4.0
     d_0: Annotated[float, Parameter("m", "Distance from the surface at which repulsion begins", 1e-2, 1e5)] = 2.0
-
-
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
 
 
 @kernel
@@ -49,11 +45,6 @@ def steer(
     return (fx, fy), ()
 
 
-@kernel
-def remember(p: PotentialField) -> tuple[()]:
-    return ()
-
-
 component = Avoider(
     name="potential_field",
     title="Potential field",
@@ -63,5 +54,4 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
 )

@@ -17,7 +17,8 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Avoider, Parameter
 from worker.engine.kernels.maths import kernel
 from worker.engine.physics.fields import attraction, firas
-from worker.engine.physics.space import Vector, norm3
+from worker.engine.physics.vectors import SpatialGoal as Goal
+from worker.engine.physics.vectors import Vector, difference, moved, norm, normal, scaled
 
 
 class PotentialField(NamedTuple):
@@ -29,17 +30,10 @@ class PotentialField(NamedTuple):
     )
 
 
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
-    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-    z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6)]
-
-
 @kernel
 def first(t: float, q: Vector, v: Vector, goal: Goal, memory: tuple[()], p: PotentialField) -> Vector:
-    x, y, z = goal.x - q[0], goal.y - q[1], goal.z - q[2]
-    k = attraction(norm3((x, y, z)), p.k_att, p.s)
-    return k * x, k * y, k * z
+    way = difference(goal, q)
+    return scaled(attraction(norm(way), p.k_att, p.s), way)
 
 
 @kernel
@@ -47,7 +41,7 @@ def weigh(
     force: Vector, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Goal, m: tuple[()], p: PotentialField
 ) -> Vector:
     away = firas(body.gap, p.k_rep, p.d_0)
-    return force[0] + away * body.nx, force[1] + away * body.ny, force[2] + away * body.nz
+    return moved(force, away, normal(body, q))
 
 
 @kernel
@@ -55,11 +49,6 @@ def steer(
     t: float, q: Vector, v: Vector, goal: Goal, force: Vector, memory: tuple[()], p: PotentialField
 ) -> tuple[Vector, tuple[()]]:
     return force, ()
-
-
-@kernel
-def remember(p: PotentialField) -> tuple[()]:
-    return ()
 
 
 component = Avoider(
@@ -71,7 +60,6 @@ component = Avoider(
     goal=Goal,
     memory=0,
     steer=steer,
-    remember=remember,
     weigh=weigh,
     first=first,
 )

@@ -11,14 +11,24 @@ Source: Park, Oh and Tahk (2008); Srikanthakumar, equations 2.17 to 2.20.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Obstacle, ObstacleLook, Parameter, Reach
-from worker.engine.kernels.maths import kernel, norm2
-from worker.engine.kernels.views import Body
+from worker.engine.kernels.maths import kernel
+from worker.engine.kernels.views import Body, Body3
 from worker.engine.physics.closest import NEVER, Rules, resolve
 from worker.engine.physics.fields import cruise
-from worker.engine.physics.shapes import disc
+from worker.engine.physics.vectors import (
+    Vector,
+    difference,
+    halves,
+    like,
+    norm,
+    right_of,
+    round_body,
+    scaled,
+    spatial,
+)
 
 
 class CooperativeCircle(NamedTuple):
@@ -35,48 +45,51 @@ class CooperativeCircle(NamedTuple):
     lag: Annotated[float, Parameter("s", "Time constant of its velocity", 1e-3, 1e3, symbol="T")] = 0.5
 
 
-State = tuple[float, float, float, float]
-Vector = tuple[float, float]
+PLANAR = len(CooperativeCircle._fields)
 
 
 @kernel
-def to_goal(at: Vector, p: CooperativeCircle) -> tuple[Vector, float]:
-    """The displacement to the goal, and the velocity per displacement."""
-    x = p.goal_x - at[0]
-    y = p.goal_y - at[1]
-    return (x, y), cruise(norm2(x, y), p.speed, p.k_goal)
+def ends(p: Any) -> tuple[Vector, Vector]:
+    """The position at the start and the goal; in space the parameters have a z for each."""
+    if len(p) == PLANAR:
+        return (p.position_x, p.position_y), (p.goal_x, p.goal_y)
+    return (p.position_x, p.position_y, p.position_z), (p.goal_x, p.goal_y, p.goal_z)
 
 
 @kernel
-def wake(p: CooperativeCircle) -> State:
-    at = (p.position_x, p.position_y)
-    way, k = to_goal(at, p)
-    return at[0], at[1], k * way[0], k * way[1]
+def to_goal(at: Vector, p: Any) -> tuple[Vector, Vector]:
+    """The displacement to the goal, and the velocity towards it."""
+    way = difference(ends(p)[1], at)
+    return way, scaled(cruise(norm(way), p.speed, p.k_goal), way)
 
 
 @kernel
-def move(t: float, o: State, q: Vector, v: Vector, p: CooperativeCircle) -> State:
-    way, k = to_goal((o[0], o[1]), p)
-    own = (k * way[0], k * way[1], 0.0)
-    flat = 1.0 / (norm2(way[0], way[1]) + 1e-12)
-    right = (way[1] * flat, -way[0] * flat, 0.0)
-    tau, u = resolve(
-        (q[0] - o[0], q[1] - o[1], 0.0), own, (v[0], v[1], 0.0), right, Rules(p.clearance, p.horizon, p.sharing)
-    )
+def wake(p: Any) -> Vector:
+    at = ends(p)[0]
+    return (*at, *to_goal(at, p)[1])
+
+
+@kernel
+def move(t: float, o: Vector, q: Vector, v: Vector, p: Any) -> Vector:
+    at, velocity = halves(o)
+    way, towards = to_goal(at, p)
+    own, now = spatial(towards), spatial(velocity)
+    rules = Rules(p.clearance, p.horizon, p.sharing)
+    tau, u = resolve(spatial(difference(q, at)), own, spatial(v), right_of(way), rules)
     conflict = tau < NEVER
     nan_guard = 0.0 * tau  # NaN if a conflict cannot be determined
     per_lag = 1.0 / p.lag
-    return (
-        o[2],
-        o[3],
-        per_lag * ((u[0] if conflict else own[0]) - o[2] + nan_guard),
-        per_lag * ((u[1] if conflict else own[1]) - o[3] + nan_guard),
+    rates = (
+        per_lag * ((u[0] if conflict else own[0]) - now[0] + nan_guard),
+        per_lag * ((u[1] if conflict else own[1]) - now[1] + nan_guard),
+        per_lag * ((u[2] if conflict else own[2]) - now[2] + nan_guard),
     )
+    return (*velocity, *like(rates, q))
 
 
 @kernel
-def body(t: float, o: State, q: Vector, p: CooperativeCircle) -> Body:
-    return disc((o[0], o[1]), (o[2], o[3]), p.radius, q)
+def body(t: float, o: Vector, q: Vector, p: Any) -> Body | Body3:
+    return round_body(*halves(o), p.radius, q)
 
 
 component = Obstacle(

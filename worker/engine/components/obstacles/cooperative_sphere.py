@@ -11,93 +11,23 @@ Source: Park, Oh and Tahk (2008); Srikanthakumar, equations 2.17 to 2.20.
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from dataclasses import replace
 
-from worker.engine.kernels.component import Obstacle, ObstacleLook, Parameter, Reach
-from worker.engine.kernels.maths import kernel, norm2
-from worker.engine.kernels.views import Body3
-from worker.engine.physics.closest import NEVER, Rules, resolve
-from worker.engine.physics.fields import cruise
-from worker.engine.physics.space import Vector, ball, norm3
+from worker.engine.components.obstacles import cooperative_circle
+from worker.engine.kernels.component import ObstacleLook
+from worker.engine.kernels.parameters import in_space
 
+CooperativeSphere = in_space(
+    cooperative_circle.CooperativeCircle, speed=20.0, radius=25.0, clearance=75.0, horizon=30.0, lag=2.0
+)
 
-class CooperativeSphere(NamedTuple):
-    position_x: Annotated[float, Parameter("m", "Centre at the start, x", -1e6, 1e6, "x", "position.x")]
-    position_y: Annotated[float, Parameter("m", "Centre at the start, y", -1e6, 1e6, "y", "position.y")]
-    position_z: Annotated[float, Parameter("m", "Centre at the start, z", -1e6, 1e6, "z", "position.z")]
-    goal_x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6, "x_g", "goal.x")]
-    goal_y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6, "y_g", "goal.y")]
-    goal_z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6, "z_g", "goal.z")]
-    speed: Annotated[float, Parameter("m/s", "Speed towards the goal", 0.0, 1e3, symbol="v_o")] = 20.0
-    radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 25.0
-    clearance: Annotated[float, Parameter("m", "Clearance, centre to centre", 0.0, 1e5)] = 75.0
-    horizon: Annotated[float, Parameter("s", "Time horizon of conflicts", 1e-2, 1e5)] = 30.0
-    sharing: Annotated[float, Parameter("", "Fraction left to the vehicle: 0 nothing, 1 by the rule", 0.0, 1.0)] = 1.0
-    k_goal: Annotated[float, Parameter("1/s", "Speed per distance near the goal", 1e-3, 1e3)] = 1.0
-    lag: Annotated[float, Parameter("s", "Time constant of its velocity", 1e-3, 1e3, symbol="T")] = 2.0
-
-
-State = tuple[float, float, float, float, float, float]
-
-
-@kernel
-def to_goal(at: Vector, p: CooperativeSphere) -> tuple[Vector, float]:
-    """The displacement to the goal, and the velocity per displacement."""
-    x = p.goal_x - at[0]
-    y = p.goal_y - at[1]
-    z = p.goal_z - at[2]
-    return (x, y, z), cruise(norm3((x, y, z)), p.speed, p.k_goal)
-
-
-@kernel
-def wake(p: CooperativeSphere) -> State:
-    at = (p.position_x, p.position_y, p.position_z)
-    way, k = to_goal(at, p)
-    return at[0], at[1], at[2], k * way[0], k * way[1], k * way[2]
-
-
-@kernel
-def move(t: float, o: State, q: Vector, v: Vector, p: CooperativeSphere) -> State:
-    way, k = to_goal((o[0], o[1], o[2]), p)
-    own = (k * way[0], k * way[1], k * way[2])
-    flat = 1.0 / (norm2(way[0], way[1]) + 1e-12)
-    right = (-way[1] * flat, way[0] * flat, 0.0)
-    tau, u = resolve(
-        (q[0] - o[0], q[1] - o[1], q[2] - o[2]),
-        own,
-        (v[0], v[1], v[2]),
-        right,
-        Rules(p.clearance, p.horizon, p.sharing),
-    )
-    conflict = tau < NEVER
-    nan_guard = 0.0 * tau  # NaN if a conflict cannot be determined
-    per_lag = 1.0 / p.lag
-    return (
-        o[3],
-        o[4],
-        o[5],
-        per_lag * ((u[0] if conflict else own[0]) - o[3] + nan_guard),
-        per_lag * ((u[1] if conflict else own[1]) - o[4] + nan_guard),
-        per_lag * ((u[2] if conflict else own[2]) - o[5] + nan_guard),
-    )
-
-
-@kernel
-def body(t: float, o: State, q: Vector, p: CooperativeSphere) -> Body3:
-    return ball((o[0], o[1], o[2]), (o[3], o[4], o[5]), p.radius, q)
-
-
-component = Obstacle(
+component = replace(
+    cooperative_circle.component,
     name="cooperative_sphere",
     title="Sphere that gives way",
     dimension=3,
     parameters=CooperativeSphere,
-    body=body,
     states=6,
-    wake=wake,
-    move=move,
-    moving=True,
-    reach=Reach(("radius",)),
     frame="ned",
     look=ObstacleLook(shape="sphere", radius="radius", way="goal"),
 )

@@ -6,105 +6,19 @@ others are ignored. Avoiders keep clear of its radius; `separation` measures dis
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from dataclasses import replace
 
-from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
-from worker.engine.kernels.maths import kernel
-from worker.engine.kernels.views import Body3
-from worker.engine.physics.paths import elapsed, leg, under_way
-from worker.engine.physics.space import Vector, ball
+from worker.engine.components.obstacles import waypoint_circle
+from worker.engine.kernels.component import ObstacleLook
+from worker.engine.kernels.parameters import in_space
 
+WaypointSphere = in_space(waypoint_circle.WaypointCircle, speed=20.0, radius=25.0)
 
-class WaypointSphere(NamedTuple):
-    position_x: Annotated[float, Parameter("m", "Centre at the start, x", -1e6, 1e6, "x", "position.x")]
-    position_y: Annotated[float, Parameter("m", "Centre at the start, y", -1e6, 1e6, "y", "position.y")]
-    position_z: Annotated[float, Parameter("m", "Centre at the start, z", -1e6, 1e6, "z", "position.z")]
-    to1_x: Annotated[float, Parameter("m", "Waypoint 1, x", -1e6, 1e6, "x_1", "waypoint1.x")]
-    to1_y: Annotated[float, Parameter("m", "Waypoint 1, y", -1e6, 1e6, "y_1", "waypoint1.y")]
-    to1_z: Annotated[float, Parameter("m", "Waypoint 1, z", -1e6, 1e6, "z_1", "waypoint1.z")]
-    to2_x: Annotated[float, Parameter("m", "Waypoint 2, x", -1e6, 1e6, "x_2", "waypoint2.x")] = 0.0
-    to2_y: Annotated[float, Parameter("m", "Waypoint 2, y", -1e6, 1e6, "y_2", "waypoint2.y")] = 0.0
-    to2_z: Annotated[float, Parameter("m", "Waypoint 2, z", -1e6, 1e6, "z_2", "waypoint2.z")] = 0.0
-    to3_x: Annotated[float, Parameter("m", "Waypoint 3, x", -1e6, 1e6, "x_3", "waypoint3.x")] = 0.0
-    to3_y: Annotated[float, Parameter("m", "Waypoint 3, y", -1e6, 1e6, "y_3", "waypoint3.y")] = 0.0
-    to3_z: Annotated[float, Parameter("m", "Waypoint 3, z", -1e6, 1e6, "z_3", "waypoint3.z")] = 0.0
-    to4_x: Annotated[float, Parameter("m", "Waypoint 4, x", -1e6, 1e6, "x_4", "waypoint4.x")] = 0.0
-    to4_y: Annotated[float, Parameter("m", "Waypoint 4, y", -1e6, 1e6, "y_4", "waypoint4.y")] = 0.0
-    to4_z: Annotated[float, Parameter("m", "Waypoint 4, z", -1e6, 1e6, "z_4", "waypoint4.z")] = 0.0
-    legs: Annotated[float, Parameter("", "Number of waypoints used: 1 to 4, rounded", 1.0, 4.0)] = 4.0
-    speed: Annotated[float, Parameter("m/s", "Speed", 0.0, 1e3, symbol="v_o")] = 20.0
-    radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 25.0
-
-
-class Constants(NamedTuple):
-    """The start, the velocity on each leg, and when each ends."""
-
-    x: float
-    y: float
-    z: float
-    vx_1: float
-    vy_1: float
-    vz_1: float
-    vx_2: float
-    vy_2: float
-    vz_2: float
-    vx_3: float
-    vy_3: float
-    vz_3: float
-    vx_4: float
-    vy_4: float
-    vz_4: float
-    ends_1: float
-    ends_2: float
-    ends_3: float
-    ends_4: float
-    radius: float
-
-
-@kernel
-def derive(p: WaypointSphere, trim: object) -> tuple[float, ...]:
-    leg_1 = leg((p.position_x, p.position_y, p.position_z), (p.to1_x, p.to1_y, p.to1_z), p.speed, 0.0, True)
-    leg_2 = leg((p.to1_x, p.to1_y, p.to1_z), (p.to2_x, p.to2_y, p.to2_z), p.speed, leg_1[4], p.legs > 1.5)
-    leg_3 = leg((p.to2_x, p.to2_y, p.to2_z), (p.to3_x, p.to3_y, p.to3_z), p.speed, leg_2[4], p.legs > 2.5)
-    leg_4 = leg((p.to3_x, p.to3_y, p.to3_z), (p.to4_x, p.to4_y, p.to4_z), p.speed, leg_3[4], p.legs > 3.5)
-    # a comparison with NaN is False: 0 times the legs propagates it
-    return (
-        p.position_x + 0.0 * p.legs, p.position_y, p.position_z,
-        leg_1[0], leg_1[1], leg_1[2],
-        leg_2[0], leg_2[1], leg_2[2],
-        leg_3[0], leg_3[1], leg_3[2],
-        leg_4[0], leg_4[1], leg_4[2],
-        leg_1[4], leg_2[4], leg_3[4], leg_4[4], p.radius,
-    )  # fmt: skip
-
-
-@kernel
-def body(t: float, o: tuple[()], q: Vector, p: Constants) -> Body3:
-    s_1 = elapsed(t, 0.0, p.ends_1)
-    on_1 = under_way(t, 0.0, p.ends_1)
-    s_2 = elapsed(t, p.ends_1, p.ends_2)
-    on_2 = under_way(t, p.ends_1, p.ends_2)
-    s_3 = elapsed(t, p.ends_2, p.ends_3)
-    on_3 = under_way(t, p.ends_2, p.ends_3)
-    s_4 = elapsed(t, p.ends_3, p.ends_4)
-    on_4 = under_way(t, p.ends_3, p.ends_4)
-    x = p.x + p.vx_1 * s_1 + p.vx_2 * s_2 + p.vx_3 * s_3 + p.vx_4 * s_4
-    y = p.y + p.vy_1 * s_1 + p.vy_2 * s_2 + p.vy_3 * s_3 + p.vy_4 * s_4
-    z = p.z + p.vz_1 * s_1 + p.vz_2 * s_2 + p.vz_3 * s_3 + p.vz_4 * s_4
-    vx = p.vx_1 * on_1 + p.vx_2 * on_2 + p.vx_3 * on_3 + p.vx_4 * on_4
-    vy = p.vy_1 * on_1 + p.vy_2 * on_2 + p.vy_3 * on_3 + p.vy_4 * on_4
-    vz = p.vz_1 * on_1 + p.vz_2 * on_2 + p.vz_3 * on_3 + p.vz_4 * on_4
-    return ball((x, y, z), (vx, vy, vz), p.radius, q)
-
-
-component = Obstacle(
+component = replace(
+    waypoint_circle.component,
     name="waypoint_sphere",
     title="Sphere, waypoints",
     dimension=3,
     parameters=WaypointSphere,
-    body=body,
-    moving=True,
-    derived=Derived(Constants, derive),
-    reach=Reach(("radius",)),
     look=ObstacleLook(shape="sphere", radius="radius", way="waypoints"),
 )

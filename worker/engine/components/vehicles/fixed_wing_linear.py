@@ -25,14 +25,16 @@ only for comparison.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Derived, Parameter, Trim, Vehicle, VehicleLook, extended
+from worker.engine.components.vehicles import fixed_wing
+from worker.engine.kernels.component import Derived, Parameter, Trim, extended
 from worker.engine.kernels.maths import kernel
 from worker.engine.kernels.views import Surroundings
-from worker.engine.physics import aircraft, trim
+from worker.engine.physics import trim
 from worker.engine.physics.aerodynamics import Airframe, Controls, stopped
-from worker.engine.physics.aircraft import Start, State, kinematics, level, through_air
+from worker.engine.physics.aircraft import State, kinematics, through_air
 from worker.engine.physics.space import attitude
 
 
@@ -155,11 +157,6 @@ def derive(p: Any, at: Trimmed) -> tuple[float, ...]:
 
 
 @kernel
-def begin(start: Start, p: Any) -> State:
-    return level(start, p.alpha)
-
-
-@kernel
 def derivative(t: float, x: State, u: Controls, env: Surroundings, p: Any) -> State:
     a = attitude(x[3], x[4], x[5])
     motion, turning = kinematics(x, a)
@@ -186,25 +183,12 @@ def derivative(t: float, x: State, u: Controls, env: Surroundings, p: Any) -> St
     return *motion, *turning, *linear, *angular
 
 
-component = Vehicle(
+component = replace(
+    fixed_wing.component,
     name="fixed_wing_linear",
     title="Fixed-wing aircraft, linear",
-    dimension=3,
     parameters=FixedWingLinear,
-    start=Start,
-    states=aircraft.STATES,
-    inputs=aircraft.INPUTS,
-    limits=aircraft.LIMITS,
-    begin=begin,
     derivative=derivative,
-    position=aircraft.position,
-    velocity=aircraft.velocity,
-    pose=aircraft.pose,
-    outside=aircraft.outside,
-    measured=aircraft.measured,
-    felt=aircraft.felt,
     derived=Derived(Constants, derive),
     trim=Trim(Trimmed, solve),
-    frame="ned",
-    look=VehicleLook(mesh="aircraft", heading="psi"),
 )

@@ -29,6 +29,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, NamedTuple
 
+from worker.engine.components.vehicles import unicycle
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import Derived, Parameter, Signal, Trim, Vehicle, VehicleLook
 from worker.engine.kernels.maths import clip, kernel, sincos
@@ -155,20 +156,10 @@ def settle(x: State, p: Constants) -> State:
 
 
 @kernel
-def position(x: State, p: Constants) -> tuple[float, float]:
-    return x[0], x[1]
-
-
-@kernel
 def velocity(x: State, p: Constants) -> tuple[float, float]:
     s, c = sincos(x[2])
     sideways = p.a * x[4] + p.u_s
     return x[3] * c - sideways * s, x[3] * s + sideways * c
-
-
-@kernel
-def pose(x: State, p: Constants) -> tuple[float, float, float, float, float, float]:
-    return x[0], x[1], 0.0, 0.0, 0.0, x[2]
 
 
 @kernel
@@ -201,9 +192,9 @@ component = Vehicle(
     limits=(),
     begin=begin,
     derivative=derivative,
-    position=position,
+    position=unicycle.position,
     velocity=velocity,
-    pose=pose,
+    pose=unicycle.pose,
     outside=outside,
     measured=measured,
     settle=settle,

@@ -15,7 +15,7 @@ from numba.core.codegen import get_host_cpu_features
 from campaigns.asked.spec import Campaign
 from campaigns.versions import Processor, Versions
 from worker.engine.stages.parts.store import Store
-from worker.engine.systems.base import System
+from worker.engine.systems.base import System, slotted
 from worker.running.runs import sources
 from worker.running.runs.added import added
 
@@ -31,6 +31,8 @@ def begin(store: Store, system: System, campaign: Campaign) -> None:
 
 def versions(system: System) -> Versions:
     """The versions of the code and packages of this process, the processor, the system."""
+    settings = system.settings
+    called = None if settings.integrator else slotted(system)
     return Versions(
         clearance=version("clearance"),
         python=platform.python_version(),
@@ -38,14 +40,14 @@ def versions(system: System) -> Versions:
         packages=dict(sources.LOADED.packages),
         system=f"{platform.system()} {platform.machine()}",
         cpu=_processor(),
-        lanes=system.settings.lanes,
-        step=system.settings.step,
-        integrator=system.settings.integrator,
-        loop=system.digest if system.settings.integrator else None,
-        components=sources.own(system.own),
-        simulator=None if system.settings.integrator else system.digest,
-        evaluator=system.elsewhere or None,
-        command=system.given or None,
+        lanes=settings.lanes,
+        step=settings.step,
+        integrator=settings.integrator,
+        loop=system.digest if called is None else None,
+        components=sources.own(settings.own),
+        simulator=None if called is None else called.digest,
+        evaluator=(called and called.elsewhere) or None,
+        command=(called and called.given) or None,
     )
 
 

@@ -10,10 +10,10 @@ from importlib.metadata import version
 from pathlib import Path
 
 from llvmlite import binding
-from numba.core.codegen import get_host_cpu_features
 
 from campaigns.asked.spec import Campaign
 from campaigns.versions import Processor, Versions
+from worker.engine.kernels.numba_internals import processor_features
 from worker.engine.stages.parts.store import Store
 from worker.engine.systems.base import System, slotted
 from worker.running.runs import sources
@@ -52,9 +52,7 @@ def versions(system: System) -> Versions:
 
 
 def _processor() -> Processor:
-    named: str = get_host_cpu_features()  # type: ignore[no-untyped-call]
-    features = sorted(f[1:] for f in named.split(",") if f.startswith("+"))
-    return Processor(model=_model(), target=binding.get_host_cpu_name(), features=" ".join(features))
+    return Processor(model=_model(), target=binding.get_host_cpu_name(), features=" ".join(processor_features()))
 
 
 def _model() -> str:

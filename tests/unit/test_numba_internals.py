@@ -22,7 +22,6 @@ DOCUMENTED = ("numba", "numba.extending", "numba.core.errors", "llvmlite")
 METHODS = {
     "numba.core.caching.FunctionCache.load_overload": ["self", "sig", "target_context"],
     "numba.core.ccallback.CFunc.compile": ["self"],
-    "numba.core.ccallback.CFunc.enable_caching": ["self"],
     "numba.core.codegen.JITCodeLibrary._optimize_final_module": ["self"],
     "numba.core.codegen.JITCodeLibrary._finalize_final_module": ["self"],
     "numba.core.codegen.JITCodeLibrary._finalize_dynamic_globals": ["self"],

@@ -16,9 +16,8 @@ from typing import Any
 import numba
 import numpy as np
 
-from worker.engine.kernels.cache import cached
 from worker.engine.kernels.maths import FLAGS
-from worker.engine.kernels.numba_internals import is_compiled, python
+from worker.engine.kernels.numba_internals import cached, is_compiled, python
 
 Function = Callable[..., Any]
 

@@ -1,8 +1,4 @@
-"""A disk cache of compiled functions across processes, on top of numba's; unreadable entries count as missing.
-
-A cached function refers to its modules by name. After an update that moved one of them, the entry cannot be loaded; it
-is compiled again and replaced. Start reading at `cached`.
-"""
+"""The disk cache of compiled functions: its folder, and the processes that need the same one: `compiling`."""
 
 from __future__ import annotations
 
@@ -14,7 +10,6 @@ from typing import Any
 
 from numba import config
 
-from worker.engine.kernels import numba_internals
 from worker.engine.kernels.durations import Watched
 from worker.engine.kernels.folder import cache_folder
 
@@ -56,17 +51,7 @@ def _alone(function: Any, wait: Callable[[], None]) -> Iterator[None]:
 
 
 @contextmanager
-def _compiling(function: Any) -> Iterator[Callable[[], None]]:
-    """Around the first call of a function: one process compiles it, and this is reported and timed."""
+def compiling(function: Any) -> Iterator[Callable[[], None]]:
+    """Around the first call of a function: what is called if it is not cached, so that it is compiled here."""
     with _watched(function) as watched, _alone(function, watched.wait):
         yield watched.compile
-
-
-def cached(function: Callable[..., Any], **flags: Any) -> Any:
-    """A function that is compiled at its first call and cached on disk."""
-    return numba_internals.cached(function, _compiling, **flags)
-
-
-def cached_callback(function: Callable[..., Any], signature: Any, **flags: Any) -> Any:
-    """A C callback, compiled now and cached on disk; its `address` is valid for as long as the object exists."""
-    return numba_internals.cached_callback(function, signature, _compiling, **flags)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
-from contextlib import AbstractContextManager, suppress
+from contextlib import suppress
 from types import FunctionType
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -27,9 +27,9 @@ from numba.core.runtime.context import NRTContext
 from numba.core.typed_passes import NativeLowering
 from numba.core.types.functions import BaseFunction
 
+from worker.engine.kernels.cache import compiling
+
 Function = Callable[..., Any]
-Compiling = Callable[[Function], AbstractContextManager[Callable[[], None]]]
-"""Entered for the first call of a function; it gives what is called if nothing is cached, so that it is compiled."""
 
 UNCALLABLE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Without the wrappers through which Python and C call a function."""
@@ -72,7 +72,8 @@ def inlined(function: Function, plain: Callable[[Any], Function], **flags: Any) 
     return made
 
 
-# Functions that are cached on disk.
+# Functions that are cached on disk. A cached one refers to its modules by name: after an update that moved one of them,
+# it cannot be loaded, and is compiled again and replaced.
 
 
 class _Cache(FunctionCache):
@@ -93,30 +94,24 @@ class _Cache(FunctionCache):
 
 class _Cached(CPUDispatcher):
     _cache: Any
-    compiling: Compiling
 
     def compile(self, sig: Any) -> Any:
-        with self.compiling(self.py_func) as self._cache.missed:
+        with compiling(self.py_func) as self._cache.missed:
             return super().compile(sig)
 
 
-class _CachedCallback(CFunc):
-    def enable_caching(self) -> None:
-        self._cache = _Cache(self.__wrapped__)  # type: ignore[no-untyped-call]
-
-
-def cached(function: Function, compiling: Compiling, **flags: Any) -> Any:
+def cached(function: Function, **flags: Any) -> Any:
     """A function that is compiled at its first call and cached on disk."""
     made: Any = njit(**flags)(function)
     made.__class__ = _Cached
-    made._cache, made.compiling = _Cache(function), compiling  # type: ignore[no-untyped-call]
+    made._cache = _Cache(function)  # type: ignore[no-untyped-call]
     return made
 
 
-def cached_callback(function: Function, signature: Any, compiling: Compiling, **flags: Any) -> Any:
+def cached_callback(function: Function, signature: Any, **flags: Any) -> Any:
     """A C callback, compiled now and cached on disk; its `address` is valid for as long as the object exists."""
-    made = _CachedCallback(function, (signature.args, signature.return_type), locals={}, options=flags)
-    made.enable_caching()
+    made: Any = CFunc(function, (signature.args, signature.return_type), locals={}, options=flags)
+    made._cache = _Cache(function)  # type: ignore[no-untyped-call]
     with compiling(function) as made._cache.missed:
         made.compile()
     return made

@@ -63,6 +63,7 @@ class Rig(System):
     slots = 2
 
     def __init__(self, opening: Opening) -> None:
+        self.opening = opening
         entries = two_basins.ENTRY.parameters
         nominal = [opening.nominal[f"simulator.{p.name}"] for p in entries]
         self.parameters = tuple(
@@ -70,6 +71,9 @@ class Rig(System):
             for p, at in zip(entries, nominal, strict=True)
         )
         self.nominal = np.array(nominal)
+
+    def fresh(self) -> System:
+        return type(self)(self.opening)
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         return Batch(vectors[:, self.names["simulator.x"], None], np.full(len(vectors), OK, dtype=np.uint8)), {}
@@ -108,7 +112,8 @@ def test_a_system_of_its_own_keeps_its_slots_and_its_terms(retries: int) -> None
     campaign = load_document(package.campaign(simulator={"name": "two_basins", "retries": retries}))
     known = catalogue().model_copy(update={"simulators": [two_basins.ENTRY]})
     system = simulated(campaign, Declared(two_basins.ENTRY, Rig), known)
-    assert (base.slots(system), system.fresh().slots) == (2, 2)
+    assert (base.slots(system), base.slotted(system.fresh()).slots) == (2, 2)
+    assert terms(system.fresh()) == terms(system)
     assert system.submit(system.nominal).result().costs.tolist() == [0.5]
     found = terms(system)
     assert (found.scope, found.words, found.caveat, found.bars) == (Rig.scope, Rig.words, "", (BAR,))

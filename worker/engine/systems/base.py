@@ -212,6 +212,7 @@ class System(ABC):
 
     settings: Settings = Settings()
     realisations: Realised = Realised()
+    """The noise realisations of every evaluation."""
 
     def encounter(self, nominal: Trace | None) -> Shown | None:
         """Evidence that the encounter took place in the nominal case with this trace; None if there is none.

@@ -59,7 +59,7 @@ def _called(context: Context, point: Floats, many: int) -> tuple[list[float | No
     while len(values) < many:
         if context.cancelled():
             raise Cancelled
-        fresh = system.fresh()
+        fresh = slotted(system.fresh())
         # Each evaluation in a fresh slot has a process of its own; without slots each needs a fresh system.
         count = min(4 * fresh.slots or 1, many - len(values))
         try:

@@ -14,7 +14,7 @@ import numpy as np
 from campaigns.asked.spec import Simulator
 from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
 from worker.engine.search.base import Batch
-from worker.engine.systems.base import Evaluated, Floats, Reasons, Seeds, Slotted, Trace
+from worker.engine.systems.base import Evaluated, Floats, Reasons, Seeds, Slotted, System, Trace, slotted
 from worker.engine.systems.simulators.pooled import batch_of, gathered
 from worker.engine.systems.simulators.simulated import Simulated
 
@@ -25,7 +25,8 @@ class Called(Simulated):
     """Evaluates by `calls` calls of a simulator, each tried again up to `retries` times, combined as the campaign
     states. One failed call makes the evaluation fail."""
 
-    def __init__(self, inner: Slotted, asked: Simulator, borrowed: bool = False) -> None:
+    def __init__(self, inner: System, asked: Simulator, borrowed: bool = False) -> None:
+        inner = slotted(inner)
         self.inner, self.asked, self._borrowed = inner, asked, borrowed
         self.parameters, self.nominal, self.results = inner.parameters, inner.nominal, inner.results
         self.repeatable, self.settings = inner.repeatable, inner.settings

@@ -27,10 +27,7 @@ METHODS = {
     "numba.core.codegen.JITCodeLibrary._finalize_dynamic_globals": ["self"],
     "numba.core.compiler.Compiler.define_pipelines": ["self"],
     "numba.core.dispatcher.Dispatcher.compile": ["self", "sig"],
-    "numba.core.runtime.context.NRTContext.get_meminfos": ["self", "builder", "ty", "val"],
     "numba.core.typed_passes.NativeLowering.run_pass": ["self", "state"],
-    "numba.core.types.functions.BaseFunction.get_call_type": ["self", "context", "args", "kws"],
-    "numba.core.types.functions.BaseFunction.get_impl_key": ["self", "sig"],
 }
 """What the module overrides or calls of the classes it imports, with the parameters that it expects."""
 

@@ -16,10 +16,9 @@ import numpy as np
 from numba import config
 
 from worker.engine.kernels import jit
-from worker.engine.kernels.numba_internals import inlined, install
+from worker.engine.kernels.numba_internals import inlined
 
 jit.refuse(bool(config.DISABLE_JIT))  # type: ignore[attr-defined]
-install()
 
 F = TypeVar("F", bound=Callable[..., Any])
 

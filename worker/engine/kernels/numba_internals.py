@@ -11,9 +11,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from types import FunctionType
 from typing import Any
-from weakref import WeakKeyDictionary
 
-from numba import njit, types
+from numba import njit
 from numba._dynfunc import make_function
 from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
@@ -23,9 +22,7 @@ from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 from numba.core.registry import CPUDispatcher
-from numba.core.runtime.context import NRTContext
 from numba.core.typed_passes import NativeLowering
-from numba.core.types.functions import BaseFunction
 
 from worker.engine.kernels.cache import compiling
 
@@ -161,41 +158,3 @@ class _Compiler(Compiler):
         pipeline._finalized = False
         pipeline.finalize()
         return [pipeline]
-
-
-# What numba works out for every call in a kernel, and for every variable that ends, worked out once. The machine code
-# is the same.
-
-SCALARS = (types.Float, types.Integer, types.Boolean)
-
-_known: WeakKeyDictionary[Any, dict[Any, Any]] = WeakKeyDictionary()
-_type_of_call = BaseFunction.get_call_type
-_held_in = NRTContext.get_meminfos
-
-
-def type_of_call(self: Any, context: Any, args: Any, kws: Any) -> Any:
-    """`BaseFunction.get_call_type`: for a sum of two floats numba tries the sums of arrays, dates and strings first,
-    and formats why each does not apply. For scalars the answer depends on nothing but their types."""
-    if kws or not all(isinstance(arg, SCALARS) for arg in args):
-        return _type_of_call(self, context, args, kws)
-    known = _known.setdefault(self, {})
-    if (context, args) not in known:
-        signature = _type_of_call(self, context, args, kws)
-        known[context, args] = signature, self.get_impl_key(signature)
-    signature, self._impl_keys[signature.args] = known[context, args]
-    return signature
-
-
-def held_in(self: Any, builder: Any, ty: Any, val: Any) -> Any:
-    """`NRTContext.get_meminfos`: for every variable that ends, numba writes code that takes a tuple of floats apart, to
-    find that nothing in it is counted."""
-    model = self._context.data_model_manager[ty]
-    counted = vars(model).get("_counted")
-    if counted is None:
-        counted = model._counted = model.contains_nrt_meminfo()
-    return _held_in(self, builder, ty, val) if counted else []  # type: ignore[no-untyped-call]
-
-
-def install() -> None:
-    """Have numba use these."""
-    BaseFunction.get_call_type, NRTContext.get_meminfos = type_of_call, held_in  # type: ignore[method-assign]

@@ -49,7 +49,7 @@ def terms(system: System) -> Terms:
     if not OWN.intersection(dir(system)):
         return Terms(_scope(system), _words(system), _caveat(system))
     kind = type(system)
-    if not isinstance(system, _Usual):
+    if not isinstance(system, _Usual):  # a base, so that `super()` of its own terms finds the usual ones
         system.__class__ = type(kind.__name__, (kind, _Usual), {"__module__": kind.__module__})
     own: Any = system
     return Terms(own.scope, own.words, own.caveat, own.shows, tuple(own.bars()))

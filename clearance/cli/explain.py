@@ -17,13 +17,16 @@ def explain(
     from clearance.cli._campaign import read_campaign
     from worker.engine.kernels.text.names import UnnamedError
     from worker.engine.systems.base import CampaignUnusable
+    from worker.engine.systems.closed_loop.system import ClosedLoop
+    from worker.evidence.scopes.terms import terms
     from worker.running.opening import opened
 
     try:
         system = opened.system(read_campaign(file))
     except (CampaignUnusable, UnnamedError) as error:
         raise WrongInputError(str(error)) from None
-    if system.source is None:
-        raise WrongInputError(f"{file}: {words(system.scope.what)} has no Python code to print; only a closed loop has")
+    if not isinstance(system, ClosedLoop):
+        what = words(terms(system).scope.what)
+        raise WrongInputError(f"{file}: {what} has no Python code to print; only a closed loop has")
     typer.echo(system.source.read_text(encoding="utf-8"), nl=False)
     typer.echo(f"The file to set breakpoints in: {system.source}", err=True)

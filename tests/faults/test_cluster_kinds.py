@@ -20,7 +20,7 @@ from worker.engine.systems.simulators.declared.fmu import DescribedFmu
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, opened
 from worker.engine.systems.simulators.functions import Isolated
-from worker.engine.systems.simulators.slotted import Slotted
+from worker.engine.systems.simulators.pooled import Pooled
 from worker.running.catalogue.files import digest_of, entry_of, read_file
 
 LOCAL = "local:1"
@@ -72,7 +72,7 @@ def fmu(folder: Path) -> FmuSimulator:
     return opened(described, Opening(nominal, "separation"))
 
 
-def compared(kind: Callable[[Path], Slotted], folder: Path, points: Floats, monkeypatch: pytest.MonkeyPatch) -> None:
+def compared(kind: Callable[[Path], Pooled], folder: Path, points: Floats, monkeypatch: pytest.MonkeyPatch) -> None:
     """Statuses, costs and reasons are the same here and there, also in fresh processes."""
     found = []
     for address in ("", LOCAL):

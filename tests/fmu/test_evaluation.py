@@ -25,6 +25,7 @@ from worker.engine.systems.simulators.declared.fmu import DescribedFmu
 from worker.engine.systems.simulators.declared.simulator import Opening
 from worker.engine.systems.simulators.fmus.simulator import FmuSimulator, FmuUnusable, opened
 from worker.engine.systems.simulators.fmus.taken import NotTaken, Taken
+from worker.evidence.scopes.terms import terms
 from worker.running.catalogue.installed import forget_simulators
 from worker.running.opening.opened import system
 
@@ -140,7 +141,7 @@ def test_state_that_stays_behind_is_noticed_and_changes_nothing(tmp_path: Path, 
     simulated = simulator(made.folder(tmp_path / "a", fmi, leak), "far")
     batch, reasons = simulated.evaluate(np.array([[2, 15, 1, 0], [2, 30, 1, 0], [2, 15, 1, 0]], dtype=float))
     (confirmed,) = simulated.confirm(simulated.nominal[None, :], [None])
-    text = "".join(span.text for span in simulated.scope.settings)  # type: ignore[union-attr]
+    text = "".join(span.text for span in terms(simulated).scope.settings)  # type: ignore[union-attr]
     simulated.close()
     assert how in text
     assert reasons == {}
@@ -249,7 +250,7 @@ def test_a_campaign_opens_it(installed: Path) -> None:
     assert reasons == {}
     assert batch.costs[0, 0] == pytest.approx(0.0042, abs=1e-3)
     assert found.settings.step == 0.01
-    assert "Its variables are read every 0.01 s, and not in between." in found.caveat
+    assert "Its variables are read every 0.01 s, and not in between." in terms(found).caveat
 
 
 def test_a_campaign_on_an_fmu_that_refuses_is_refused(installed: Path) -> None:

@@ -94,8 +94,9 @@ MAY: dict[str, tuple[str, ...]] = {
         *("worker.engine.problem", "worker.engine.systems.base", "worker.engine.search", "campaigns"),
     ),
     # What may change a claim.
+    "worker.evidence.scopes": ("worker.engine.systems", "campaigns"),
     "worker.evidence.verdicts": (
-        *("worker.engine.stages", "worker.engine.problem", "worker.engine.systems.base", "campaigns"),
+        *("worker.engine.stages", "worker.engine.problem", "worker.evidence.scopes", "campaigns"),
     ),
     "worker.evidence.audit": ("campaigns",),
     # What may change neither.

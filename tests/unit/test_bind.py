@@ -19,9 +19,9 @@ from numba import config
 from numba.core.caching import FunctionCache
 
 from worker.engine.kernels.bind import digest, filled, plain
-from worker.engine.kernels.cache import cached
 from worker.engine.kernels.folder import cache_folder
 from worker.engine.kernels.maths import kernel
+from worker.engine.kernels.numba_internals import cached
 
 FILES = {
     "far.py": """

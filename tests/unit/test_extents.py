@@ -16,7 +16,7 @@ from campaigns.claims.spans import words
 from clearance.cli import invoke
 from tests.problems import Problem
 from tests.unit.cases import campaign, document
-from worker.engine.systems.closed_loop.distances import clause, overlooked
+from worker.evidence.scopes.distances import clause, overlooked
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.continuation import Budget, CannotContinue, continued
 

@@ -35,7 +35,6 @@ OTHERS: dict[str, set[float]] = {
     "campaigns/checked/expected.py": {25},
     # A time that is shown as less than 0.1 s, a slack of decimals; examples of numbers.
     "campaigns/claims/numbers.py": {0.05, 0.01},
-    "campaigns/claims/table.py": {1e-3, 0.05, 0.1, 0.2},
     # Times [s], and the shortest that a rate is computed from.
     "worker/engine/stages/parts/driver.py": {0.2, 1e-6},
     "worker/engine/stages/parts/in_slots.py": {0.2},

@@ -15,11 +15,9 @@ from typing import Any
 
 import numba
 import numpy as np
-from numba.core.dispatcher import Dispatcher
-from numba.core.extending import _Intrinsic
 
-from worker.engine.kernels.cache import cached
 from worker.engine.kernels.maths import FLAGS
+from worker.engine.kernels.numba_internals import cached, is_compiled, python
 
 Function = Callable[..., Any]
 
@@ -32,7 +30,7 @@ def compile_loop(bound: Function, name: str, flags: Mapping[str, Any] = FLAGS) -
 
 def filled(template: Function, slots: Mapping[str, object]) -> types.FunctionType:
     """A copy of a plain function with some of its globals replaced."""
-    source = _python(template)
+    source = python(template)
     unknown = [name for name in slots if name not in source.__globals__]
     if unknown:
         raise ValueError(f"{source.__qualname__} has no slot named {', '.join(unknown)}")
@@ -60,7 +58,7 @@ def rebuilt(function: Function, done: dict[int, Any], make: Callable[[Function],
 
 def identity(function: Any) -> int:
     """The key of a kernel in `rebuilt`; valid for as long as the kernel exists."""
-    return id(_python(function))
+    return id(python(function))
 
 
 def digest(function: Function, flags: Mapping[str, Any] = FLAGS) -> str:
@@ -70,12 +68,8 @@ def digest(function: Function, flags: Mapping[str, Any] = FLAGS) -> str:
     return sink.hexdigest()[:16]
 
 
-def _python(function: Any) -> types.FunctionType:
-    return function.py_func if isinstance(function, Dispatcher) else function  # type: ignore[no-any-return]
-
-
 def _plain(function: Any, done: dict[int, Any], make: Callable[[Function], Any] = lambda copy: copy) -> Any:
-    source = _python(function)
+    source = python(function)
     if id(source) in done:
         return done[id(source)]
     if _foreign(getattr(source, "__module__", "")):
@@ -101,7 +95,7 @@ def _plain_global(
     make: Callable[[Function], Any],
 ) -> Any:
     """The plain form of a global; for a module of this project, a copy with the attributes that the code may use."""
-    if isinstance(value, (Dispatcher, types.FunctionType)):
+    if is_compiled(value) or isinstance(value, types.FunctionType):
         return _plain(value, done, make)
     if not isinstance(value, types.ModuleType):
         return value
@@ -123,9 +117,7 @@ def _foreign(module: str) -> bool:
 
 def _walk(value: Any, feed: Callable[[bytes], None], seen: dict[Any, int]) -> None:
     """Feed everything that a compiled function depends on; `seen` numbers objects by their first visit."""
-    if isinstance(value, _Intrinsic):
-        value = value._defn
-    value = _python(value)
+    value = python(value)
     if isinstance(value, np.generic):
         feed(f"{value.dtype}:".encode())
         value = value.item()

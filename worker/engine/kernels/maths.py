@@ -13,13 +13,12 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
-from numba import config, njit
-from numba.core.registry import CPUDispatcher
+from numba import config
 
-from worker.engine.kernels import jit, resolved
+from worker.engine.kernels import jit
+from worker.engine.kernels.numba_internals import inlined
 
 jit.refuse(bool(config.DISABLE_JIT))  # type: ignore[attr-defined]
-resolved.install()
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -37,19 +36,13 @@ def kernel(function: F) -> F:
     A call from Python runs the plain form: compiling a wrapper that unpacks dozens of parameters for every kernel would
     take half of the compile time of a loop.
     """
-    inlined: dict[str, Any] = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    compiled: Any = njit(**inlined, **FLAGS)(function)
-    compiled.__class__ = _Kernel
-    return compiled  # type: ignore[no-any-return]
+    return inlined(function, _plain, **FLAGS)  # type: ignore[no-any-return]
 
 
-class _Kernel(CPUDispatcher):
-    """A kernel for compiled code; it has no Python wrapper, so calling it directly would crash the process."""
+def _plain(compiled: Any) -> Callable[..., Any]:
+    from worker.engine.kernels.bind import plain
 
-    def __call__(self, *arguments: Any) -> Any:
-        from worker.engine.kernels.bind import plain
-
-        return plain(self)(*arguments)
+    return plain(compiled)  # type: ignore[no-any-return]
 
 
 @kernel

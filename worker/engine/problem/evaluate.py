@@ -31,11 +31,11 @@ class InProcess:
 
     def __init__(self, problem: Problem, threads: int | None = None) -> None:
         self.problem = problem
-        self.threads = (threads or usual_threads()) if problem.system.block else 1
+        self.threads = (threads or usual_threads()) if problem.system.settings.lanes else 1
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="simulate") if self.threads > 1 else None
 
     def __call__(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, dict[int, str]]:
-        block = self.problem.system.block
+        block = self.problem.system.settings.lanes or 1
         if self._pool is None or len(points) <= block:
             return self.problem.evaluate(points, seeds)
         blocks = -(-len(points) // block)

@@ -16,7 +16,7 @@ from campaigns.claims.say import Part, symbol
 from campaigns.symbols import labels
 from worker.engine.problem.distributions import Distributions, Range
 from worker.engine.search.base import Batch
-from worker.engine.systems.base import Floats, Realised, Reasons, Result, Seeds, System, Words
+from worker.engine.systems.base import Floats, Realised, Reasons, Result, Seeds, System
 
 
 class Problem:
@@ -54,11 +54,6 @@ class Problem:
     def realisations(self) -> Realised:
         """The realisations of the system's noise that every evaluation simulates."""
         return self.system.realisations
-
-    @property
-    def words(self) -> Words:
-        """Terms for its evaluations in sentences."""
-        return self.system.words
 
     @cached_property
     def nominal_point(self) -> Floats:

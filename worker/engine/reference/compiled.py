@@ -16,9 +16,8 @@ from numba import types
 from numba.extending import intrinsic
 
 from worker.engine.kernels.bind import Function, compile_loop, digest, filled, identity, rebuilt
-from worker.engine.kernels.cache import cached_callback
 from worker.engine.kernels.lanes import lane_ops
-from worker.engine.kernels.linked import linked
+from worker.engine.kernels.numba_internals import cached_callback, linked
 from worker.engine.reference import closed, flight, stepper
 from worker.engine.systems.closed_loop.assemble import LIBRARY, Loop
 

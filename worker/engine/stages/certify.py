@@ -28,7 +28,7 @@ from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.sample import DRAWN, Noise, Sample
 from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
-from worker.engine.systems.base import System
+from worker.engine.systems.base import System, slotted
 
 STREAM = 2**21
 """Index of the random stream; searches use those from 0 on."""
@@ -49,7 +49,7 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     drawn = _Drawn()
     grid = 0 if asked.grid is None else asked.grid.points**problem.dimension
     random = stream(context.campaign.seed, STREAM)
-    single = problem.system.single() if noise.noisy(context) else None
+    single = slotted(problem.system).single() if noise.noisy(context) else None
     searching = _search(problem, asked, random, drawn, single)
     driven = drive(context, position, searching, DRAWS * asked.samples + grid + 1)
     assert driven.columns is not None

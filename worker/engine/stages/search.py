@@ -25,6 +25,7 @@ from worker.engine.stages.parts.ended import spoken
 from worker.engine.stages.parts.members import Members
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.streams import stream
+from worker.engine.systems.base import slots
 
 
 def run(context: Context, position: int) -> Outcome[SearchResult]:
@@ -44,7 +45,7 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
         attribute=members.attribute,
         threshold=context.problem.threshold,
         confidence=context.campaign.confidence,
-        slots=context.problem.system.slots,
+        slots=slots(context.problem.system),
     )
     options: Any = TypeAdapter(method.options).validate_python(asked.options)
     if method.compiles:

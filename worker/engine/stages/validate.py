@@ -3,7 +3,7 @@
 First `worker.engine.stages.parts.findings` distinguishes the worst cases, polishes them and evaluates their neighbours;
 then each is confirmed at half the step and with the reference integrator (`confirm`), as are the violations that any
 stage has stored and a random choice of all evaluations (`offered`). The evidence that the encounter took place comes
-last (`encounter`). Start reading at `run`.
+last (`encounter`). What all this shows is worded by `worker.evidence.verdicts.validation`. Start reading at `run`.
 """
 
 from __future__ import annotations
@@ -12,15 +12,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from campaigns.claims.say import Part, case, joined, listed, say
-from campaigns.claims.spans import Said
+from campaigns.claims.say import say
 from campaigns.results import Finding, SensitivityResult, ValidateResult
 from campaigns.results.base import OK
 from campaigns.results.baseline import BaselineResult, Reevaluated
 from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.sensitivity import Curve
 from campaigns.results.validate import Gathered
-from worker.engine.stages.parts import boundary, findings, incumbents, noise, offered, repeated, seeds
+from worker.engine.stages.parts import boundary, findings, incumbents, noise, offered, seeds
 from worker.engine.stages.parts.base import Context, Driven, all_columns, drive
 from worker.engine.stages.parts.comparison import compare
 from worker.engine.stages.parts.confirm import Case, cases
@@ -28,7 +27,6 @@ from worker.engine.stages.parts.encounter import encounter
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.store import Trace
 from worker.engine.stages.parts.traced import traced
-from worker.engine.systems.base import Words
 
 
 def run(context: Context, position: int) -> Outcome[ValidateResult]:
@@ -48,23 +46,22 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     labels = {id(f): f"F{number}" for number, f in enumerate(order, 1)}
     basins = [labels[id(f)] for f in polished]
     shown = [_labelled(f, labels[id(f)]) for f in order]
-    system = context.problem.system
     flies = context.campaign.scenario is not None
     flights, untraced = _flights(context, shown) if flies else _traces(context, shown)
     named = tuple(_closest(f, t if flies else None) for f, t in zip(shown, flights, strict=True))
+    nominal_flight = context.problem.system.trace("nominal", {}) if flies else None
     tolerance = context.campaign.stages.validate_.tolerance
     validated = [nominal, *(f.validation for f in named if f.validation is not None)]
-    ok, said = repeated.agreement(validated) if noise.noisy(context) else _agreement(system.words, validated)
     result = ValidateResult(
-        ok=ok,
-        said=said,
+        ok=all(case.ok for case in validated),
+        said=(),
         tolerance=tolerance,
         nominal=nominal,
         findings=_gathered(context, driven, found, unfinished),
         comparison=compare(context, named, found, basins),
         violations=violations,
         spot_checks=offered.spot_checks(context, everything),
-        encounter=encounter(context, position, system.trace("nominal", {}) if flies else None, _curves(context, named)),
+        encounter=encounter(context, position, nominal_flight, _curves(context, named)),
         incumbents=best,
         untraced=untraced,
         since=_since(context, named, found, basins),
@@ -224,25 +221,6 @@ def _curves(context: Context, named: Sequence[Finding]) -> Iterator[Curve]:
     for finding in named:
         if finding.slices is not None:
             yield from finding.slices.curves
-
-
-def _agreement(words: Words, cases: Sequence[Validation]) -> tuple[bool, Said]:
-    """Whether all cases are validated, and the sentence that says so."""
-    wrong = [c.name for c in cases if not c.ok]
-    apart = [c.name for c in cases if c.violates and not c.agrees]
-    agreed = [c.name for c in cases if c.agrees]
-    said: list[Part] = []
-    if wrong:
-        said.append(say(f"{words.disagrees} by more than the tolerance for ", _cases(wrong)))
-    elif agreed:
-        said.append(say(f"{words.agree} for ", _cases(agreed)))
-    if apart:
-        said.append(say(f"{words.every} of ", _cases(apart), " violate, but differ by more than the tolerance"))
-    return not wrong, joined("; ", said)
-
-
-def _cases(names: Sequence[str]) -> Said:
-    return listed([case(name) for name in names])
 
 
 stage = Stage("validate", run)

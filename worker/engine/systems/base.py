@@ -1,7 +1,7 @@
-"""The interface of systems that a campaign can evaluate: parameters in, result values and reasons out.
+"""The interfaces of systems that a campaign can evaluate: parameters in, result values and reasons out.
 
-Problem, stages, verdicts and runs use only `System`. The closed loop of components implements it, and so does every
-simulator of another package. Start reading at `System`.
+Problem, stages, verdicts and runs use only these. `System` is what every system has, the closed loop of components
+included; `Slotted` what simulators add, those of other packages too. `worker.evidence.scopes` describes them in claims.
 """
 
 from __future__ import annotations
@@ -10,14 +10,15 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.asked.problem import Problem as Wrong
-from campaigns.claims.spans import Said
+from campaigns.claims.terms import Condition as Condition  # packages import these three from here
+from campaigns.claims.terms import Scope as Scope
+from campaigns.claims.terms import Words as Words
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.validate import Unseen
 from campaigns.stored.records import Trace as Trace
@@ -27,9 +28,6 @@ Floats = NDArray[np.float64]
 Seeds = NDArray[np.int64]
 Reasons = dict[int, str]
 """By row of a batch: why the evaluation failed or was excluded."""
-
-Condition = Literal["closest approach", "motion", "avoidance"]
-"""Evidence that an encounter took place, by the names of the verdict's checks."""
 
 
 class CampaignUnusable(ValueError):
@@ -125,40 +123,16 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class Scope:
-    """The text of a verdict's scope: what is evaluated, its settings (may be empty), and its version."""
-
-    what: Said
-    settings: Said
-    version: str
-
-
-@dataclass(frozen=True)
-class Words:
-    """Terms used in sentences for an evaluation and its confirmation."""
-
-    one: str
-    agree: str
-    """The clause for agreement: `the step-halving check and DOP853 agree`."""
-    disagrees: str
-    every: str
-    """`all integrations`."""
-    again: str
-    """`simulated again at half the step and with the reference integrator`."""
-    reference: str
-    """The means that random evaluations are compared with."""
-    check: str = "validation"
-    """The name of the verdict's check that covers the confirmation."""
-
-
-@dataclass(frozen=True)
 class Settings:
-    """Settings that provenance stores besides the system's digest; None if not applicable."""
+    """What provenance stores of a system besides its digest; None if not applicable."""
 
     lanes: int | None = None
+    """Evaluations in lockstep: each call gets whole blocks of so many, on any thread; None: no concurrent calls."""
     step: float | None = None
     """[s]"""
     integrator: str | None = None
+    own: tuple[str, ...] = ()
+    """The modules of the operator's own components that it uses."""
 
 
 class Evaluated(NamedTuple):
@@ -170,7 +144,7 @@ class Evaluated(NamedTuple):
 
 
 class System(ABC):
-    """A system that a campaign can evaluate.
+    """A system that a campaign can evaluate: what every system has, then what has a default.
 
     A *vector* is one set of all parameters (size,), in their units and in the order of `parameters`; a system may
     append further numbers, which `nominal` then includes. *Costs* are results where lower is worse: a result that is
@@ -182,54 +156,17 @@ class System(ABC):
     """The vector of nominal values (size,), size >= len(parameters)."""
     results: tuple[Result, ...]
     """The results in the order of a batch's columns; the first one decides and is worse when low. Names are unique."""
-    realisations: Realised = Realised()
     repeatable: bool = True
     """Whether, as declared, the same vector and seed give the same bits in every process on the same kind of machine.
     Of a simulator this is also measured."""
-    block: int = 0
-    """Preferred number of rows per call; threads get whole blocks. 0: no concurrent calls."""
-    shows: tuple[Condition, ...] = ()
-    """The evidence that `encounter` can give; the verdict has only these checks of the encounter."""
-    settings: Settings = Settings()
-    elsewhere: str = ""
-    """What evaluates on other machines; empty: this process or others of its machine."""
-    given: str = ""
-    """The command line that the campaign file gave; empty: the system is one of this installation."""
-    own: tuple[str, ...] = ()
-    """The modules of the operator's own components that it uses."""
     cost: float | None = None
     """Time per evaluation as measured over the latest batch [s]; None before the first. The batch size follows from it,
     so that progress and cancellation stay prompt."""
 
     @property
-    def slots(self) -> int:
-        """Number of evaluations that run side by side and end in any order; `submit` starts one. 0: only `evaluate`."""
-        return 0
-
-    @property
-    def recycle(self) -> int:
-        """Calls after which a process of a slot is replaced by a fresh one; 0: never."""
-        return 0
-
-    @property
     @abstractmethod
     def digest(self) -> str:
         """Identifies everything that could change a result, except the vector, the seeds and the machine."""
-
-    @property
-    @abstractmethod
-    def scope(self) -> Scope:
-        """The text of a verdict's scope."""
-
-    @property
-    @abstractmethod
-    def words(self) -> Words:
-        """Terms for its evaluations in sentences."""
-
-    @property
-    def caveat(self) -> str:
-        """Sentences that a "cleared" verdict must add about what was not checked; empty by default."""
-        return ""
 
     @abstractmethod
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
@@ -239,19 +176,6 @@ class System(ABC):
         failed evaluation is a status with a reason; an exception ends the run. One that is ok has a reason only if a
         call of it failed before it succeeded (`campaigns.results.base.FLAKY`).
         """
-
-    def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
-        """Start the evaluation of one vector (size,) in a slot, as `evaluate` would; for a system with slots."""
-        raise NotImplementedError(f"{type(self).__name__} has no slots")
-
-    def started(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
-        """As `submit`; a system without slots has evaluated the vector when this returns."""
-        if self.slots:
-            return self.submit(vector, seed)
-        batch, reasons = self.evaluate(vector[None, :], None if seed is None else np.array([seed]))
-        ended: Future[Evaluated] = Future()
-        ended.set_result(Evaluated(batch.costs[0], int(batch.status[0]), reasons.get(0, "")))
-        return ended
 
     @abstractmethod
     def confirm(
@@ -271,14 +195,6 @@ class System(ABC):
         When cancelled, it returns the results until then: fewer than m.
         """
 
-    def fresh(self) -> System:
-        """The same system without any state of earlier evaluations, which the caller closes; itself if it has none."""
-        return self
-
-    def single(self) -> System:
-        """The same system with one call for each evaluation; itself if that is what it does."""
-        return self
-
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
         """Time histories of one case; None for a system without traces.
 
@@ -286,6 +202,17 @@ class System(ABC):
         cannot be given for this case.
         """
         return None
+
+    @property
+    def names(self) -> dict[str, int]:
+        """The index of each parameter in a vector, by path."""
+        return {p.path: k for k, p in enumerate(self.parameters)}
+
+    # Optional.
+
+    settings: Settings = Settings()
+    realisations: Realised = Realised()
+    """The noise realisations of every evaluation."""
 
     def encounter(self, nominal: Trace | None) -> Shown | None:
         """Evidence that the encounter took place in the nominal case with this trace; None if there is none.
@@ -297,22 +224,53 @@ class System(ABC):
     def warm(self) -> None:  # noqa: B027  optional
         """Prepare the first evaluation, such as by compiling, so that this time is not counted as evaluation time."""
 
-    @property
-    def source(self) -> Path | None:
-        """The Python file that an evaluation executes; None for a system without one."""
-        return None
-
-    def bars(self) -> list[tuple[str, Said]]:
-        """Reasons that rule out "cleared" for any result: the check's code and the sentence; empty by default."""
-        return []
-
     def close(self) -> None:  # noqa: B027  optional
         """Release resources such as processes and files."""
 
+
+class Slotted(System):
+    """A system of calls that may run side by side in slots, each in a process that can be replaced: a simulator."""
+
+    elsewhere: str = ""
+    """What evaluates on other machines; empty: this process or others of its machine."""
+    given: str = ""
+    """The command line that the campaign file gave; empty: the system is one of this installation."""
+
     @property
-    def names(self) -> dict[str, int]:
-        """The index of each parameter in a vector, by path."""
-        return {p.path: k for k, p in enumerate(self.parameters)}
+    def slots(self) -> int:
+        """Number of evaluations that run side by side and end in any order; `submit` starts one. 0: only `evaluate`."""
+        return 0
+
+    @property
+    def recycle(self) -> int:
+        """Calls after which a process of a slot is replaced by a fresh one; 0: never."""
+        return 0
+
+    def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
+        """Start the evaluation of one vector (size,) in a slot, as `evaluate` would; only with slots."""
+        raise NotImplementedError(f"{type(self).__name__} has no slots")
+
+    def fresh(self) -> Slotted:
+        """The same system without any state of earlier evaluations, which the caller closes; itself if it has none."""
+        return self
+
+    def single(self) -> Slotted:
+        """The same system with one call for each evaluation; itself if that is what it does."""
+        return self
+
+
+def slotted(system: System) -> Slotted:
+    """The system as one of calls. A package's own that derives from `System` alone gets the defaults of `Slotted` for
+    whatever it does not define."""
+    if not isinstance(system, Slotted):
+        kind = type(system)
+        system.__class__ = type(kind.__name__, (kind, Slotted), {"__module__": kind.__module__})
+    return system  # type: ignore[return-value]
+
+
+def slots(system: System) -> int:
+    """How many evaluations run side by side in slots; 0 for a system without slots."""
+    return system.slots if isinstance(system, Slotted) else 0
 
 
 def in_own_sign(results: Sequence[Result], costs: Floats) -> Floats:

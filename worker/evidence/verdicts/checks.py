@@ -7,6 +7,7 @@ from campaigns.claims.say import Part, count, finding, joined, method, number, s
 from campaigns.codes import CheckCode
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
+from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts.agreement import agreement
 from worker.evidence.verdicts.calls import calls
 from worker.evidence.verdicts.encounter import encounter
@@ -99,12 +100,12 @@ def _validated(problem: Problem, evidence: Evidence) -> Check:
     threshold."""
     validation, spot = evidence.validation, evidence.spot_checks
     ok = validation.ok and not spot.violating and (spot.compared > 0 or not spot.checked)
-    return Check(code=CheckCode(problem.words.check), ok=ok, said=say(validation.said, "; ", spot.said))
+    return Check(code=CheckCode(terms(problem.system).words.check), ok=ok, said=say(validation.said, "; ", spot.said))
 
 
 def _distances(problem: Problem) -> list[Check]:
     """Checks that rule out "cleared" for any result, such as that a vehicle inside an obstacle counts as clear."""
-    return [Check(code=code, ok=False, said=said) for code, said in problem.system.bars()]
+    return [Check(code=code, ok=False, said=said) for code, said in terms(problem.system).bars]
 
 
 def _none_failed(evidence: Evidence) -> Check:

@@ -15,6 +15,7 @@ from campaigns.codes import CheckCode
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
+from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts.agreement import varies
 from worker.evidence.verdicts.evidence import Evidence
 
@@ -32,9 +33,9 @@ def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
         CheckCode.INFLUENCE: _influence,
     }
     intended = {str(name): reason for name, reason in problem.campaign.encounter.intended.items()}
-    found = []
+    found, shows = [], terms(problem.system).shows
     for code, condition in conditions.items():
-        held = condition(problem, evidence) if code in (CheckCode.INFLUENCE, *problem.system.shows) else None
+        held = condition(problem, evidence) if code in (CheckCode.INFLUENCE, *shows) else None
         if held is None:
             continue
         ok, said = held

@@ -24,6 +24,7 @@ from campaigns.results import Finding, SearchResult
 from campaigns.results.finding import Validation
 from campaigns.results.verdict import Check, Statistics, VerdictWord
 from worker.engine.problem.problem import Problem
+from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts import calls, encounter
 from worker.evidence.verdicts.evidence import Evidence
 
@@ -35,7 +36,7 @@ def sentence(
     found = evidence.finding
     quantity, limit = symbol(problem.quantity), number(problem.threshold, problem.unit, "threshold")
     if found is None:
-        return say(f"No {problem.words.one} could be evaluated: ", checks[0].said, ".")
+        return say(f"No {terms(problem.system).words.one} could be evaluated: ", checks[0].said, ".")
     worst = _worst(problem, found)
     each = calls.each(problem)
     how = say(count(evidence.evaluations, "evaluations"), f" evaluations{each}, searched by ", _searched(evidence))
@@ -49,7 +50,8 @@ def sentence(
     if verdict == "cleared":
         succeeded = count(evidence.succeeded, "evaluations")
         excluded = say(" ", count(evidence.excluded, "excluded"), " more were excluded.") if evidence.excluded else ()
-        caveat = f" {problem.system.caveat}" if problem.system.caveat else ""
+        caveat = terms(problem.system).caveat
+        caveat = f" {caveat}" if caveat else ""
         stated = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
         return say(
             *(quantity, " stayed above ", limit, " in all ", succeeded, f" evaluations{each}, searched by "),
@@ -63,7 +65,7 @@ def sentence(
 
 def scope(problem: Problem) -> Said:
     """The scope of the sentence: the system with its conditions, bounds and settings."""
-    held, paths = problem.system.scope, problem.symbols
+    held, paths = terms(problem.system).scope, problem.symbols
     units = {p.path: p.unit for p in problem.system.parameters}
     bounds = [say(paths[r.path], " ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
     settings = say("; ", held.settings) if held.settings else ()

@@ -8,9 +8,9 @@ from types import FunctionType
 from typing import Any
 
 import numba
-from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 
+from worker.engine.kernels.numba_internals import is_compiled
 from worker.engine.kernels.reduced import reduced
 from worker.running.examination.flying import Calls
 from worker.running.examination.mistake import Mistake
@@ -19,7 +19,7 @@ from worker.running.examination.reading import Source
 
 def compile_each(source: Source, module: str, calls: Calls) -> None:
     """Raises `Mistake` for the first kernel that cannot be compiled; helpers come before those that call them."""
-    dispatchers: list[Any] = [v for v in vars(sys.modules[module]).values() if isinstance(v, Dispatcher)]
+    dispatchers: list[Any] = [v for v in vars(sys.modules[module]).values() if is_compiled(v)]
     own = {d.py_func.__code__: d for d in dispatchers if isinstance(d.py_func, FunctionType)}
     for code in sorted(calls, key=lambda code: code.co_firstlineno):
         kernel = own.get(code)

@@ -10,8 +10,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Any, Literal, get_args, get_origin
 
-from numba.core.dispatcher import Dispatcher
-
 from worker.engine.kernels.component import (
     Avoider,
     Component,
@@ -29,6 +27,7 @@ from worker.engine.kernels.component import (
     declared,
 )
 from worker.engine.kernels.look import ObstacleLook, VehicleLook
+from worker.engine.kernels.numba_internals import is_compiled
 from worker.engine.kernels.parameters import Parameter
 from worker.running.examination import units
 from worker.running.examination.blame import mistake
@@ -245,7 +244,7 @@ def _check_kernel(slot: Slot, source: Source) -> None:
     at = source.functions[name].lineno if name in source.functions else line
     if slot.plain:
         return
-    if not isinstance(slot.function, Dispatcher):
+    if not is_compiled(slot.function):
         raise Mistake(f"{name} is used as {slot.field} and lacks the decorator: write @kernel above it", at)
     _check_arguments(name, slot, function, at)
 

@@ -15,7 +15,7 @@ from campaigns.asked.spec import Simulator
 from campaigns.checked.check import parameters, simulation_problems
 from worker.engine.problem.problem import Problem
 from worker.engine.reference import Reference
-from worker.engine.systems.base import CampaignUnusable, System
+from worker.engine.systems.base import CampaignUnusable, Slotted, System, slotted
 from worker.engine.systems.closed_loop.assemble import LANES
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.system import ClosedLoop
@@ -54,7 +54,7 @@ def flights(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> Fl
     return Flights(campaign, installed(), compiled, lanes)
 
 
-def _simulator(campaign: Campaign, asked: Simulator) -> System:
+def _simulator(campaign: Campaign, asked: Simulator) -> Slotted:
     """Open a simulator of this installation and check it against its declaration."""
     known = catalogue()
     problems = simulation_problems(campaign, known)
@@ -63,7 +63,7 @@ def _simulator(campaign: Campaign, asked: Simulator) -> System:
     return simulated(campaign, simulators()[asked.name], known)
 
 
-def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction, known: Catalogue) -> System:
+def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction, known: Catalogue) -> Slotted:
     """Open this simulator for a campaign that the catalogue permits, and check it against its declaration."""
     nominal = {path: value for path, (_, value) in parameters(campaign, known).items()}
     result = campaign.criterion.result or ""
@@ -78,12 +78,11 @@ def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction
     wrong = _undeclared(opened, nominal, result)
     if wrong:
         raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, wrong)])
-    found: System = opened
-    asked = campaign.simulator
+    found, asked = slotted(opened), campaign.simulator
     return found if asked is None or (asked.calls == 1 and not asked.retries) else Called(found, asked)
 
 
-def _python(simulator: PythonFunction, opening: Opening) -> System:
+def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
     """A Python function; one of a file as the file is now, which must still be what the catalogue shows."""
     name = simulator.declaration.name
     file = simulator.place.get("file")

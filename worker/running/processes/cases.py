@@ -42,9 +42,9 @@ from campaigns.asked.problem import Problem
 from campaigns.documents import JsonObject
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
-from worker.engine.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace
+from worker.engine.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace, slotted
 from worker.engine.systems.simulators.called import Called
-from worker.engine.systems.simulators.slotted import Slotted
+from worker.engine.systems.simulators.pooled import Pooled
 from worker.running.catalogue import installed
 from worker.running.opening import opened
 from worker.running.processes import memory
@@ -164,9 +164,9 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
     close(systems)
     if why := missing(campaign, version):
         raise CampaignUnusable([Problem("simulator.name", campaign.simulator.name if campaign.simulator else "", why)])
-    system = opened.system(campaign).single()
+    system = slotted(opened.system(campaign)).single()
     inner = system.inner if isinstance(system, Called) else system
-    if isinstance(inner, Slotted):
+    if isinstance(inner, Pooled):
         inner.most_slots, inner.most_seconds = 1, LONGEST
     systems[campaign.digest] = Opened(system, campaign.criterion.threshold)
     return systems[campaign.digest]
@@ -175,7 +175,7 @@ def _opened(campaign: Campaign, version: str, systems: Systems) -> Opened:
 def _changed(system: System) -> bool:
     """Whether its files are no longer those that were opened."""
     inner = system.inner if isinstance(system, Called) else system
-    return isinstance(inner, Slotted) and bool(inner.changed())
+    return isinstance(inner, Pooled) and bool(inner.changed())
 
 
 def missing(campaign: Campaign, version: str) -> str:

@@ -11,13 +11,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 from llvmlite import binding
-from numba.core.codegen import get_host_cpu_features
 
 from campaigns.asked.spec import Campaign
 from campaigns.identity.code import model_of
 from campaigns.versions import Processor, Versions
+from worker.engine.kernels.numba_internals import processor_features
 from worker.engine.stages.parts.store import StageRecord, Store
-from worker.engine.systems.base import System
+from worker.engine.systems.base import System, slotted
 from worker.running.runs import identity, sources
 from worker.running.runs.added import added
 from worker.running.runs.carried import carry
@@ -38,6 +38,8 @@ def begin(store: Store, system: System, campaign: Campaign, records: Sequence[St
 
 def versions(campaign: Campaign, system: System) -> Versions:
     """The versions of the code and packages that a run of the campaign uses, the processor, the system."""
+    settings = system.settings
+    called = None if settings.integrator else slotted(system)
     return Versions(
         clearance=version("clearance"),
         python=platform.python_version(),
@@ -46,21 +48,19 @@ def versions(campaign: Campaign, system: System) -> Versions:
         packages=identity.packages(campaign),
         system=f"{platform.system()} {platform.machine()}",
         cpu=_processor(),
-        lanes=system.settings.lanes,
-        step=system.settings.step,
-        integrator=system.settings.integrator,
-        loop=system.digest if system.settings.integrator else None,
-        components=sources.own(system.own),
-        simulator=None if system.settings.integrator else system.digest,
-        evaluator=system.elsewhere or None,
-        command=system.given or None,
+        lanes=settings.lanes,
+        step=settings.step,
+        integrator=settings.integrator,
+        loop=system.digest if called is None else None,
+        components=sources.own(settings.own),
+        simulator=None if called is None else called.digest,
+        evaluator=(called and called.elsewhere) or None,
+        command=(called and called.given) or None,
     )
 
 
 def _processor() -> Processor:
-    named: str = get_host_cpu_features()  # type: ignore[no-untyped-call]
-    features = sorted(f[1:] for f in named.split(",") if f.startswith("+"))
-    return Processor(model=_model(), target=binding.get_host_cpu_name(), features=" ".join(features))
+    return Processor(model=_model(), target=binding.get_host_cpu_name(), features=" ".join(processor_features()))
 
 
 def _model() -> str:

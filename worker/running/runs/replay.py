@@ -23,7 +23,7 @@ from campaigns.results.nominal import Measured
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.store import Columns, StagePlan
-from worker.engine.systems.base import Floats, in_own_sign
+from worker.engine.systems.base import Floats, in_own_sign, slotted
 
 ELSEWHERE = 1e-9
 """The largest difference on a machine of another kind, relative to the cost and at least to 1."""
@@ -117,7 +117,7 @@ def cases(recorded: Recorded, problem: Problem, names: Sequence[str]) -> list[Ca
 
 def replayed(problem: Problem, chosen: Sequence[Case]) -> list[Replayed]:
     """Evaluate each case again, alone, as nothing but its own record says."""
-    single = problem.system.single() if any(case.single for case in chosen) else problem.system
+    single = slotted(problem.system).single() if any(case.single for case in chosen) else problem.system
     found = []
     for case in chosen:
         system = single if case.single else problem.system

@@ -25,6 +25,7 @@ from worker.engine.stages.parts.store import StagePlan, StageRecord, Store
 from worker.engine.systems.base import CampaignUnusable
 from worker.evidence.verdicts.conclude import conclude
 from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.validation import worded
 from worker.running.catalogue.installed import methods
 from worker.running.opening import opened
 from worker.running.runs.provenance import begin, versions
@@ -74,9 +75,12 @@ def _carry_out(context: Context, position: int, record: StageRecord) -> None:
     context.store.begin(position)
     began = time.perf_counter()
     outcome = stages()[record.plan.kind].run(context, position)
-    context.results[position] = outcome.result
+    result = outcome.result
+    if isinstance(result, ValidateResult):
+        result = worded(context.problem, result, outcome.findings)
+    context.results[position] = result
     seconds = record.seconds + time.perf_counter() - began
-    context.store.finish(position, outcome.result, seconds, outcome.findings, outcome.traces)
+    context.store.finish(position, result, seconds, outcome.findings, outcome.traces)
 
 
 def _evidence(context: Context) -> Evidence:

@@ -19,7 +19,7 @@ from worker.engine.stages.parts.driver import FLUSH_ROWS, FLUSH_SECONDS, FULL_BL
 from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.slot_driver import SlotDriver
 from worker.engine.stages.parts.store import Columns
-from worker.engine.systems.base import Floats
+from worker.engine.systems.base import Floats, slots
 
 __all__ = [
     "FLUSH_ROWS",
@@ -45,7 +45,7 @@ def drive(
     context: Context, position: int, search: Parallel | Asking[str], budget: int, repeats: bool = False
 ) -> Driven:
     """Evaluate what a search requests until its own rule or the budget ends it; raises `Cancelled`."""
-    kind = SlotDriver if context.problem.system.slots else Driver
+    kind = SlotDriver if slots(context.problem.system) else Driver
     driver = kind(context, position, budget, repeats)
     try:
         points = next(search)

@@ -153,7 +153,7 @@ class Driver:
     def _piece(self) -> int:
         """Points per call, so that cancellation is checked and results are stored at the interval for storing."""
         system = self.context.problem.system
-        least = max(FULL_BLOCKS * system.block, 1)
+        least = FULL_BLOCKS * (system.settings.lanes or 0) or 1
         return (
             least if system.cost is None else int(np.clip(FLUSH_SECONDS / system.cost, least, FULL_BLOCKS * FLUSH_ROWS))
         )

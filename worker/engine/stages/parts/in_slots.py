@@ -19,7 +19,7 @@ import numpy as np
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
 from worker.engine.stages.parts.store import Ahead, Columns
-from worker.engine.systems.base import Evaluated, Floats, Seeds, System
+from worker.engine.systems.base import Evaluated, Floats, Seeds, Slotted, System, slots
 
 LOOK_SECONDS = 0.2
 """Interval at which cancellation is checked while nothing ends."""
@@ -78,7 +78,7 @@ class InSlots:
         through: the form of the system that evaluates them, which is used only until they have ended.
         """
         first = len(self.rows)
-        start = (through or self.problem.system).started
+        system = through or self.problem.system
         vectors = self.problem.vectors(points)
         for k, point in enumerate(points):
             self._points.append(point.copy())
@@ -86,7 +86,7 @@ class InSlots:
             if known is None:
                 self.rows.append(None)
                 seed = None if seeds is None else int(seeds[k])
-                self._todo.append((first + k, partial(start, vectors[k], seed)))
+                self._todo.append((first + k, partial(_started, system, vectors[k], seed)))
                 continue
             before, row = known
             if not np.array_equal(before, point):
@@ -148,7 +148,7 @@ class InSlots:
 
     def _hand_out(self) -> None:
         """Keep the slots busy, and no more than can be stored or cancelled promptly."""
-        most = max(self.most(), 2 * self.problem.system.slots)
+        most = max(self.most(), 2 * slots(self.problem.system))
         while self._todo and self._running < most:
             index, start = self._todo.popleft()
             self._running += 1
@@ -163,6 +163,16 @@ class InSlots:
         self.last = float(max(np.nextafter(self.last, np.inf), self.now()))  # the order can be read from the times
         self.rows[index] = Row(future.result(), self.last)
         self._unstored.append(index)
+
+
+def _started(system: System, vector: Floats, seed: int | None) -> Future[Evaluated]:
+    """The evaluation of one vector (size,); a system without slots has evaluated it when this returns."""
+    if isinstance(system, Slotted) and system.slots:
+        return system.submit(vector, seed)
+    batch, reasons = system.evaluate(vector[None, :], None if seed is None else np.array([seed]))
+    ended: Future[Evaluated] = Future()
+    ended.set_result(Evaluated(batch.costs[0], int(batch.status[0]), reasons.get(0, "")))
+    return ended
 
 
 def _stored(stored: Columns | None, ahead: Ahead | None) -> list[tuple[int, tuple[Floats, Row]]]:

@@ -14,7 +14,7 @@ from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import Asking, Context, Through
 from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
-from worker.engine.systems.base import Floats
+from worker.engine.systems.base import Floats, slotted
 
 STREAM = 2**23
 """Index of the random stream of the points; searches use those from 0 on."""
@@ -46,7 +46,7 @@ def measuring(problem: Problem, chosen: Floats) -> Asking[str]:
     yield chosen[1:]
     for _ in range(TIMES - 2):
         yield chosen
-    fresh = problem.system.fresh()
+    fresh = slotted(problem.system).fresh()
     try:
         yield Through(chosen, fresh)
     finally:
@@ -73,7 +73,8 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
     failed = int(np.count_nonzero((status != OK) & (status != EXCLUDED)))
     last = len(columns.seconds) - chosen - 1
     seconds = None if last < 1 else float(columns.seconds[: last + 1].max() - columns.seconds[0]) / last
-    slots, asked = max(problem.system.slots, 1), problem.campaign.simulator
+    system, asked = slotted(problem.system), problem.campaign.simulator
+    slots = max(system.slots, 1)
     calls = 1 if asked is None else asked.calls
     call = call_seconds(columns, chosen, slots, calls)
     return Measured(
@@ -88,8 +89,8 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
         seconds=seconds,
         call_seconds=call,
         slots=None if call is None else slots,
-        start_seconds=start_seconds(columns, chosen, slots, calls) if problem.system.slots else None,
-        recycle=problem.system.recycle or None,
+        start_seconds=start_seconds(columns, chosen, slots, calls) if system.slots else None,
+        recycle=system.recycle or None,
         said=_said(chosen, status.size, failed, identical, declared, spread, problem.unit),
     )
 

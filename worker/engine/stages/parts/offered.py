@@ -13,15 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns import limits
-from campaigns.claims.say import count, number, say
-from campaigns.claims.spans import Said
 from campaigns.results.base import OK
 from campaigns.results.finding import Validation
 from campaigns.results.validate import Furthest, SpotChecks, StageCount, Violations
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.confirm import Case, cases, reference
-from worker.engine.systems.base import Floats, Words
+from worker.engine.systems.base import Floats
 
 AT_MOST, SPOT_CHECKS = limits.VIOLATIONS, limits.SPOT_CHECKS
 STREAM = 2**22
@@ -83,7 +81,7 @@ def violations(context: Context, positions: range) -> tuple[Violations, list[tup
         by_stage=[StageCount(position=int(at), count=int(n)) for at, n in zip(stages, counts, strict=True)],
         checked=len(chosen),
         confirmed=len(confirmed),
-        said=_counts(context.problem.words, len(found), len(chosen), len(confirmed)),
+        said=(),  # by worker.evidence.verdicts.validation
     )
     return described, confirmed
 
@@ -109,9 +107,7 @@ def spot_checks(context: Context, positions: range) -> SpotChecks:
         violating=len(sides),
         at=_furthest(context, *pairs[int(apart.argmax())]) if len(apart) else None,
         reasons=reasons[:5],
-        said=_apart(
-            context.problem.words.reference, len(chosen), len(pairs), largest, median, len(sides), context.problem.unit
-        ),
+        said=(),  # by worker.evidence.verdicts.validation
     )
 
 
@@ -128,31 +124,3 @@ def _furthest(context: Context, stored: Stored, other: float) -> Furthest:
 
 def _even(size: int, at_most: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, size - 1, min(size, at_most)).round().astype(np.int64))
-
-
-def _counts(words: Words, stored: int, checked: int, confirmed: int) -> Said:
-    if stored == 0:
-        return say("no stored evaluation violates the criterion")
-    of = say("all") if checked == stored else say(count(checked, "checked"), ", chosen evenly by cost,")
-    verb = "evaluation violates" if stored == 1 else "evaluations violate"
-    return say(
-        *(count(stored, "violating"), f" stored {verb} the criterion; ", of, f" of them were {words.again}, and "),
-        *(count(confirmed, "confirmed"), " violate there as well"),
-    )
-
-
-def _apart(
-    by: str, checked: int, compared: int, largest: float | None, median: float | None, violating: int, unit: str
-) -> Said:
-    if largest is None or median is None:
-        return say(f"no random evaluation could be compared with {by}")
-    said = say(
-        *(count(compared, "compared"), f" random evaluations compared with {by}: differences of at most "),
-        *(number(largest, unit, "largest"), ", half of them within ", number(median, unit, "median")),
-    )
-    without = checked - compared
-    if without:
-        said = say(said, "; ", count(without), " more could not be compared")
-    if violating:
-        said = say(said, "; ", count(violating), " of them violate the criterion only there")
-    return said

@@ -10,13 +10,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from campaigns.claims.say import case, count, joined, listed, number, say, unnamed
+from campaigns.claims.say import count, number, say
 from campaigns.claims.spans import Said
 from campaigns.results.base import OK
 from campaigns.results.finding import Calls, Validation
 from worker.engine.stages.parts import claims
 from worker.engine.stages.parts.base import Cancelled, Context
-from worker.engine.systems.base import Floats
+from worker.engine.systems.base import Floats, slotted
 
 Asked = tuple[str, Floats, float | None]
 """A name, a point (n,), and the stored cost, if any."""
@@ -45,15 +45,6 @@ def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold:
     )
 
 
-def agreement(validated: Sequence[Validation]) -> tuple[bool, Said]:
-    """Whether all cases are validated, and the sentence that says what their calls show."""
-    parts = [say(case(v.name), " ", v.repeats.said) for v in validated if v.repeats is not None]
-    of = say("in independent calls, each in a fresh process, ", joined(", ", parts))
-    unknown = [case(v.name) for v in validated if not v.ok]
-    but = say("; not confirmed for ", listed(unknown)) if unknown else ()
-    return not unknown, unnamed(say(of, but))
-
-
 def _said(violating: int, failed: int, many: int, low: float, high: float) -> Said:
     lost = say(", ", count(failed, "failed"), " failed") if failed else ()
     of = say(count(violating, "repeats_violating"), " of ", count(many, "repeats"), lost)
@@ -62,13 +53,13 @@ def _said(violating: int, failed: int, many: int, low: float, high: float) -> Sa
 
 def _called(context: Context, point: Floats, many: int) -> tuple[list[float | None], list[str]]:
     """The values of these calls, and the reasons of those that failed."""
-    vector, system = context.problem.vectors(point[None, :]), context.problem.system.single()
+    vector, system = context.problem.vectors(point[None, :]), slotted(context.problem.system).single()
     values: list[float | None] = []
     reasons: list[str] = []
     while len(values) < many:
         if context.cancelled():
             raise Cancelled
-        fresh = system.fresh()
+        fresh = slotted(system.fresh())
         # Each evaluation in a fresh slot has a process of its own; without slots each needs a fresh system.
         count = min(4 * fresh.slots or 1, many - len(values))
         try:

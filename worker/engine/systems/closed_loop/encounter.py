@@ -15,19 +15,13 @@ from campaigns.asked.scenario import FaultPart
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.validate import Unseen
 from campaigns.stored.records import Trace
-from worker.engine.systems.base import Condition, Floats, Shown
+from worker.engine.systems.base import Floats, Shown
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.parts import Installed
 from worker.engine.systems.closed_loop.trace import trace
 
 UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6})
 """No obstacle is ever seen: the avoider steers to the goal as if there were none."""
-
-
-def conditions(flights: Flights) -> tuple[Condition, ...]:
-    """The available evidence: only criteria on obstacles have a closest approach."""
-    near: tuple[Condition, ...] = ("closest approach",) if flights.parts.criterion.of == "obstacles" else ()
-    return (*near, "motion", "avoidance")
 
 
 def shown(flights: Flights, nominal: Trace) -> Shown:

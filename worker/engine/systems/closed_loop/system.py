@@ -8,8 +8,6 @@ from pathlib import Path
 from numba.core.errors import NumbaError
 
 from campaigns import Campaign
-from campaigns.claims.spans import Said
-from campaigns.codes import CheckCode
 from campaigns.stored.records import Trace
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import (
@@ -19,14 +17,12 @@ from worker.engine.systems.base import (
     Floats,
     Parameter,
     Reasons,
-    Scope,
     Seeds,
     Settings,
     Shown,
     System,
-    Words,
 )
-from worker.engine.systems.closed_loop import confirm, distances, encounter, refused, wording
+from worker.engine.systems.closed_loop import confirm, encounter, refused
 from worker.engine.systems.closed_loop.assemble import LANES
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.parts import Installed
@@ -55,10 +51,7 @@ class ClosedLoop(Flights, System):
             Parameter(path, p.unit, float(self.nominal[k]), p.low, p.high, p.text, p.symbol)
             for k, (path, p) in enumerate(declared)
         )
-        self.block = lanes
-        self.shows = encounter.conditions(self)
-        self.settings = Settings(lanes=lanes, step=self.step, integrator="RK4")
-        self.own = installed.own_modules(self.parts.all)
+        self.settings = Settings(lanes, self.step, "RK4", installed.own_modules(self.parts.all))
 
     @property
     def digest(self) -> str:
@@ -66,12 +59,9 @@ class ClosedLoop(Flights, System):
         return self.loop.digest
 
     @property
-    def scope(self) -> Scope:
-        return wording.scope(self)
-
-    @property
-    def words(self) -> Words:
-        return wording.words(self._integrating(self).name)
+    def reference(self) -> str:
+        """The name of the reference integrator."""
+        return self._integrating(self).name
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         return self.simulate_vectors(vectors, seeds=seeds)
@@ -101,8 +91,5 @@ class ClosedLoop(Flights, System):
 
     @property
     def source(self) -> Path:
+        """The Python file that an evaluation executes."""
         return Path(str(self.loop.module.__file__))
-
-    def bars(self) -> list[tuple[str, Said]]:
-        said = distances.overlooked(self)
-        return [(CheckCode.DISTANCES, said)] if said else []

@@ -12,12 +12,11 @@ from functools import partial
 import numpy as np
 
 from campaigns.asked.spec import Simulator
-from campaigns.claims.spans import Said
 from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
 from worker.engine.search.base import Batch
-from worker.engine.systems.base import Evaluated, Floats, Reasons, Scope, Seeds, System, Trace, Words
+from worker.engine.systems.base import Evaluated, Floats, Reasons, Seeds, Slotted, System, Trace, slotted
+from worker.engine.systems.simulators.pooled import batch_of, gathered
 from worker.engine.systems.simulators.simulated import Simulated
-from worker.engine.systems.simulators.slotted import batch_of, gathered
 
 LOST = "the call failed"
 
@@ -27,13 +26,14 @@ class Called(Simulated):
     states. One failed call makes the evaluation fail."""
 
     def __init__(self, inner: System, asked: Simulator, borrowed: bool = False) -> None:
+        inner = slotted(inner)
         self.inner, self.asked, self._borrowed = inner, asked, borrowed
         self.parameters, self.nominal, self.results = inner.parameters, inner.nominal, inner.results
-        self.repeatable, self.block, self.settings = inner.repeatable, inner.block, inner.settings
+        self.repeatable, self.settings = inner.repeatable, inner.settings
         self.elsewhere, self.given = inner.elsewhere, inner.given
         self.step = inner.step if isinstance(inner, Simulated) else None
 
-    def fresh(self) -> System:
+    def fresh(self) -> Slotted:
         """Without any state of earlier calls; what is compared in fresh processes is not tried again."""
         fresh = self.inner.fresh()
         return Called(fresh, self.asked.model_copy(update={"retries": 0}), borrowed=fresh is self.inner)
@@ -42,7 +42,7 @@ class Called(Simulated):
         halved = self.inner.halved() if isinstance(self.inner, Simulated) else None
         return None if halved is None else Called(halved, self.asked.model_copy(update={"retries": 0}))
 
-    def single(self) -> System:
+    def single(self) -> Slotted:
         """With one call for each evaluation; failed ones are still tried again."""
         once = self.asked.model_copy(update={"repeats": None})
         return Called(self.inner, once) if self.asked.retries else self.inner
@@ -50,18 +50,6 @@ class Called(Simulated):
     @property
     def digest(self) -> str:
         return self.inner.digest
-
-    @property
-    def scope(self) -> Scope:
-        return self.inner.scope
-
-    @property
-    def words(self) -> Words:
-        return self.inner.words
-
-    @property
-    def caveat(self) -> str:
-        return self.inner.caveat
 
     @property
     def slots(self) -> int:
@@ -88,9 +76,6 @@ class Called(Simulated):
 
     def warm(self) -> None:
         self.inner.warm()
-
-    def bars(self) -> list[tuple[str, Said]]:
-        return self.inner.bars()
 
     def close(self) -> None:
         if not self._borrowed:

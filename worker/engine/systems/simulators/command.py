@@ -13,9 +13,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from campaigns.claims.say import say
 from campaigns.results.scene import Scene
-from worker.engine.systems.base import Floats, Scope
+from worker.engine.systems.base import Floats
 from worker.engine.systems.simulators import traced
 from worker.engine.systems.simulators.cluster.address import chosen
 from worker.engine.systems.simulators.cluster.work import Files
@@ -27,9 +26,6 @@ from worker.engine.systems.simulators.slots.outcome import Limits, Outcome
 from worker.engine.systems.simulators.slots.program import Program
 from worker.engine.systems.simulators.spread import Spread
 from worker.engine.systems.threads import usual_threads
-
-LONGEST = 160
-"""Characters of a command line in a sentence."""
 
 
 class CommandSimulator(Spread):
@@ -58,16 +54,6 @@ class CommandSimulator(Spread):
     def digest(self) -> str:
         """Over all files in the folder of the descriptor, when the simulator was opened."""
         return self.described.digest
-
-    @property
-    def scope(self) -> Scope:
-        scope = super().scope
-        if not self.given:
-            return scope
-        line = " ".join(self.given.split())
-        shown = line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
-        what = say(scope.what, f", run by a command that the campaign file gives, {shown}")
-        return Scope(what, scope.settings, f"{scope.version} {self.described.covers}")
 
     @property
     def _covered(self) -> list[Path]:

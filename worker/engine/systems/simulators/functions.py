@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from campaigns.catalogue import SimulatorEntry
-from campaigns.claims.say import say
 from campaigns.results.base import FAILED, OK
 from campaigns.results.scene import Scene
 from worker.engine.search.base import Batch
-from worker.engine.systems.base import Floats, NoResult, Reasons, Scope, Seeds, Trace
+from worker.engine.systems.base import Floats, NoResult, Reasons, Seeds, Trace
 from worker.engine.systems.simulators import calling, traced
 from worker.engine.systems.simulators.cluster.address import chosen
 from worker.engine.systems.simulators.cluster.work import Files
@@ -54,14 +53,6 @@ class _OfFunction(Simulated):
     def digest(self) -> str:
         return self.files_digest
 
-    @property
-    def scope(self) -> Scope:
-        return Scope(
-            what=say(f"{self.entry.title}, Python function {self.entry.name}"),
-            settings=(),
-            version=f"function digest {self.digest[:12]}",
-        )
-
     def _batch(self, values: ArrayLike, failed: Reasons) -> tuple[Batch, Reasons]:
         """Values (m,) as a batch."""
         costs = np.array(values, dtype=np.float64)[:, None]
@@ -91,26 +82,6 @@ class InProcess(_OfFunction):
 
     def fresh(self) -> InProcess:
         return InProcess(self.call, self.entry, self.opening, self.of, self.files_digest, self.columns, self.scene)
-
-    @property
-    def scope(self) -> Scope:
-        scope = super().scope
-        if self.identity is None or not self.identity.unknown:
-            return scope
-        return Scope(scope.what, scope.settings, f"no digest, its code is not identified: {self.identity.unknown}")
-
-    @property
-    def caveat(self) -> str:
-        again = "Cases were evaluated again by the same function in the same process only."
-        if self.identity is None:
-            covered = ""
-        elif self.identity.unknown:
-            covered = (
-                f" The code of the function is not identified, because {self.identity.unknown} cannot be read exactly."
-            )
-        else:
-            covered = " The digest covers the function and what it uses, installed packages by version only."
-        return f"{again} Whether an encounter takes place was not checked.{covered}"
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         if self.of.vectorized:

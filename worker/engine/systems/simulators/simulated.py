@@ -1,4 +1,4 @@
-"""The base class of simulators: declared parameters and results, terms in sentences, confirmation by repetition.
+"""The base class of simulators: declared parameters and results, confirmation by repetition.
 
 A package derives its simulator from `Simulated` and implements `evaluate` and `digest`.
 """
@@ -10,15 +10,14 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from campaigns.catalogue import SimulatorEntry
-from campaigns.claims.say import say
 from campaigns.results.base import OK
-from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Scope, System, Words
+from worker.engine.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Slotted, System
 from worker.engine.systems.simulators.declared.simulator import Opening
 
 FRESH = "a fresh evaluation"
 
 
-class Simulated(System):
+class Simulated(Slotted):
     """A simulator with its own parameters; it draws no seeds and gives no evidence of an encounter.
 
     Costs have one column, the result that the campaign names. Cases are confirmed one by one with the simulator that
@@ -52,42 +51,13 @@ class Simulated(System):
         """The parameters of a vector by path."""
         return {p.path: float(v) for p, v in zip(self.parameters, vector[: len(self.parameters)], strict=True)}
 
-    def fresh(self) -> System:
+    def fresh(self) -> Slotted:
         """The same simulator, without any state of earlier evaluations."""
         return type(self)(self.entry, self.opening)
 
     def halved(self) -> Simulated | None:
         """The same simulator at half its step, which the caller closes; None without a step."""
         return None
-
-    @property
-    def scope(self) -> Scope:
-        return Scope(
-            what=say(f"{self.entry.title}, simulator {self.entry.name}"),
-            settings=(),
-            version=f"simulator digest {self.digest[:12]}",
-        )
-
-    @property
-    def words(self) -> Words:
-        halved = self.step is not None
-        return Words(
-            one="case",
-            agree=f"{FRESH} and one at half the step agree" if halved else f"{FRESH} agrees",
-            disagrees=f"{FRESH} or one at half the step disagrees" if halved else f"{FRESH} disagrees",
-            every="all evaluations" if halved else "both evaluations",
-            again=f"evaluated again, each in {FRESH}{' and at half the step' if halved else ''}",
-            reference=FRESH,
-            check="repetition",
-        )
-
-    @property
-    def caveat(self) -> str:
-        halved = "" if self.step is None else ", also at half its step"
-        return (
-            f"Cases were evaluated again by the same simulator only{halved}. "
-            "Whether an encounter takes place was not checked."
-        )
 
     def confirm(
         self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 from worker.engine.systems.simulators.cluster.address import Evaluator
 from worker.engine.systems.simulators.cluster.work import WORK, Files
-from worker.engine.systems.simulators.slotted import Slotted
+from worker.engine.systems.simulators.pooled import Pooled
 
 if TYPE_CHECKING:
     from worker.engine.systems.simulators.cluster.pool import DaskPool
     from worker.engine.systems.simulators.slots.pool import SlotPool
 
 
-class Spread(Slotted):
+class Spread(Pooled):
     """A simulator of which each evaluation is one request to a slot of this machine or of a node."""
 
     evaluator: Evaluator | None = None

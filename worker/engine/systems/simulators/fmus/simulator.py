@@ -9,9 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from campaigns.claims.say import say
 from campaigns.results.scene import Scene
-from worker.engine.systems.base import Scope, Settings
+from worker.engine.systems.base import Settings
 from worker.engine.systems.simulators.cluster.work import WORK
 from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.columns import Column
@@ -63,20 +62,6 @@ class FmuSimulator(CommandSimulator):
 
     def fresh(self) -> FmuSimulator:
         return self._made(FmuSimulator(self.described, self.opening, self.reuse, fresh=True))
-
-    @property
-    def scope(self) -> Scope:
-        d = self.described
-        text = (
-            f"FMI {d.model.version} co-simulation from {d.model.start:g} s to {d.stop:g} s,"
-            f" communication step {d.step:g} s, {self.reuse}"
-        )
-        given = super().scope
-        return Scope(given.what, say(text), given.version)
-
-    @property
-    def caveat(self) -> str:
-        return f"{super().caveat} Its variables are read every {self.described.step:g} s, and not in between."
 
     @property
     def _columns(self) -> Mapping[str, Column]:

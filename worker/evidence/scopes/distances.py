@@ -1,4 +1,4 @@
-"""Statements of a verdict about its distances: whether they are measured to centres or surfaces of obstacles.
+"""Statements about the distances of a verdict: whether they are measured to centres or surfaces of obstacles.
 
 Start reading at `clause`.
 """

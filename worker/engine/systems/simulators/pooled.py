@@ -1,7 +1,7 @@
 """The base of simulators that evaluate in slots: processes that start with the first evaluation and end with `close`.
 
 A derived class gives the program, the limits and the number of its slots, and reads an outcome. Start reading at
-`Slotted.submit`.
+`Pooled.submit`.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from worker.engine.systems.simulators.cluster.pool import DaskPool
 
 One = TypeVar("One")
-Made = TypeVar("Made", bound="Slotted")
+Made = TypeVar("Made", bound="Pooled")
 
 
-class Slotted(Simulated):
+class Pooled(Simulated):
     """A simulator of which each evaluation is one request to a slot."""
 
     _pool: SlotPool | DaskPool | None = None

@@ -1,16 +1,30 @@
-"""Text of verdicts about a closed loop: components, conditions, settings, terms for evaluations."""
+"""How claims describe a closed loop: components, conditions, settings, terms for evaluations."""
 
 from __future__ import annotations
 
 from campaigns.claims.say import count, listed, number, say
 from campaigns.claims.spans import Said
-from worker.engine.systems.base import Scope, Words
-from worker.engine.systems.closed_loop import distances
+from campaigns.claims.terms import Condition, Scope, Words
+from campaigns.codes import CheckCode
 from worker.engine.systems.closed_loop.flights import Flights
+from worker.engine.systems.closed_loop.system import ClosedLoop
+from worker.evidence.scopes import distances
+from worker.evidence.scopes.base import Terms
 
 
-def words(integrator: str) -> Words:
-    """integrator: the name of the reference integrator."""
+def terms(system: ClosedLoop) -> Terms:
+    """The terms of a closed loop; only criteria on obstacles have a closest approach."""
+    near: tuple[Condition, ...] = ("closest approach",) if system.parts.criterion.of == "obstacles" else ()
+    overlooked = distances.overlooked(system)
+    return Terms(
+        _scope(system),
+        _words(system.reference),
+        shows=(*near, "motion", "avoidance"),
+        bars=((CheckCode.DISTANCES, overlooked),) if overlooked else (),
+    )
+
+
+def _words(integrator: str) -> Words:
     return Words(
         one="flight",
         agree=f"the step-halving check and {integrator} agree",
@@ -21,8 +35,8 @@ def words(integrator: str) -> Words:
     )
 
 
-def scope(flights: Flights) -> Scope:
-    """The scope: components, conditions, horizon and step."""
+def _scope(flights: Flights) -> Scope:
+    """Components, conditions, horizon and step."""
     parts, scenario = flights.parts, flights.campaign.given_scenario
     obstacles = len(parts.obstacles)
     titles = f"{parts.vehicle.title}, {parts.controller.title}, {parts.avoider.title}"

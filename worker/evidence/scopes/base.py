@@ -1,0 +1,22 @@
+"""The terms in which claims describe one system, as data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from campaigns.claims.spans import Said
+from campaigns.claims.terms import Condition, Scope, Words
+
+
+@dataclass(frozen=True)
+class Terms:
+    """The terms of one system."""
+
+    scope: Scope
+    words: Words
+    caveat: str = ""
+    """Sentences that a "cleared" verdict must add about what was not checked."""
+    shows: tuple[Condition, ...] = ()
+    """The evidence of an encounter that the system can give; the verdict has only these checks of it."""
+    bars: tuple[tuple[str, Said], ...] = ()
+    """Reasons that rule out "cleared" for any result: the check's code and the sentence."""

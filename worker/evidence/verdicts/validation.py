@@ -1,0 +1,80 @@
+"""The sentences of the validate stage, on what it has confirmed; the stage itself only evaluates: `worded`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from campaigns.claims.say import Part, case, count, joined, listed, number, say, unnamed
+from campaigns.claims.spans import Said
+from campaigns.claims.terms import Words
+from campaigns.results import ValidateResult
+from campaigns.results.finding import Finding, Validation
+from campaigns.results.validate import SpotChecks, Violations
+from worker.engine.problem.problem import Problem
+from worker.evidence.scopes.terms import terms
+
+
+def worded(problem: Problem, result: ValidateResult, findings: Sequence[Finding]) -> ValidateResult:
+    """The result of the stage, and its findings, with the sentences."""
+    words = terms(problem.system).words
+    cases = [found for found in (result.nominal, *(f.validation for f in findings)) if found is not None]
+    said = _agreement(words, cases) if all(found.repeats is None for found in cases) else _repeated(cases)
+    counts, spot = result.violations, result.spot_checks
+    return result.model_copy(
+        update={
+            "said": said,
+            "violations": counts and counts.model_copy(update={"said": _counts(words, counts)}),
+            "spot_checks": spot and spot.model_copy(update={"said": _apart(words, spot, problem.unit)}),
+        }
+    )
+
+
+def _agreement(words: Words, cases: Sequence[Validation]) -> Said:
+    """Whether all cases are validated."""
+    wrong = [case(c.name) for c in cases if not c.ok]
+    apart = [case(c.name) for c in cases if c.violates and not c.agrees]
+    agreed = [case(c.name) for c in cases if c.agrees]
+    said: list[Part] = []
+    if wrong:
+        said.append(say(f"{words.disagrees} by more than the tolerance for ", listed(wrong)))
+    elif agreed:
+        said.append(say(f"{words.agree} for ", listed(agreed)))
+    if apart:
+        said.append(say(f"{words.every} of ", listed(apart), " violate, but differ by more than the tolerance"))
+    return joined("; ", said)
+
+
+def _repeated(cases: Sequence[Validation]) -> Said:
+    """What the independent calls of a simulator that does not repeat show."""
+    parts = [say(case(v.name), " ", v.repeats.said) for v in cases if v.repeats is not None]
+    of = say("in independent calls, each in a fresh process, ", joined(", ", parts))
+    unknown = [case(v.name) for v in cases if not v.ok]
+    but = say("; not confirmed for ", listed(unknown)) if unknown else ()
+    return unnamed(say(of, but))
+
+
+def _counts(words: Words, found: Violations) -> Said:
+    if found.stored == 0:
+        return say("no stored evaluation violates the criterion")
+    all_of = found.checked == found.stored
+    of = say("all") if all_of else say(count(found.checked, "checked"), ", chosen evenly by cost,")
+    verb = "evaluation violates" if found.stored == 1 else "evaluations violate"
+    many = say(count(found.stored, "violating"), f" stored {verb} the criterion; ", of)
+    confirmed = count(found.confirmed, "confirmed")
+    return say(many, f" of them were {words.again}, and ", confirmed, " violate there as well")
+
+
+def _apart(words: Words, found: SpotChecks, unit: str) -> Said:
+    by = words.reference
+    if found.largest is None or found.median is None:
+        return say(f"no random evaluation could be compared with {by}")
+    said = say(
+        *(count(found.compared, "compared"), f" random evaluations compared with {by}: differences of at most "),
+        *(number(found.largest, unit, "largest"), ", half of them within ", number(found.median, unit, "median")),
+    )
+    without = found.checked - found.compared
+    if without:
+        said = say(said, "; ", count(without), " more could not be compared")
+    if found.violating:
+        said = say(said, "; ", count(found.violating), " of them violate the criterion only there")
+    return said

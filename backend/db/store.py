@@ -27,7 +27,7 @@ from campaigns.checked.snapshot import values_changed
 from campaigns.documents import JsonObject
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
-from campaigns.runs import run_name
+from campaigns.runs import RunState, StageState, run_name
 from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord, Trace, join
 from campaigns.versions import Code, Versions, other_code
 
@@ -83,7 +83,7 @@ class RunStore:
         def work(connection: sa.Connection) -> None:
             fenced(connection, self.claim, state=Run.state)
             started = sa.func.coalesce(Stage.started, now(connection))
-            connection.execute(self._stage(position).values(state="running", started=started))
+            connection.execute(self._stage(position).values(state=StageState.RUNNING, started=started))
 
         self._write(work)
 
@@ -123,7 +123,7 @@ class RunStore:
             if isinstance(result, NominalResult):
                 values["nominal_cost"] = plain(result.cost)
             fenced(connection, self.claim, **values)
-            ended = {"state": "done", "finished": now(connection), "seconds": seconds, "result": plain(result)}
+            ended = {"state": StageState.DONE, "finished": now(connection), "seconds": seconds, "result": plain(result)}
             connection.execute(self._stage(position).values(**ended))
             self._replace(connection, FindingRow, FindingRow.label, [finding_row(f) for f in findings])
             flights = [trace_row(t) for t in traces]
@@ -143,7 +143,7 @@ class RunStore:
     def conclude(self, verdict: Verdict) -> None:
         """Store the verdict and mark the run done."""
         values = {
-            "state": "done",
+            "state": RunState.DONE,
             "verdict": verdict.verdict,
             "reason": verdict.reason,
             "nominal_cost": None if verdict.nominal is None else plain(verdict.nominal.cost),
@@ -170,7 +170,7 @@ class RunStore:
             )
 
     def _check_code(self, connection: sa.Connection, versions: Versions, code: Code) -> None:
-        begun = (Stage.run_id == self._run, sa.or_(Stage.state != "waiting", Stage.evaluations > 0))
+        begun = (Stage.run_id == self._run, sa.or_(Stage.state != StageState.WAITING, Stage.evaluations > 0))
         if connection.scalar(sa.select(Stage.position).where(*begun).limit(1)) is None:
             codes.store(connection, code)
             fenced(connection, self.claim, flown=versions.model_dump(mode="json"))

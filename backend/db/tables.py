@@ -39,6 +39,7 @@ from backend.db.tables_users import Signoff as Signoff
 from backend.db.tables_webhooks import WebhookDelivery as WebhookDelivery
 from backend.db.tables_webhooks import WebhookTarget as WebhookTarget
 from campaigns.documents import JsonObject
+from campaigns.runs import RunState, StageState
 
 
 class Campaign(Base):
@@ -74,8 +75,7 @@ class Run(Base):
     tags: orm.Mapped[list[Any]] = orm.mapped_column(default=list)
     owner: orm.Mapped[str] = orm.mapped_column(sa.String(64), default="")
     """The user who submitted it."""
-    state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="queued")
-    """queued, running, cancelling, cancelled, failed, done"""
+    state: orm.Mapped[RunState] = orm.mapped_column(default=RunState.QUEUED)
     created: orm.Mapped[float] = orm.mapped_column(index=True)
     started: orm.Mapped[float | None]
     finished: orm.Mapped[float | None]
@@ -149,8 +149,7 @@ class Stage(Base):
     kind: orm.Mapped[str] = orm.mapped_column(sa.String(20))
     """nominal, baseline, sensitivity, search, certify, validate"""
     method: orm.Mapped[str | None] = orm.mapped_column(sa.String(60))
-    state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="waiting")
-    """waiting, running, done"""
+    state: orm.Mapped[StageState] = orm.mapped_column(default=StageState.WAITING)
     started: orm.Mapped[float | None]
     finished: orm.Mapped[float | None]
     planned: orm.Mapped[int] = orm.mapped_column(default=0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backend.http.schema import Schema
+from backend.http.schema import Instant, Schema
 from campaigns.documents import JsonObject
 
 
@@ -14,7 +14,7 @@ class MeasuredCost(Schema):
     one of `clearance check-simulator`."""
     source: str
     """Where the time is known from: the run, or the command with its machine and time."""
-    at: float | None
+    at: Instant | None
     """When it was measured [s since 1970], of a run when that began; null if it is not known."""
     host: str
     """The machine on which the command ran; empty for a run."""

@@ -12,7 +12,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
-from backend.http.schema import Schema
+from backend.http.schema import Instant, Schema
 from campaigns.documents import JsonObject
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
@@ -49,8 +49,8 @@ class Outcome(Schema):
     samples: int | None
     confidence: float | None
     """Of the upper bound."""
-    created: float
-    finished: float | None
+    created: Instant
+    finished: Instant | None
     removed: bool
     """Whether it is removed from the lists."""
 

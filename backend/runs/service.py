@@ -29,7 +29,7 @@ from campaigns.documents import JsonObject
 from campaigns.results import SearchResult, Verdict, verdicts
 from campaigns.results.remedies import Ran
 from campaigns.results.verdict import VerdictWord
-from campaigns.runs import run_name, run_number
+from campaigns.runs import RunState, run_name, run_number
 from campaigns.stages.found import declared
 from campaigns.versions import Versions
 
@@ -64,7 +64,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     if not base.quantity and stated:  # the installed catalogue no longer has the criterion, the stored one has
         base = base.model_copy(update={"quantity": stated[0].quantity, "unit": stated[0].unit})
     stages = progress(reader, run_id)
-    rate, remaining = pace.estimate(stages) if base.state == "running" else (None, None)
+    rate, remaining = pace.estimate(stages) if base.state == RunState.RUNNING else (None, None)
     return RunDetail(
         **dict(base),
         notes=notes,

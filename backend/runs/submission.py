@@ -145,11 +145,13 @@ def _queue(
     return run_id
 
 
-def _supersede(writer: sa.Connection, submission: Submission, visitor: Visitor, run_id: int) -> list[tuple[int, str]]:
+def _supersede(
+    writer: sa.Connection, submission: Submission, visitor: Visitor, run_id: int
+) -> list[tuple[int, RunState]]:
     """Cancel the other runs of the group that have not ended and that the visitor may cancel; their new states."""
     if submission.group is None:
         return []
-    found = []
+    found: list[tuple[int, RunState]] = []
     for other, owner in groups.active(writer, submission.group, run_id):
         if owns(writer, visitor, owner):
             state = queue.request_cancel(writer, other)

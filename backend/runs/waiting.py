@@ -13,7 +13,7 @@ from backend.db.queue import waiting_order
 from backend.db.tables import Run, Worker
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs.schemas import RunDoing
-from campaigns.runs import run_name
+from campaigns.runs import RunState, run_name
 
 MOST_NAMED = 3
 """Largest number of runs that are named as the reason why another one waits."""
@@ -31,7 +31,7 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, str]:
 
     Times in it are rounded, so that a page that is told of every change is not told every second.
     """
-    asked = sa.select(Run.id, Run.needs, Run.not_before).where(Run.id.in_(run_ids), Run.state == "queued")
+    asked = sa.select(Run.id, Run.needs, Run.not_before).where(Run.id.in_(run_ids), Run.state == RunState.QUEUED)
     queued = reader.execute(asked).all()
     if not queued:
         return {}
@@ -51,7 +51,7 @@ def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing
     if not run_ids:
         return {}
     held = sa.select(Worker.run_id, Worker.doing, Worker.name, Run.worker).join(Run, Run.id == Worker.run_id)
-    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == "running", Worker.beat > now(reader) - SEEN)
+    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == RunState.RUNNING, Worker.beat > now(reader) - SEEN)
     found = {}
     for row in reader.execute(held.where(live)):
         known = Doing.of(row.doing, row.run_id) if row.name == row.worker else None

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field, field_validator
 
-from backend.http.schema import Given, Schema
+from backend.http.schema import Given, Instant, Schema
 from backend.runs.outcomes import Outcome
 from backend.runs.requests import Tags
 from campaigns.asked.values import Number, Path
@@ -52,7 +52,7 @@ class SweepSummary(Schema):
     """The description of the parameter."""
     unit: str
     owner: str
-    created: float
+    created: Instant
     runs: int
     states: dict[str, int]
     """The numbers of its runs by state and by verdict; purged ones are omitted."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backend.http.schema import Schema
+from backend.http.schema import Instant, Schema
 from campaigns.documents import JsonObject
 
 
@@ -10,7 +10,7 @@ class AuditEntry(Schema):
     """One row of the audit trail."""
 
     id: int
-    at: float
+    at: Instant
     """Seconds since 1970."""
     user: str
     """The user, the API token, or on the command line the user of the operating system."""

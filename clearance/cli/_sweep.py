@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from campaigns.documents import JsonObject
+from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     start = f"{found.path} = {point.value:.15g} {found.unit}".rstrip() + f"  {point.run}"
     if outcome is None:
         return f"{start}  purged"
-    if outcome.state != "done":
+    if outcome.state != RunState.DONE:
         return f"{start}  {outcome.state}: no verdict{'; ' + outcome.error if outcome.error else ''}"
     margin = "" if outcome.margin is None else f", worst margin {outcome.margin:.6g} {outcome.unit}".rstrip()
     bound = outcome.upper_bound
@@ -93,12 +94,12 @@ def _line(found: Sweep, point: SweepPoint) -> str:
 def _code(found: Sweep) -> int:
     """A violation first, then what is missing a verdict, then inconclusive; cleared only if every run is."""
     outcomes = [point.outcome for point in found.points]
-    verdicts = {outcome.verdict for outcome in outcomes if outcome is not None and outcome.state == "done"}
+    verdicts = {outcome.verdict for outcome in outcomes if outcome is not None and outcome.state == RunState.DONE}
     states = {"purged" if outcome is None else outcome.state for outcome in outcomes}
     if "violated" in verdicts:
         return CODES["violated"]
-    if states - {"done", "cancelled"}:
+    if states - {RunState.DONE, RunState.CANCELLED}:
         return INTERNAL
-    if "cancelled" in states:
+    if RunState.CANCELLED in states:
         return INTERRUPTED
     return CODES["inconclusive" if "inconclusive" in verdicts else "cleared"]

@@ -9,7 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
+
+from campaigns.documented import Documented
 
 SHORT = 12
 """Digits of a digest in a message."""
@@ -28,7 +30,7 @@ class Code:
     """The digest of each module by its name."""
 
 
-class Processor(BaseModel):
+class Processor(Documented):
     """The processor, and the features of it that the compiler used."""
 
     model_config = ConfigDict(frozen=True)
@@ -37,7 +39,7 @@ class Processor(BaseModel):
     features: str = ""
 
 
-class Versions(BaseModel):
+class Versions(Documented):
     """The versions behind a run, as loaded when its first stage began; None or empty: not stored by earlier
     versions."""
 

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import http
 import logging
+import operator
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import sqlalchemy as sa
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from pydantic import Field
 from starlette.exceptions import HTTPException
 
 from backend.http.root import at
@@ -44,7 +46,7 @@ class ProblemDocument(Schema):
     status: int
     detail: str
     instance: str
-    errors: list[ProblemError] | None = None
+    errors: Annotated[list[ProblemError], Field(default_factory=list, exclude_if=operator.not_)]
 
 
 PROBLEMS: dict[int | str, JsonObject] = {
@@ -190,10 +192,9 @@ def respond(refused: RefusedError, path: str) -> JSONResponse:
         status=refused.status,
         detail=_text(refused.detail),
         instance=at(_text(path)),
-        errors=errors or None,
+        errors=errors,
     )
-    content = document.model_dump(exclude_none=True)
-    return JSONResponse(content, refused.status, dict(refused.headers or {}), MEDIA_TYPE)
+    return JSONResponse(document.model_dump(), refused.status, dict(refused.headers or {}), MEDIA_TYPE)
 
 
 def _text(given: str) -> str:

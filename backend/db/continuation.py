@@ -21,7 +21,6 @@ from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.documents import JsonObject
 from campaigns.results import Finding, TraceHead
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from campaigns.results.trace import TraceColumn
@@ -30,7 +29,7 @@ from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace, joi
 from campaigns.versions import Versions
 
 
-def state(connection: sa.Connection, run_id: int) -> tuple[RunState, JsonObject] | None:
+def state(connection: sa.Connection, run_id: int) -> tuple[RunState, dict[str, object]] | None:
     """A run's state and the document of its campaign; None if there is no such run."""
     of = sa.select(Run.state, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     row = connection.execute(of.where(Run.id == run_id)).first()
@@ -135,7 +134,7 @@ def begin(
     return Claim(run_id, 1, 1, attempts, worker, campaign.document())
 
 
-def _counts(columns: Columns) -> JsonObject:
+def _counts(columns: Columns) -> dict[str, object]:
     best, index = lowest(columns)
     return {
         "evaluations": len(columns.status),

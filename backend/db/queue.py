@@ -20,7 +20,6 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.documents import JsonObject
 from campaigns.runs import HELD, RunState, StageState
 
 LEASE = 10.0
@@ -49,10 +48,10 @@ class Claim:
     attempt: int
     max_attempts: int
     worker: str
-    document: JsonObject
+    document: dict[str, object]
     """The campaign."""
 
-    def as_json(self) -> JsonObject:
+    def as_json(self) -> dict[str, object]:
         """The claim as plain JSON values; `Claim(**values)` restores it."""
         return asdict(self)
 
@@ -209,7 +208,7 @@ class Queue:
         )
 
     def _ended(self, connection: sa.Connection, row: Any, at: float) -> bool:
-        values: JsonObject = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
+        values: dict[str, object] = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
         if row.state == RunState.CANCELLING:
             values |= {"state": RunState.CANCELLED, "error": None}
         elif row.attempts >= row.max_attempts:
@@ -220,7 +219,7 @@ class Queue:
         return True
 
     def _hold(self, connection: sa.Connection, row: Any, at: float, worker: str) -> Claim:
-        values: JsonObject = {"state": RunState.RUNNING, "worker": worker, "fence": row.fence + 1}
+        values: dict[str, object] = {"state": RunState.RUNNING, "worker": worker, "fence": row.fence + 1}
         values |= {"attempts": row.attempts + 1, "lease_until": at + self.lease}
         values |= {"started": at if row.started is None else row.started}
         if row.state == RunState.RUNNING:

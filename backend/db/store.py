@@ -24,7 +24,6 @@ from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import values_changed
-from campaigns.documents import JsonObject
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.runs import RunState, StageState, run_name
@@ -119,7 +118,7 @@ class RunStore:
         """Store a stage's result and findings and mark it done, in one transaction. Resets the attempts."""
 
         def work(connection: sa.Connection) -> None:
-            values: JsonObject = {"attempts": 1, "error": None}
+            values: dict[str, object] = {"attempts": 1, "error": None}
             if isinstance(result, NominalResult):
                 values["nominal_cost"] = plain(result.cost)
             fenced(connection, self.claim, **values)
@@ -215,7 +214,7 @@ class RunStore:
             return
         chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **written}
         connection.execute(sa.insert(EvaluationChunk).values(**chunk))
-        values: JsonObject = {
+        values: dict[str, object] = {
             "evaluations": first + count,
             "failed": Stage.failed + failed,
             "excluded": Stage.excluded + int((columns.status == EXCLUDED).sum()),
@@ -248,7 +247,7 @@ class RunStore:
     def _stage(self, position: int) -> sa.Update:
         return sa.update(Stage).where(Stage.run_id == self._run, Stage.position == position)
 
-    def _replace(self, connection: sa.Connection, table: Any, key: Any, rows: list[JsonObject]) -> None:
+    def _replace(self, connection: sa.Connection, table: Any, key: Any, rows: Sequence[Mapping[str, object]]) -> None:
         if rows:
             names = [row[key.key] for row in rows]
             connection.execute(sa.delete(table).where(table.run_id == self._run, key.in_(names)))

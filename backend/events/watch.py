@@ -22,7 +22,6 @@ from backend.results.evaluations import Bounds, in_units
 from backend.results.improvements import Improvements
 from backend.runs import listing, service
 from backend.runs.schemas import RunSummary, StageProgress
-from campaigns.documents import JsonObject
 from campaigns.runs import ACTIVE
 
 LATE = 10.0
@@ -60,7 +59,7 @@ class _Watched:
     stages: list[StageProgress] = field(default_factory=list)
     steps: dict[int, Improvements] = field(default_factory=dict)
 
-    def since(self, steps: Improvements, known: int) -> JsonObject:
+    def since(self, steps: Improvements, known: int) -> dict[str, object]:
         """The improvements since index `known`, with the parameters of the last one."""
         last = {}
         if steps.point is not None and len(steps.index) > known:

@@ -23,7 +23,6 @@ from backend.http.root import at
 from backend.http.schema import Schema
 from campaigns import Problem
 from campaigns.asked.problem import LONGEST, MOST, shown
-from campaigns.documents import JsonObject
 
 MEDIA_TYPE = "application/problem+json"
 _URN = "urn:clearance:problem:"
@@ -49,7 +48,10 @@ class ProblemDocument(Schema):
     errors: Annotated[list[ProblemError], Field(default_factory=list, exclude_if=operator.not_)]
 
 
-PROBLEMS: dict[int | str, JsonObject] = {
+Responses = dict[int | str, dict[str, Any]]
+"""The `responses=` of a route: parts of an OpenAPI document."""
+
+PROBLEMS: Responses = {
     "default": {
         "description": "What went wrong, as a problem document (RFC 9457).",
         "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}},
@@ -138,15 +140,15 @@ RETRY = frozenset({"no-catalogue", "preview-busy", "busy", "too-many-requests"})
 RETRY_AFTER = {"description": "Seconds to wait before the next request.", "schema": {"type": "integer"}}
 
 
-def problems(*kinds: str) -> dict[int | str, JsonObject]:
+def problems(*kinds: str) -> Responses:
     """For `responses=` of a route: its problem types in addition to those of all routes."""
-    by_status: dict[int | str, JsonObject] = {}
+    by_status: Responses = {}
     for kind in kinds:
         declare(by_status, kind)
     return by_status
 
 
-def declare(responses: dict[Any, JsonObject], kind: str, key: type[int] | type[str] = int) -> None:
+def declare(responses: Responses, kind: str, key: type[int] | type[str] = int) -> None:
     """Add a problem type to the responses of an operation."""
     status, when = KINDS[kind]
     told = f"`{_URN}{kind}`: {when}"

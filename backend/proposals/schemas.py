@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from backend.http.schema import Instant, Schema
-from campaigns.documents import JsonObject
 
 
 class MeasuredCost(Schema):
@@ -31,7 +30,7 @@ class ProposedSearch(Schema):
 
     method: str
     evaluations: int
-    options: JsonObject
+    options: dict[str, object]
 
 
 class Proposal(Schema):

@@ -16,7 +16,6 @@ from pydantic import ValidationError
 from backend.http.errors import RefusedError, problem_of
 from backend.runs.requests import RunSubmit
 from campaigns import CampaignError, Problem
-from campaigns.documents import JsonObject
 from campaigns.labels import MOST, parsed
 
 
@@ -24,7 +23,7 @@ from campaigns.labels import MOST, parsed
 class Asked:
     """The parts of a submission that its address gives; empty if it gives none."""
 
-    parts: JsonObject
+    parts: dict[str, object]
 
     def with_body(self, given: RunSubmit) -> RunSubmit:
         """The submission with both; raises `CampaignError` for a part that is given twice."""
@@ -58,7 +57,7 @@ def asked(
 ) -> Asked:
     """Labels, baseline, reuse, group and priority in the address; 422 with a sentence for what is not allowed."""
     try:
-        parts: JsonObject = {"labels": parsed(label)} if label else {}
+        parts: dict[str, object] = {"labels": parsed(label)} if label else {}
     except ValueError as error:
         raise _refused([Problem("label", "", f"{error}")]) from None
     parts |= {} if baseline is None else {"baseline": baseline}

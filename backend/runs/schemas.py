@@ -29,7 +29,7 @@ class HistoryEntry(Schema):
     action: str
     """run.submitted, run.edited, run.cancelled, run.removed, run.restored, run.purged, signoff.created,
     signoff.withdrawn, signoff.bound"""
-    detail: JsonObject
+    detail: dict[str, object]
 
 
 class Facet(Schema):

@@ -25,7 +25,6 @@ from backend.runs.tombstones import refuse_purged
 from backend.runs.versions import readable
 from campaigns import Campaign
 from campaigns.claims import earlier
-from campaigns.documents import JsonObject
 from campaigns.results import SearchResult, Verdict, verdicts
 from campaigns.results.remedies import Ran
 from campaigns.results.verdict import VerdictWord
@@ -103,7 +102,7 @@ def _plan(campaign: Campaign) -> list[StageSummary]:
 
 
 def _verdict(
-    reader: sa.Connection, run_id: int, asked: Campaign, parts: JsonObject | None, failed: int
+    reader: sa.Connection, run_id: int, asked: Campaign, parts: dict[str, object] | None, failed: int
 ) -> RunVerdict | None:
     """The stored verdict with its checks; those of an inconclusive one with their remedies."""
     if not parts or not parts.get("verdict"):

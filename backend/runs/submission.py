@@ -24,7 +24,6 @@ from backend.runs.schemas import RunBaseline, RunSubmitted
 from backend.runs.service import baseline, summary
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
-from campaigns.documents import JsonObject
 from campaigns.results.baselines import CannotCompare
 from campaigns.runs import RunState, run_name, run_number
 from campaigns.stages.plan import plan
@@ -161,8 +160,8 @@ def _supersede(
     return found
 
 
-def _noted(submission: Submission, asked: Resolved) -> JsonObject:
-    told: JsonObject = {"campaign": asked.campaign.digest, "name": submission.name}
+def _noted(submission: Submission, asked: Resolved) -> dict[str, object]:
+    told: dict[str, object] = {"campaign": asked.campaign.digest, "name": submission.name}
     told |= {"labels": submission.labels} if submission.labels else {}
     told |= {} if submission.group is None else {"group": submission.group}
     return told | ({} if submission.baseline is None else {"baseline": submission.baseline})

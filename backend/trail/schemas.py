@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from backend.http.schema import Instant, Schema
-from campaigns.documents import JsonObject
 
 
 class AuditEntry(Schema):
@@ -18,7 +17,7 @@ class AuditEntry(Schema):
     """link, password, token, or cli for the command line."""
     action: str
     subject: str
-    detail: JsonObject
+    detail: dict[str, object]
     previous: str
     """The hash of the row before it."""
     hash: str

@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 
 from campaigns.claims.numbers import Format, printed
-from campaigns.documents import JsonObject
 
 VALUES = [
     *(0.0, -0.0, 1.0, -1.0, 0.5, 0.94174123456, -0.94174123456, 57.185, 1e-3, 0.1 + 0.2, 123456.0, 999999.5, 1234567.0),
@@ -24,7 +23,7 @@ FORMS = [
 ]
 
 
-def table() -> list[JsonObject]:
+def table() -> list[dict[str, object]]:
     """Every value in every format, with its text."""
     rows = [(value, form, unit, digits) for value in VALUES for form, unit, digits in FORMS]
     counts = [0.0, 1.0, 999.0, 1000.0, 40314.0, 1234567.0, 1e15]

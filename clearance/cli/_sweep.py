@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-from campaigns.documents import JsonObject
 from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
 
@@ -39,13 +39,18 @@ def parsed(given: str) -> tuple[str, list[float]]:
 
 
 def sweep(
-    service: Client, campaign: JsonObject, given: str, wait: bool, out: Path | None, as_json: bool, **launch: Any
+    service: Client,
+    launch: Callable[[str, list[float]], Sweep],
+    given: str,
+    wait: bool,
+    out: Path | None,
+    as_json: bool,
 ) -> int:
-    """Launch the sweep; returns the exit code: that of the worst of its runs. launch: as for a run."""
+    """Launch the sweep; returns the exit code: that of the worst of its runs. launch: over a path and its values."""
     from clearance.client import UnreachableError
 
     path, values = parsed(given)
-    found = service.sweep(campaign, path, values, **launch)
+    found = launch(path, values)
     if not wait:
         typer.echo(found.id)
         return 0

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping
-from typing import Any
 
 from backend.scenes.base.setting import Setting
 from backend.scenes.cloud.evaluations import Cloud, Evaluation
 from backend.scenes.drawing.colours import gradient
 from backend.scenes.panel.tables import note, number
+from campaigns.stored.replies import FlightReply
 
 _TABLE = (
     'style="width:calc(100% - 28px);margin:6px 18px 6px 10px;border-collapse:collapse;font-size:0.85em;'
@@ -79,7 +78,7 @@ def stored(one: Evaluation, setting: Setting) -> str:
     return _head(one) + note(f"Stored: {value}, margin {margin}.", strong=True)
 
 
-def outcome(one: Evaluation, answer: Mapping[str, Any], setting: Setting) -> str:
+def outcome(one: Evaluation, answer: FlightReply, setting: Setting) -> str:
     """The stored and the repeated result at full precision, and whether they are identical."""
     stored = f"{one.cost!r} {setting.unit}" if one.cost is not None else one.status
     cost = answer["cost"]
@@ -91,7 +90,7 @@ def outcome(one: Evaluation, answer: Mapping[str, Any], setting: Setting) -> str
     return f"{_head(one)}<table {_TABLE}>{rows}</table>" + note(_verdict(one, answer), strong=True)
 
 
-def _verdict(one: Evaluation, answer: Mapping[str, Any]) -> str:
+def _verdict(one: Evaluation, answer: FlightReply) -> str:
     cost = answer["cost"]
     if one.cost is not None and cost is not None:
         if one.cost == cost:

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from backend.scenes.base.noise import STATED, Noise
-from campaigns.documents import JsonObject
+from campaigns.stored.replies import FieldReply, FlightReply
 
 ROOT = Path(__file__).parents[3]
 COMMAND = (sys.executable, "-P", "-m", "worker.running.processes.live")
@@ -59,7 +59,7 @@ class _Asked:
     campaign: str
     limit: float
     sent: float = field(default_factory=time.monotonic)
-    answer: Future[JsonObject] = field(default_factory=Future)
+    answer: Future[Any] = field(default_factory=Future)
 
 
 class Live:
@@ -82,12 +82,14 @@ class Live:
         parameters: Mapping[str, float],
         rows: int,
         noise: Noise = STATED,
-    ) -> JsonObject:
+    ) -> FlightReply:
         """Simulate with these parameters, the others nominal: status, cost, columns, data, meta. Raises `LiveError`.
 
         digest: of the campaign, to recognise its first simulation.
         """
-        return self._answered(digest, {"campaign": campaign, "parameters": parameters, "rows": rows} | noise.request)
+        request = {"campaign": campaign, "parameters": parameters, "rows": rows} | noise.request
+        found: FlightReply = self._answered(digest, request)
+        return found
 
     def field(
         self,
@@ -97,19 +99,20 @@ class Live:
         time: float,
         places: Sequence[tuple[float, float]],
         noise: Noise = STATED,
-    ) -> JsonObject:
+    ) -> FieldReply:
         """The avoider's demand at positions in the plane at the vehicle's height, at a time [s] of that flight.
 
         All in the flight's axes; the response is described in `worker/running/processes/live.py`. Raises `LiveError`.
         """
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
-        return self._answered(digest, asked | noise.request)
+        found: FieldReply = self._answered(digest, asked | noise.request)
+        return found
 
-    def ask(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
+    def ask(self, digest: str, request: Mapping[str, Any]) -> Any:
         """The response to another request of the command, on the campaign of that digest. Raises `LiveError`."""
         return self._answered(digest, request)
 
-    def _answered(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
+    def _answered(self, digest: str, request: Mapping[str, Any]) -> Any:
         for _ in range(MOST_STARTS):
             try:
                 return self._asked_once(digest, request)
@@ -117,7 +120,7 @@ class Live:
                 _log.info("the code has changed: a new simulation process loads it")
         raise LiveError("the code of this installation keeps changing; ask again once it is installed")
 
-    def _asked_once(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
+    def _asked_once(self, digest: str, request: Mapping[str, Any]) -> Any:
         with self._lock:
             if self._closed:
                 raise LiveError("the service is stopping")
@@ -179,7 +182,7 @@ class _Child:
             self.end(_ENDED)
         return asked
 
-    def wait(self, asked: _Asked) -> JsonObject:
+    def wait(self, asked: _Asked) -> Any:
         """The response; ends the child if the current request exceeds its time limit."""
         while True:
             remaining = self._remaining()

@@ -13,6 +13,9 @@ Run as `python -m worker.running.processes.live`; it ends when its input is clos
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from campaigns.stored.replies import FieldReply, FlightReply
 from worker.running.runs import sources  # first: it records the files before they are loaded
 
 # isort: split
@@ -33,7 +36,6 @@ import numpy as np
 from campaigns import CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import MAX_SEED
-from campaigns.documents import JsonObject
 from worker.engine.stages.parts import seeds
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.closed_loop.field import MOST, UNITS, field
@@ -66,7 +68,7 @@ def main() -> None:
         send(answers, answer(line, problems))
 
 
-def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> JsonObject:
+def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> dict[str, object]:
     """The response to one request; an invalid request gets a response with an error message."""
     number = None
     try:
@@ -79,10 +81,10 @@ def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> JsonObject
         values = {path: _value(flights, path, value) for path, value in parameters.items()}
         kind = request.get("kind", "flight")
         if kind == "field":
-            return {"id": number} | _field(flights, values, request["time"], request["places"])
+            return {"id": number, **_field(flights, values, request["time"], request["places"])}
         if kind != "flight":
             raise ValueError(f"kind must be 'flight' or 'field', given {kind!r}")
-        return {"id": number} | _flight(flights, values, request.get("rows", ROWS))
+        return {"id": number, **_flight(flights, values, request.get("rows", ROWS))}
     except (CampaignError, CampaignUnusable) as error:
         return {"id": number, "error": str(error)}
     except MemoryError:
@@ -103,7 +105,7 @@ def _flights(document: Any, problems: OrderedDict[str, Flights]) -> Flights:
     return flights
 
 
-def _realised(flights: Flights, request: JsonObject) -> Flights:
+def _realised(flights: Flights, request: Mapping[str, object]) -> Flights:
     """The flights under the requested noise realisation, by default under those of the campaign."""
     seed = _whole(request, "seed", MAX_SEED)
     draw = _whole(request, "draw", MOST_DRAWS)
@@ -112,14 +114,14 @@ def _realised(flights: Flights, request: JsonObject) -> Flights:
     return flights.under(seed)
 
 
-def _whole(request: JsonObject, name: str, most: int) -> int | None:
+def _whole(request: Mapping[str, object], name: str, most: int) -> int | None:
     value = request.get(name)
     if value is not None and (isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < most):
         raise ValueError(f"{name} must be a whole number from 0 to {most - 1}, given {value!r}")
     return value
 
 
-def _flight(flights: Flights, values: dict[str, float], rows: int) -> JsonObject:
+def _flight(flights: Flights, values: dict[str, float], rows: int) -> FlightReply:
     simulated = trace(flights, "live", values, rows)
     head = simulated.meta
     return {
@@ -133,7 +135,7 @@ def _flight(flights: Flights, values: dict[str, float], rows: int) -> JsonObject
     }
 
 
-def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -> JsonObject:
+def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -> FieldReply:
     if isinstance(time, bool) or not isinstance(time, int | float) or not np.isfinite(time):
         raise TypeError(f"time must be a number of seconds, given {time!r}")
     wanted = np.asarray(places, dtype=np.float64)
@@ -177,7 +179,7 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def send(answers: TextIO, message: JsonObject) -> None:
+def send(answers: TextIO, message: Mapping[str, object]) -> None:
     answers.write(json.dumps(message, allow_nan=False) + "\n")
     answers.flush()
 

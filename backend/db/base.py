@@ -15,4 +15,11 @@ _STATE = sa.Enum(Enum, native_enum=False, length=12, values_callable=list)
 
 
 class Base(orm.DeclarativeBase):
-    type_annotation_map = {JsonObject: sa.JSON, list[Any]: sa.JSON, float: sa.Double, Enum: _STATE}  # noqa: RUF012
+    type_annotation_map = {  # noqa: RUF012
+        JsonObject: sa.JSON,
+        dict[str, str]: sa.JSON,
+        dict[str, float]: sa.JSON,
+        list[Any]: sa.JSON,
+        float: sa.Double,
+        Enum: _STATE,
+    }

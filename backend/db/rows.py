@@ -49,7 +49,17 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def blobs(columns: Columns) -> dict[str, object]:
+class ChunkRow(TypedDict):
+    """A row of the chunk table without its position."""
+
+    points: bytes
+    costs: bytes
+    status: bytes
+    seconds: bytes
+    reasons: dict[str, str]
+
+
+def blobs(columns: Columns) -> ChunkRow:
     """The columns as a row of the chunk table."""
     return {
         "points": _bytes(columns.points),

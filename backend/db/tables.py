@@ -179,7 +179,7 @@ class EvaluationChunk(Base):
     """uint8: 0 ok, 1 failed, 2 timeout, 3 excluded."""
     seconds: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """float64, working time of the stage when each was completed [s]."""
-    reasons: orm.Mapped[JsonObject] = orm.mapped_column(default=dict)
+    reasons: orm.Mapped[dict[str, str]] = orm.mapped_column(default=dict)
     """{index in the stage: why} for every evaluation that is not ok."""
     __table_args__ = (
         sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
@@ -217,7 +217,7 @@ class Finding(Base):
     """F1 is the worst."""
     cost: orm.Mapped[float]
     margin: orm.Mapped[float]
-    parameters: orm.Mapped[JsonObject]
+    parameters: orm.Mapped[dict[str, float]]
     """{path: value} in the parameters' units."""
     point: orm.Mapped[list[Any]]
     """On the unit cube."""
@@ -225,7 +225,7 @@ class Finding(Base):
     """Search methods that found it independently; empty if only local refinement found it."""
     found: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
     """[{position, method, evaluations}]: stages that found it, and after how many of their evaluations."""
-    at_bounds: orm.Mapped[JsonObject]
+    at_bounds: orm.Mapped[dict[str, str]]
     """{path: "low" | "high"}"""
     validation: orm.Mapped[JsonObject]
     slices: orm.Mapped[JsonObject | None]

@@ -23,3 +23,12 @@ def test_a_stage_a_claim_and_a_view_know_no_method_by_its_name(folder: str) -> N
     """What they need to know of it is a property of `worker.engine.search.base.Method` or of its entry."""
     named = re.compile(rf"search\.methods import|[\"'](?:{'|'.join(sorted(METHODS))})[\"']")
     assert [path for path, text in sources(folder) if named.search(text)] == []
+
+
+@pytest.mark.parametrize(
+    ("named", "most"), [(r"\bJsonObject\b", 58), (r"\bdict\[str, Any\]", 48), (r"\bdict\[str, object\]", 140)]
+)
+def test_json_without_a_type_of_its_own_stays_at_the_edges(named: str, most: int) -> None:
+    """Lines of product code: columns, documents of other programs, parts of OpenAPI descriptions. Only ever fewer."""
+    lines = [line for _, text in sources(*PRODUCT) for line in text.splitlines() if re.search(named, line)]
+    assert len(lines) <= most

@@ -5,12 +5,13 @@ The certify stage draws one realisation per flight; a finding among these has it
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import sqlalchemy as sa
 
 from backend.db.tables import Finding, Stage
-from campaigns.documents import JsonObject
 
 WHOLE = 2**53
 
@@ -33,7 +34,7 @@ class Noise:
 STATED = Noise()
 
 
-def draws(reader: sa.Connection, run_id: int, document: JsonObject) -> dict[int, int]:
+def draws(reader: sa.Connection, run_id: int, document: Mapping[str, Any]) -> dict[int, int]:
     """The number of leading evaluations of a stage that each drew their own realisation, {position: count}.
 
     A stage reports it when it ends. Until then it has drawn at least the requested number before it starts its grid;

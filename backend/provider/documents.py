@@ -75,10 +75,10 @@ class Documents:
         found = await fetch(self._of.name, "GET", str((await self.metadata())["jwks_uri"]))
         try:
             # A key of a kind that is not known here must not hide the others.
-            keys_found = found["keys"]
-            if not isinstance(keys_found, list):
+            entries = found["keys"]
+            if not isinstance(entries, list):
                 raise TypeError
-            listed = [key for key in keys_found if key.get("kty") in ("RSA", "EC", "OKP")]
+            listed = [key for key in entries if key.get("kty") in ("RSA", "EC", "OKP")]
             keys = KeySet.import_key_set({"keys": [key for key in listed if key.get("use", "sig") == "sig"]})
         except (JoseError, ValueError, KeyError, TypeError, AttributeError):
             raise unreachable(self._of.name, "the keys are not a JSON web key set") from None

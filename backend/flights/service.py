@@ -7,9 +7,9 @@ import sqlalchemy as sa
 from backend.flights.case import Case, case
 from backend.flights.schemas import FlightRequest
 from backend.http.errors import RefusedError
+from backend.results.noise import seeds
 from backend.runs.service import campaign, number
 from backend.scenes.base.flight import ROWS
-from backend.scenes.base.noise import Noise, seeds
 from backend.scenes.live.live import FlightRefusedError, Live, LiveError
 from campaigns.runs import run_name
 from campaigns.stored.replies import FlightReply
@@ -30,7 +30,7 @@ def simulated(live: Live, wanted: Case, rows: int) -> FlightReply:
     """The answer of the simulation process; raises `RefusedError`."""
     # A drawn flight needs its poses, so a time series is always requested.
     try:
-        return live.simulate(wanted.document, wanted.digest, wanted.values, max(rows, ROWS), Noise(seed=wanted.seed))
+        return live.simulate(wanted.document, wanted.digest, wanted.values, max(rows, ROWS), wanted.seed)
     except FlightRefusedError as error:
         raise RefusedError(422, "not-flyable", f"this flight cannot be simulated: {error}") from None
     except LiveError as error:

@@ -153,7 +153,7 @@ def methods(held: Held) -> list[Row]:
             "best": numbers.fixed(best, decimals),
             "above": "best" if above == 0 else numbers.difference(above, decimals),
             "near": _near(comparison),
-            "seconds": numbers.seconds(stage.seconds) if stage else NONE,
+            "seconds": numbers.duration(stage.seconds) if stage else NONE,
             "stop": result.stop.said if result and result.stop else say("not ended"),
             "findings": (", ".join(comparison.findings) or "none") if comparison else NONE,
             "basin": (comparison.basin or "no listed finding") if comparison else NONE,
@@ -184,11 +184,11 @@ def stages(held: Held) -> list[Row]:
             "evaluations": numbers.count(stage.evaluations),
             "failed": numbers.count(stage.failed),
             "excluded": numbers.count(stage.excluded),
-            "seconds": numbers.seconds(stage.seconds),
+            "seconds": numbers.duration(stage.seconds),
         }
         for stage in held.stages
     ]
-    run, time = held.run, numbers.seconds(sum(s.seconds for s in held.stages))
+    run, time = held.run, numbers.duration(sum(s.seconds for s in held.stages))
     total = {"failed": numbers.count(run.failed_evaluations), "excluded": numbers.count(run.excluded_evaluations)}
     counted = numbers.count(run.evaluations)
     return [*rows, {"name": "Total", "state": "", "evaluations": counted, "seconds": time, **total}] if rows else []

@@ -15,6 +15,7 @@ from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
 from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
+from backend.results import noise
 from backend.results.schemas import EvaluationFailure, Evaluations, EvaluationSeries
 from backend.runs.service import campaign
 from campaigns import cube, thin
@@ -31,6 +32,7 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
     asked = campaign(reader, run_id)
     catalogue = described(reader, run_id)
     limits = bounds(asked, catalogue)
+    drawn = noise.drawn(reader, run_id, asked)
     told = criteria(asked.document(), catalogue)
     paths = list(asked.uncertain)
     query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations, Stage.failed, Stage.excluded)
@@ -41,7 +43,7 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
     for stage in reader.execute(query).all():
         columns = _columns(reader, run_id, stage.position)
         if columns is not None:
-            found.stages.append(_series(stage, columns, most, paths, limits, told))
+            found.stages.append(_series(stage, columns, most, paths, limits, told, drawn.get(stage.position, [])))
             found.failures += _failures(stage.position, columns, paths, limits)[: MOST_FAILURES - len(found.failures)]
     return found
 
@@ -53,12 +55,15 @@ class Evaluated(NamedTuple):
     position: int
     parameters: dict[str, float]
     cost: float | None
+    seed: int | None
+    """Of the noise realisation that it drew; None for those of the campaign."""
 
 
 def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) -> list[Evaluated]:
     """A stage's first `most` non-excluded evaluations."""
     asked = campaign(reader, run_id)
     of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
+    drawn = noise.drawn(reader, run_id, asked).get(position, [])
     found: list[Evaluated] = []
     for row in reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first)):
         columns = as_columns(row)
@@ -66,7 +71,8 @@ def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) ->
         values = in_units(columns.points[evaluated], list(asked.uncertain), bounds(asked, described(reader, run_id)))
         rows = [dict(zip(values, one, strict=True)) for one in zip(*values.values(), strict=True)]
         costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)[evaluated]
-        found += map(Evaluated, (row.first + evaluated).tolist(), rows, _known(costs))
+        index = row.first + evaluated
+        found += map(Evaluated, index.tolist(), rows, _known(costs), _seeds(drawn, index))
         if len(found) >= most:
             break
     return found
@@ -79,7 +85,13 @@ def _columns(reader: sa.Connection, run_id: int, position: int) -> Columns | Non
 
 
 def _series(
-    stage: Any, columns: Columns, most: int, paths: list[str], limits: Bounds, told: list[CriterionOut]
+    stage: Any,
+    columns: Columns,
+    most: int,
+    paths: list[str],
+    limits: Bounds,
+    told: list[CriterionOut],
+    drawn: list[int],
 ) -> EvaluationSeries:
     costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)
     better = thin.improvements(costs)
@@ -98,6 +110,7 @@ def _series(
         further=_further(columns, chosen, told),
         status=[STATUS[code] for code in columns.status[chosen].tolist()],
         parameters=in_units(columns.points[chosen], paths, limits),
+        seeds=_seeds(drawn, chosen) if drawn else [],
         improvements=improved(costs, columns.seconds, better),
     )
 
@@ -109,6 +122,11 @@ def _further(columns: Columns, chosen: thin.Indices, told: list[CriterionOut]) -
         costs = np.where(columns.status[chosen] == OK, columns.costs[chosen, k], np.nan)
         found[criterion.name] = _known(0.0 - costs if criterion.worse == "high" else costs)
     return found
+
+
+def _seeds(drawn: list[int], index: thin.Indices) -> list[int | None]:
+    """The noise seeds of these evaluations of a stage whose first ones drew `drawn`."""
+    return [drawn[at] if at < len(drawn) else None for at in index.tolist()]
 
 
 def _known(values: thin.Floats) -> list[float | None]:

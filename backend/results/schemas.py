@@ -36,6 +36,8 @@ class EvaluationSeries(Schema):
     status: list[Status]
     parameters: dict[str, list[float]]
     """{path: values} in the parameters' units."""
+    seeds: list[int | None]
+    """The noise seed of each evaluation that drew its own realisation, else null; empty if none of the stage did."""
     improvements: dict[str, list[float]]
     """`index`, `seconds`, `cost` of every evaluation that was the best so far, and of the last one."""
 

@@ -13,6 +13,7 @@ from backend.runs import service
 from backend.runs.schemas import RunComponents
 from campaigns import Catalogue
 from campaigns.checked.snapshot import changes, snapshot
+from campaigns.identity.code import code_of
 from campaigns.versions import Versions
 
 
@@ -21,8 +22,9 @@ def components(reader: sa.Connection, run_id: int) -> RunComponents:
     asked = service.campaign(reader, run_id)
     kept = snapshots.of_run(reader, run_id)
     digest, versions = reader.execute(sa.select(Run.snapshot, Run.flown).where(Run.id == run_id)).one()
-    then, now = Versions.of(versions).code, codes.published(reader)
-    changes_of_code = [*codes.changed(reader, then, now), *_own(Versions.of(versions), published(reader))]
+    then, now = Versions.of(versions).code, code_of(asked, codes.installed(reader))
+    others = [] if then == now else codes.changed(reader, then)
+    changes_of_code = [*others, *_own(Versions.of(versions), published(reader))]
     described = partial(RunComponents, code=then, code_installed=now, code_changes=changes_of_code)
     if kept is None:
         return described(digest=None, catalogue=snapshot(asked, required(reader)), changes=[])

@@ -18,7 +18,7 @@ from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
 from backend.http.schema import RunName, Seconds
-from backend.runs import edits, listing, removal, service, submission, texts
+from backend.runs import edits, listing, onward, removal, service, submission, texts
 from backend.runs.asked import Asked, AskedFor
 from backend.runs.code import changes
 from backend.runs.components import components
@@ -211,6 +211,26 @@ def get_run_campaign(run: RunName, request: Request, reader: Reader) -> Response
 def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Cancel a run: queued ones at once, running ones within a second; one that has ended is unchanged."""
     return edits.cancel(engine, [service.number(run)], visitor)[0]
+
+
+@router.post("/runs/{run}/restart", responses=problems("not-found", "not-waiting"))
+def restart_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
+    """Begin a run again that waits for the code that began it; its evaluations are discarded."""
+    return onward.restart(engine, service.number(run), visitor)
+
+
+@router.post(
+    "/runs/{run}/continuation",
+    status_code=status.HTTP_201_CREATED,
+    responses=LOCATION | problems("not-found", "not-waiting", "not-continuable", "invalid-campaign", "no-catalogue"),
+)
+def continue_run(
+    run: RunName, request: Request, response: Response, engine: Engine, visitor: CurrentVisitor
+) -> RunSummary:
+    """Continue a run that waits for the code that began it as a new run, with the evaluations that are still valid."""
+    made = onward.carry_on(engine, service.number(run), visitor)
+    response.headers["Location"] = at(request.url.path.replace(f"{run}/continuation", made.id))
+    return made
 
 
 @router.delete("/runs/{run}", responses=problems("not-found", "not-removable", "purged", "changed"))

@@ -5,7 +5,6 @@ base/        address, setting, flights, axes and colours, shared by all other pa
 live/        simulations on demand, in a child process
 drawing/     the objects of a scene, and its cameras
 panel/       the tabs of the viewer's panel
-cloud/       the parameter space, shown instead of the flights
 viewer/      one viewer: scene and panel of one browser socket
 control/     connects a browser to its viewer, and lets the page control it
 recordings/  a flight as a self-contained page that plays without a server

@@ -1,8 +1,8 @@
 """How numbers and units are written: as plain text, and in print. Each format exists once.
 
 Plain: significant digits, a full space before the unit, as on the command line. In print: true minus sign, narrow space
-before the unit, units with dots and superscripts, as in reports and on the pages (`frontend/src/format` writes the same
-digits). Start reading at `written`.
+before the unit, units with dots and superscripts, as in reports and on the pages. `frontend/src/format` writes the same
+texts: `numbers.json` has the cases that both are tested with. Start reading at `written`.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def signed(value: float) -> str:
 
 def count(value: float | None) -> str:
     """A whole number, grouped; a dash if unknown."""
-    return written(value, form=Format.COUNT) if value is not None and known(value) else NONE
+    return fixed(value, 0)
 
 
 def known(value: object) -> bool:
@@ -120,24 +120,21 @@ def plain(value: float | None, digits: int = 6) -> str:
     return (MINUS if value < 0 else "") + text
 
 
-def percent(fraction: float | None, digits: int = 3) -> str:
-    """A fraction in a table as percent, trailing zeros included."""
-    if fraction is None or not known(fraction):
-        return NONE
-    value = 100 * fraction
-    return f"{fixed(value, 0 if value == 0 else decimals_for([value], digits))}{NARROW}%"
+def duration(value: float | None) -> str:
+    """A length of time [s]: 23.4 s, 1:25 min, 2 h 01 min.
 
-
-def seconds(value: float | None) -> str:
-    """A length of time [s]."""
+    Rounded to the nearest of the last unit shown, once: cut off, every time would read too short, by up to a minute;
+    rounded twice, 61 min 29.6 s would become 62. The unit follows from the rounded time: never 60.0 s or 60:00 min.
+    """
     if value is None or not known(value):
         return NONE
-    if value < 0.05:
-        return "< 0.1 s"
-    if value < 60:
-        return f"{value:.1f} s"
+    if round(value, 1) < 60:
+        return f"<{NARROW}0.1{NARROW}s" if value < 0.05 else f"{value:.1f}{NARROW}s"
     minutes, rest = divmod(round(value), 60)
-    return f"{minutes}:{rest:02d} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02d} min"
+    if minutes < 60:
+        return f"{minutes}:{rest:02d}{NARROW}min"
+    hours, minutes = divmod(round(value / 60), 60)
+    return f"{hours}{NARROW}h{NARROW}{minutes:02d}{NARROW}min"
 
 
 def unit_in_print(text: str) -> str:

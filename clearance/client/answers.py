@@ -160,10 +160,14 @@ class Run(RunAnswer):
     """The running stage."""
     waits: str | None = None
     """Why a queued run has not started; None for any other."""
+    other_code: str | None = None
+    """What differs between the code that began it and that of every running worker, as clauses; None if it does not
+    wait for that.
+    """
     attempts: int | None = None
     worker: str | None = None
     continues: str | None = None
-    """The run whose searches this one extends, R-0001."""
+    """The run whose searches this one extends, or whose evaluations it begins with, R-0001."""
     pinned: bool | None = None
     best_so_far: list[tuple[int, float]] = []
     """Convergence history: evaluations and the lowest cost within them, thinned for a sparkline."""

@@ -20,7 +20,7 @@ from campaigns.versions import Processor
 from tests import results
 from tests.api.finished import flight, search
 from tests.api.server import Service
-from tests.api.versions import CODE, VERSIONS
+from tests.api.versions import VERSIONS, code
 
 PLAN = [
     StagePlan("nominal", None, 1),
@@ -50,7 +50,8 @@ def finish_fully(
     assert claim is not None
     store = RunStore(service.engine, claim)
     store.plan(PLAN)
-    store.record_versions(VERSIONS, CODE)
+    used = code(claim.document)
+    store.record_versions(VERSIONS.model_copy(update={"code": used.digest}), used)
     for position in range(len(PLAN)):
         store.begin(position)
     store.append(2, 0, search(0, 1000, criteria))

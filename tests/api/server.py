@@ -20,7 +20,7 @@ from backend.db.access import create_login_code, create_token
 from backend.db.tables import Base, CatalogueDocument
 from backend.settings import Settings
 from tests.api.catalogue import CATALOGUE
-from tests.api.versions import CODE
+from tests.api.versions import CODE, parts
 
 
 def until(condition: Callable[[], Any], seconds: float = 30.0) -> Any:
@@ -103,8 +103,9 @@ class Service:
 
     def publish(self, document: dict[str, Any] | None = None) -> None:
         """Have a catalogue, as a worker would publish it."""
-        values = {"id": 1, "document": document or CATALOGUE.model_dump(mode="json"), "published": time.time()}
-        values["code"] = CODE.digest
+        document = CATALOGUE.model_dump(mode="json") if document is None else document
+        document = {"code": parts(document).model_dump(mode="json"), **document}
+        values = {"id": 1, "document": document, "published": time.time(), "code": CODE.digest}
         with self.engine.begin() as connection:
             connection.execute(sa.insert(CatalogueDocument).values(**values))
 

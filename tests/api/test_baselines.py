@@ -17,7 +17,7 @@ from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.reported import PARAMETERS, finish_fully
 from tests.api.server import Service
-from tests.api.versions import OTHER
+from tests.api.versions import CODE, edited
 
 
 def launched(client: httpx.Client, key: str = "", **fields: Any) -> dict[str, Any]:
@@ -140,16 +140,19 @@ def test_a_verdict_is_reused_for_the_same_campaign_and_code(service: Service, cl
     found = launched(client, "k1", reuse=True, labels={"build": "2"})
     assert (found["id"], found["verdict"], found["labels"]) == ("R-0001", "cleared", {})
     assert found["reused"].startswith("R-0001 is reused: it has a verdict on the same campaign (sha256 ")
-    assert "by the same code (sha256 c0dec0dec0de). Package versions and machine are not compared" in found["reused"]
+    assert (
+        f"by the same code (sha256 {CODE.digest[:12]}). Package versions and machine are not compared"
+        in found["reused"]
+    )
     assert launched(client, "k1", reuse=True, labels={"build": "2"})["reused"] == found["reused"]
     assert launched(client)["reused"] is None, "only on request"
 
 
 CHANGES = {
-    "other code": lambda c: c.execute(sa.update(CatalogueDocument).values(code=OTHER.digest)),
+    "other code": lambda c: c.execute(sa.update(CatalogueDocument).values(document=edited())),
     "no stored code": lambda c: c.execute(sa.update(Run).values(flown=None)),
     "an own component has changed": lambda c: c.execute(
-        sa.update(Run).values(flown={"code": "c0de" * 16, "components": {"my_robot.py": "0" * 16}})
+        sa.update(Run).values(flown={"code": CODE.digest, "components": {"my_robot.py": "0" * 16}})
     ),
     "no stored descriptions": lambda c: c.execute(sa.update(Run).values(snapshot=None)),
     "removed": lambda c: c.execute(sa.update(Run).values(removed=1.0)),

@@ -49,7 +49,7 @@ def test_the_commands_of_a_template_run(service: Service, tmp_path: Path, templa
     folder, shim = tmp_path / "checkout", tmp_path / "bin" / "clearance"
     for made in (folder, shim.parent):
         made.mkdir()
-    shim.write_text(f'#!/bin/sh\nexec {sys.executable} -m worker "$@"\n')
+    shim.write_text(f'#!/bin/sh\nexec {sys.executable} -m clearance "$@"\n')
     shim.chmod(0o755)
     (folder / "campaign.yaml").write_text(yaml.safe_dump(campaign()))
     own = {"CLEARANCE_SERVICE": service.url, "CLEARANCE_TOKEN": service.token(), "PYTHONPATH": str(REPOSITORY)}

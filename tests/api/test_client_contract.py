@@ -24,6 +24,8 @@ REQUESTS: dict[str, Call[Any]] = {
         q="q", state=SOME, verdict=SOME, tag=SOME, campaign=SOME, owner=SOME, label=SOME, sort="-created", cursor="c"
     ),
     "cancel_run": calls.cancel("R-0001"),
+    "restart_run": calls.restart("R-0001"),
+    "continue_run": calls.carry_on("R-0001"),
     "list_findings": calls.findings("R-0001"),
     "list_traces": calls.traces("R-0001"),
     "get_trace": calls.trace_data("R-0001", "F1", 100),
@@ -147,7 +149,13 @@ def test_a_write_may_be_repeated() -> None:
     """It has a key, or doing it twice is the same as doing it once."""
     writes = {name: call.key for name, call in REQUESTS.items() if call.method != "GET"}
     assert {name for name, key in writes.items() if key} == {"submit_run", "submit_sweep"}
-    assert {name for name, key in writes.items() if not key} == {"cancel_run", "cancel_sweep", "check_campaign"}
+    assert {name for name, key in writes.items() if not key} == {
+        "cancel_run",
+        "cancel_sweep",
+        "check_campaign",
+        "restart_run",
+        "continue_run",
+    }
 
 
 @pytest.mark.parametrize(

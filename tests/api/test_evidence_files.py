@@ -35,7 +35,7 @@ from tests.api.submitting import submit
 from tests.unit.records import ran
 from worker.engine.stages.parts import offered
 from worker.running.catalogue.installed import catalogue
-from worker.running.runs import sources
+from worker.running.runs import identity
 
 Messages = dict[str, list[dict[str, Any]]]
 
@@ -223,7 +223,7 @@ def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(
     store = RunStore(bare.engine, claim)
     store.plan([stage.plan for stage in evaluated.stages])
     assert evaluated.versions is not None
-    store.record_versions(evaluated.versions, sources.code())
+    store.record_versions(evaluated.versions, identity.code(campaign))
     text = b"component = 1\r\n\x0c"
     store.record_sources(
         Sources(files=(SourceFile(module=OWN, package=False, digest=sha256(text).hexdigest()),)), {OWN: text}

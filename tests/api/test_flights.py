@@ -16,6 +16,7 @@ from backend.db.purge import purge
 from backend.scenes.live.live import Live
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
+from campaigns.results.draws import of_draws
 from tests import results
 from tests.api.answers import problem
 from tests.api.catalogue import CATALOGUE, campaign, component
@@ -27,7 +28,6 @@ from tests.api.shipped import shipped
 from tests.api.submitting import submit
 from tests.api.viewing import KEY, frames_until, steer, viewing
 from tests.problems import Problem
-from worker.engine.stages.parts.seeds import of_draws
 
 OTHER = "ffffffff-ffff-4fff-bfff-ffffffffffff"
 STAND_IN = """
@@ -297,7 +297,6 @@ def test_the_flight_is_drawn_in_the_view_that_is_named(simulating: Service) -> N
             frames_until(connection, b"/flights/what-if/path", f"What-if {answer['cost']:.4f} m".encode())
             shown = steer(client, run)
             assert (shown["what_if"], shown["what_if_seed"]) == (answer["parameters"], None)
-            assert shown["what_if_source"] == "page"
             assert flown(client, run, view=OTHER)["drawn"] is None
             with simulating.visitor(Authorization=f"Bearer {simulating.token('ci')}") as stranger:
                 assert flown(stranger, run, view=KEY)["drawn"] is None, "of another visitor"

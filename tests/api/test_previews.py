@@ -15,7 +15,6 @@ from backend.db.tables import CatalogueDocument
 from backend.http.errors import RefusedError
 from backend.previews import service as previews
 from backend.previews.service import LIMIT, Previews
-from backend.scenes.base.noise import STATED, Noise
 from backend.scenes.live.live import Live
 from campaigns import Campaign, library
 from tests.api.answers import problem
@@ -122,7 +121,9 @@ class Held(Live):
         self.simulated: list[str] = []
         self.go = threading.Event()
 
-    def simulate(self, campaign: Any, digest: str, parameters: Any, rows: int, noise: Noise = STATED) -> dict[str, Any]:
+    def simulate(
+        self, campaign: Any, digest: str, parameters: Any, rows: int, seed: int | None = None
+    ) -> dict[str, Any]:
         self.simulated.append(campaign["name"])
         assert self.go.wait(10)
         return {}

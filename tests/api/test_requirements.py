@@ -23,6 +23,7 @@ from tests.api.joined import joined
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.api.submitting import submit
+from tests.api.versions import CODE, OTHER, edited
 
 AT = "/api/v1/requirements"
 WRITTEN = (Path(__file__).parent / "requirements" / "written.reqif").read_bytes()
@@ -87,10 +88,10 @@ def test_a_requirement_is_met_by_signed_evidence_until_something_changes(
     assert edge["margin"] == pytest.approx(0.8)
     assert (edge["signoffs"][0]["name"], edge["signoffs"][0]["own"]) == ("Grace Hopper", True)
     assert edge["campaign_digest"] == client.get(f"/api/v1/runs/{run}").json()["campaign_digest"]
-    with changed(service.engine, sa.update(CatalogueDocument).values(code="beef" * 16)):
+    with changed(service.engine, sa.update(CatalogueDocument).values(document=edited())):
         suspect = row(client, "REQ-1")
         assert (suspect["status"], suspect["runs"][0]["suspect"]) == ("suspect", True)
-        assert "the code has changed (sha256 c0dec0dec0de, now beefbeefbeef)" in suspect["sentence"]
+        assert f"the code has changed (sha256 {CODE.digest[:12]}, now {OTHER.digest[:12]})" in suspect["sentence"]
     assert row(client, "REQ-1")["status"] == "met"
     with changed(service.engine, sa.update(Finding).values(cost=1.2999999999999998)):
         assert row(client, "REQ-1")["status"] == "unsigned", "the sign-off is of other results"

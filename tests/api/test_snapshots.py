@@ -12,10 +12,11 @@ import sqlalchemy as sa
 from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.queue import Queue
-from backend.db.store import OtherComponents, RunStore
+from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, CatalogueSnapshot, Run
 from campaigns import Campaign, Catalogue
 from campaigns.checked.snapshot import changes, digest_of, snapshot, values_changed
+from campaigns.versions import OtherCode
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.databases import AT_NIGHT, BOTH
 from tests.api.finished import search
@@ -161,7 +162,7 @@ def test_the_worker_that_starts_a_run_records_the_meaning_of_its_components(
     assert told["catalogue"] == snapshot(ASKED, later).model_dump(mode="json")
     store.plan(PLAN)
     store.append(2, 0, search(0, 10))
-    with pytest.raises(OtherComponents, match=r"vehicle\.J was 0\.2 kg m2, here it is 0\.05"):
+    with pytest.raises(OtherCode, match=r"vehicle\.J was 0\.2 kg m2, here it is 0\.05"):
         store.describe(ASKED, CATALOGUE)
     store.describe(ASKED, later)
     assert client.get("/api/v1/runs/R-0001/components").json()["digest"] == told["digest"]

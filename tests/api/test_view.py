@@ -73,11 +73,9 @@ def test_the_scene_of_a_finished_run_arrives(service: Service, client: httpx.Cli
     with viewing(service, client, f"/view/{run}/t/3.2/dark") as connection:
         assert connection.subprotocol == PROTOCOL
         scene = (b"/flights/nominal/path", b"/flights/worst/path", b"/obstacles/0/ring", b"/goal/label")
-        received = frames_until(connection, *scene, b"vehicle.J [kg m2]", b"Search")
+        received = frames_until(connection, *scene, b"Search")
     assert b"Nominal 0.9000 m" in received
     assert b"Worst 0.8000 m" in received
-    assert b"vehicle.J [kg m2]" in received
-    assert b"Search" in received
 
 
 def test_another_finding_or_the_nominal_flight_alone_can_be_looked_at(service: Service, client: httpx.Client) -> None:
@@ -120,7 +118,6 @@ def test_a_view_simulates_given_parameters(simulating: Service) -> None:
             steer(client, run, what_if={"vehicle.J": 0.06})
             frames_until(connection, b"What-if 0.9429 m", seconds=120)
             until(lambda: steer(client, run)["what_if"] == {"vehicle.m": 5.0, "vehicle.J": 0.06})
-            assert steer(client, run)["what_if_source"] == "page"
             steer(client, run, what_if={"vehicle.m": 6.0, "vehicle.J": 0.06})
             frames_until(connection, b"What-if 0.9417 m")
             steer(client, run, what_if={})
@@ -133,7 +130,7 @@ def test_the_flight_can_be_played_and_viewed_from_each_camera(service: Service, 
     run = submit(client)
     finish(service)
     with viewing(service, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
-        Panel(connection, last="Show its flight")
+        Panel(connection, last="Search")
 
         def shown() -> dict[str, Any]:
             return dict(client.get(f"/api/v1/runs/{run}/views/{KEY}").json())

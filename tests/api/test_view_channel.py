@@ -65,7 +65,7 @@ def test_a_page_controls_its_view_and_receives_its_state(service: Service, clien
         shown["opened"] = answer["opened"]
         assert said(answer) == shown
         assert time.time() - 30 < answer["opened"] <= time.time()
-        Panel(connection, last="Show its flight")
+        Panel(connection, last="Search")
         assert said(steer(client, run, flight="F2", time=7.25)) == shown | {"flight": "F2", "time": 7.25}
         received = frames_until(connection, b"F2 0.8500 m")
         assert b"/flights/worst/path" in received
@@ -105,7 +105,7 @@ def test_a_request_may_wait_for_the_view_to_open(service: Service, client: httpx
 
 def test_the_camera_follows_until_the_visitor_moves_it(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
-        panel = Panel(connection, last="Show its flight")
+        panel = Panel(connection, last="Search")
         panel.told()
         steer(client, run, camera="chase")
         before = panel.told()
@@ -132,7 +132,7 @@ def test_a_browser_is_sent_on_once_it_has_come(
 ) -> None:
     monkeypatch.setattr(following, "PATIENCE", 60.0)
     with viewing(service, client, f"/view/{run}/t/2/cam/chase/key/{KEY}") as connection:
-        panel = Panel(connection, last="Show its flight")
+        panel = Panel(connection, last="Search")
         first = sent = panel.told()
         steer(client, run, time=4.0)
         for moment in (5.0, 6.0, 7.0):
@@ -147,7 +147,7 @@ def test_a_browser_is_sent_on_once_it_has_come(
 def test_where_a_browser_was_only_sent_it_has_not_come(service: Service, client: httpx.Client, run: str) -> None:
     """viser's handle holds what was sent last, also where that happens before a report of the browser is handled."""
     with viewing(service, client, f"/view/{run}/t/2/cam/top/key/{KEY}") as connection:
-        panel = Panel(connection, last="Show its flight")
+        panel = Panel(connection, last="Search")
         sent = panel.told()
         (shown,) = service.app.state.viewers.steered.values()
         (browser,) = shown._server.get_clients().values()
@@ -169,7 +169,7 @@ def test_a_browser_that_leaves_while_its_camera_is_moved_is_no_matter(
     service: Service, client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
-        Panel(connection, last="Show its flight").told()
+        Panel(connection, last="Search").told()
         (shown,) = service.app.state.viewers.steered.values()
         server, camera = shown._server, shown._following
         clients = server.get_clients()
@@ -185,7 +185,7 @@ def test_a_camera_of_the_address_is_there_from_the_first(
     service: Service, client: httpx.Client, run: str, camera: str
 ) -> None:
     with viewing(service, client, f"/view/{run}/t/2/cam/{camera}/key/{KEY}") as connection:
-        panel = Panel(connection, last="Show its flight")
+        panel = Panel(connection, last="Search")
         eye, target = panel.told()
         panel.look(eye, target)
         assert client.get(address(run)).json()["camera"] == camera
@@ -264,7 +264,7 @@ def test_a_view_whose_thread_fails_says_so_and_can_be_opened_again(
 
     path = f"/view/{run}/t/2/key/{KEY}"
     with viewing(service, client, path) as connection:
-        Panel(connection, last="Show its flight")
+        Panel(connection, last="Search")
         known = steer(client, run)
         monkeypatch.setattr(Replay, "advance", fails)
         steer(client, run, playing=True)
@@ -319,7 +319,7 @@ def test_a_change_of_what_is_shown_is_published_at_once(
 ) -> None:
     service.app.state.live = process  # for the layers that simulate
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
-        panel = Panel(connection, last="Show its flight")
+        panel = Panel(connection, last="Search")
         panel.told()
         known = steer(client, run)
 
@@ -334,20 +334,17 @@ def test_a_change_of_what_is_shown_is_published_at_once(
             known = news()
             assert known[name] == value
         steer(client, run, playing=False)
-        for name in ("nominal", "finding", "what_if", "velocity", "relative", "sampled", "field", "space"):
+        for name in ("nominal", "finding", "what_if", "velocity", "relative", "sampled", "field"):
             known = steer(client, run)
             before = known["layers"][name]
             steer(client, run, layers={name: not before})
             known = news()
             assert known["layers"] == steer(client, run)["layers"]
             assert known["layers"][name] is not before
-        steer(client, run, layers={"space": False}, camera="top")
+        steer(client, run, camera="top")
         known = steer(client, run)
-        # The visitor's own doing: the camera is moved, an axis of the parameter space is chosen in the panel.
+        # The visitor's own doing: the camera is moved.
         panel.look(*panel.told())
-        panel.set("Axis z", "\u2013")
-        known = news()
-        assert known["layers"]["axes"][2] == "none"
         panel.look((1.0, 2.0, 3.0), (1.0, 2.5, 0.0))
         known = news()
         until(lambda: client.get(address(run)).json()["eye"])
@@ -366,15 +363,14 @@ def test_a_change_of_what_is_shown_is_published_at_once(
 
 def test_the_panel_has_nothing_that_the_page_offers(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/key/{KEY}/") as connection:
-        panel = Panel(connection, last="Show its flight")
-        left = {"Axis x", "Axis y", "Axis z", "Show its flight"}
-        assert {label for label in panel._elements if not label.startswith("Values, ")} == left
+        panel = Panel(connection, last="Search")
+        assert {label for label in panel._elements if not label.startswith("Values, ")} == set()
 
 
 def test_a_reopened_view_can_be_restored_to_all_that_it_showed(
     service: Service, client: httpx.Client, run: str
 ) -> None:
-    layers = {"nominal": False, "relative": True, "trail": "so_far", "axes": ["value", "vehicle.J", "none"]}
+    layers = {"nominal": False, "relative": True, "trail": "so_far"}
     wanted = {"flight": "F2", "time": 3.5, "camera": "side", "speed": 0.5, "theme": "dark", "layers": layers}
     path = f"/view/{run}/key/{KEY}"
     with viewing(service, client, path):
@@ -382,11 +378,7 @@ def test_a_reopened_view_can_be_restored_to_all_that_it_showed(
         assert before["layers"] | layers == before["layers"]
     until(lambda: service.app.state.viewers.open == 0)
     fixed = {"opened": 0.0, "revision": 0}
-    again = {
-        name: value
-        for name, value in before.items()
-        if name not in (*fixed, "horizon", "eye", "what_if", "what_if_source")
-    }
+    again = {name: value for name, value in before.items() if name not in (*fixed, "horizon", "eye", "what_if")}
     with viewing(service, client, path):
         after = steer(client, run, **again)
         assert after | fixed == before | fixed
@@ -394,9 +386,9 @@ def test_a_reopened_view_can_be_restored_to_all_that_it_showed(
     until(lambda: service.app.state.viewers.open == 0)
     eye = {"position": [1.0, 2.0, 30.0], "target": [1.0, 2.5, 0.0]}
     with viewing(service, client, path) as connection:
-        shown = steer(client, run, eye=eye, layers={"space": True})
-        assert (shown["eye"], shown["camera"], shown["layers"]["space"]) == (eye, None, True)
-        position, target = Panel(connection, last="Show its flight").told()
+        shown = steer(client, run, eye=eye, layers={"field": True})
+        assert (shown["eye"], shown["camera"], shown["layers"]["field"]) == (eye, None, True)
+        position, target = Panel(connection, last="Search").told()
         assert position.tolist() == eye["position"]
         assert target.tolist() == eye["target"]
 

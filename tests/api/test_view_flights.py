@@ -21,7 +21,7 @@ def test_an_intruder_moves_with_the_time_on_its_dashed_track(simulating: Service
         work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
         work.found(flown=encounter("F1", "enu", straight(300, -40, 0, 0, 5, 0), rows=301))
         with viewing(simulating, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
-            panel = Panel(connection, last="Show its flight")
+            panel = Panel(connection, last="Search")
             for time in (4.0, 12.5):
                 places = panel.places(
                     lambda at=time: steer(client, run, time=at),
@@ -46,7 +46,7 @@ def test_an_intruder_that_answers_is_drawn_for_each_flight(simulating: Service) 
         work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
         work.found(flown=encounter("F1", "enu", straight(300, -40, 0, 1, 5, 0)))
         with viewing(simulating, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
-            panel = Panel(connection, last="Show its flight")
+            panel = Panel(connection, last="Search")
             places = panel.places(partial(steer, client, run, time=10.0), "/obstacles/0", "/obstacles/0-worst")
             assert places["/obstacles/0"]["position"] == pytest.approx((300, 10, 0))
             assert places["/obstacles/0-worst"]["position"] == pytest.approx((310, 10, 0))
@@ -68,7 +68,7 @@ def test_an_aircraft_is_drawn_upright_with_north_ahead_and_east_to_the_right(sim
         work = Work(simulating)
         work.nominal(encounter("nominal", "ned", straight(500, 60, -30, -20, 0, -1)))
         with viewing(simulating, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
-            panel = Panel(connection, last="Show its flight")
+            panel = Panel(connection, last="Search")
             for time in (5.0, 14.0):
                 places = panel.places(
                     partial(steer, client, run, time=time), "/obstacles/0", "/flights/nominal/vehicle"

@@ -147,9 +147,5 @@ class Panel:
                 self.nodes.setdefault(message["name"], {})["wxyz"] = np.array(message["wxyz"])
         return placed
 
-    def set(self, label: str, value: object) -> None:
-        """Send a slider movement or a button press."""
-        self._say(type="GuiUpdateMessage", uuid=self._elements[label], updates={"value": value})
-
     def _say(self, **message: object) -> None:
         self._connection.send(msgspec.msgpack.encode(message))

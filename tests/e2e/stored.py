@@ -34,12 +34,9 @@ VIEW = ViewState(
         trail="whole",
         sampled=False,
         field=False,
-        space=False,
-        axes=("vehicle.m", "vehicle.J", "value"),
     ),
     what_if=None,
     what_if_seed=None,
-    what_if_source=None,
 ).model_dump(mode="json")
 """What an open 3D view would answer."""
 

@@ -26,7 +26,7 @@ from campaigns.catalogue import UnusableEntry
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service, until
-from tests.api.versions import CODE, OTHER
+from tests.api.versions import CODE, OTHER, edited
 from tests.e2e.browser import Visit, nightly_but, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
@@ -183,7 +183,7 @@ def test_later_changes_of_the_installation_are_shown(finished: Service, page: Pa
     document = CATALOGUE.model_dump(mode="json")
     document["components"][0]["parameters"][1]["default"] = 0.2
     with finished.engine.begin() as writer:
-        writer.execute(sa.update(CatalogueDocument).values(document=document, code=OTHER.digest))
+        writer.execute(sa.update(CatalogueDocument).values(document=edited(document)))
     page.reload()
     expect(card).to_contain_text(f"{CODE.digest[:12]} simulated this run, {OTHER.digest[:12]} is installed now")
     expect(card).not_to_contain_text("installed components are the same")
@@ -202,7 +202,7 @@ def test_what_cannot_be_used_is_said_where_components_are_chosen(finished: Servi
     ]
     document = CATALOGUE.model_copy(update={"unusable": unusable}).model_dump(mode="json")
     with finished.engine.begin() as writer:
-        writer.execute(sa.update(CatalogueDocument).values(document=document, code=OTHER.digest))
+        writer.execute(sa.update(CatalogueDocument).values(document=edited(document)))
     for path in ("/launch", "/help/components"):
         visit.go(path)
         said = visit.page.get_by_test_id("skipped")

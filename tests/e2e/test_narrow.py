@@ -195,8 +195,8 @@ def test_the_panel_of_the_view_opens_on_request(visit: Visit) -> None:
     # A sandboxed frame is drawn by another process: a click right after scrolling may meet it where it was before.
     opened.scroll_into_view_if_needed()
     frame = page.frame_locator("#flight iframe")
-    tab = frame.get_by_text("Space", exact=True)
-    expect(frame.get_by_text(re.compile("Values, space, search")).first).to_be_visible(timeout=PATIENCE)
+    tab = frame.get_by_text("Search", exact=True)
+    expect(frame.get_by_text(re.compile("Values, search")).first).to_be_visible(timeout=PATIENCE)
     expect(tab).to_be_hidden()
     opened.click()
     expect(tab).to_be_visible()

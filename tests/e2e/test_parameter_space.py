@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Locator, expect
 
 from tests.api.catalogue import campaign, published_by_workers
-from tests.api.lost import lose
+from tests.api.finished import Work
+from tests.api.lost import FLYING, INSIDE, lose
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import PATIENCE, Visit, visiting
@@ -29,13 +31,16 @@ ALL = re.compile("^1.?000 of 1.?000 evaluations selected, lowest dmin 1.007 m")
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """A service with a finished run of 1000 evaluations of two parameters, every tenth of them failed, and one of 21
-    simulated ones, of which 4 are excluded and 7 failed."""
+    """A service with a finished run of 1000 evaluations of two parameters, every tenth of them failed, one of 21
+    simulated ones, of which 4 are excluded and 7 failed, and an active one of a shipped campaign."""
     with served(tmp_path_factory.mktemp("space"), published_by_workers()) as service:
         with service.signed_in() as client:
             assert client.post("/api/v1/runs", json={"campaign": campaign(), "name": "Space"}).status_code == 201
             finish_fully(service)
             lose(service, client, publish=False)
+            document = client.get("/api/v1/campaigns/unicycle_static").json()["document"]
+            assert client.post("/api/v1/runs", json={"campaign": document}).status_code == 201
+            Work(service).search(0, 100)
         yield service
 
 
@@ -70,6 +75,11 @@ def drag(visit: Visit, area: Locator, start: tuple[float, float], end: tuple[flo
     mouse.down()
     mouse.move(box["x"] + end[0] * box["width"], box["y"] + end[1] * box["height"], steps=5)
     mouse.up()
+
+
+def press(visit: Visit, area: Locator, at: tuple[float, float]) -> None:
+    """Click a position, in fractions of an area's width and height."""
+    drag(visit, area, at, at)
 
 
 def test_all_evaluations_are_drawn(visit: Visit, card: Locator) -> None:
@@ -148,12 +158,18 @@ def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> No
     expect(kept(card)).to_have_text(ALL)
 
 
-def test_excluded_and_failed_evaluations_are_distinguished(visit: Visit) -> None:
-    """Last here: it goes to another run."""
+@pytest.fixture
+def lost(visit: Visit) -> Locator:
+    """The card of the run of 21 simulated evaluations."""
     visit.page.set_viewport_size({"width": 1440, "height": 900})
     visit.go("/runs/R-0002")
     card = visit.page.locator("#space")
     expect(kept(card)).to_have_text(re.compile("^21 of 21 evaluations selected"))
+    return card
+
+
+def test_excluded_and_failed_evaluations_are_distinguished(visit: Visit, lost: Locator) -> None:
+    card = lost
     for fate, number in (("Failed", 7), ("Excluded", 4)):
         switch = card.get_by_role("button", name=f"{fate} {number}", exact=True)
         switch.click()
@@ -163,3 +179,95 @@ def test_excluded_and_failed_evaluations_are_distinguished(visit: Visit) -> None
     failures = visit.page.locator("#failures")
     expect(failures).to_contain_text(re.compile("7 failed.*4 excluded", re.S))
     expect(failures.get_by_role("row", name=re.compile("Excluded"))).to_have_count(4)
+
+
+def simulated(visit: Visit, act: Callable[[], None]) -> dict[str, Any]:
+    """The flight that this simulates, which the page draws."""
+    with visit.page.expect_response(re.compile("/api/v1/runs/R-0002/flights$"), timeout=120_000) as response:
+        act()
+    answer: dict[str, Any] = response.value.json()
+    shown = visit.page.locator("#what-if")
+    expect(shown.get_by_role("status", name="What-if flight")).to_have_attribute("aria-busy", "false")
+    expect(visit.page.locator("#flight")).to_contain_text("what-if")
+    return answer
+
+
+def test_a_click_in_the_scatter_simulates_an_evaluation_and_compares_it(visit: Visit, lost: Locator) -> None:
+    evaluations = visit.page.request.get(f"{visit.address}/api/v1/runs/R-0002/evaluations").json()["stages"]
+    stored = next(stage for stage in evaluations if stage["kind"] == "search")
+    cell = lost.get_by_role("group", name=re.compile("^Scatter")).locator("[data-hit]").first
+    again = lost.get_by_role("status", name="Simulated again")
+    for row, point in ((12, FLYING[1]), (1, INSIDE[1])):
+        answer = simulated(visit, lambda point=point: press(visit, cell, (point[0], 1 - point[1])))
+        assert answer["cost"] == stored["cost"][row]
+        assert answer["status"] == stored["status"][row]
+        assert {path: answer["parameters"][path] for path in stored["parameters"]} == {
+            path: column[row] for path, column in stored["parameters"].items()
+        }
+        expect(again).to_contain_text("identical to the stored value" if row == 12 else "as stored")
+        expect(lost).to_contain_text(f"Simulated: DIRECT, evaluation {row + 1}")
+    visit.shot("space-simulated", of=lost)
+    again.get_by_role("link", name="Show it").click()
+    card = visit.page.locator("#what-if")
+    expect(card).to_be_in_viewport()
+    expect(card).to_contain_text("Excluded:")
+    expect(visit.page).to_have_url(re.compile("whatif=nominal.*set=obstacles.0.position.x:"))
+
+
+def test_a_click_on_a_line_of_the_parallel_axes_simulates_it(visit: Visit, lost: Locator) -> None:
+    """On an axis and between two; next to all lines a click clears the range of the axis."""
+    lines = lost.get_by_role("group", name=re.compile("^Parallel"))
+    axis = lines.locator("[data-hit]").nth(1)
+    box = axis.bounding_box()
+    assert box is not None
+    inside = 8 / box["height"]  # the axis ends so far from the ends of its area
+    share = inside + (1 - FLYING[9][0]) * (1 - 2 * inside)
+    answer = simulated(visit, lambda: press(visit, axis, (0.5, share)))
+    assert answer["parameters"]["obstacles.0.position.x"] == pytest.approx(0.1 + 4 * FLYING[9][0], abs=1e-12)
+    expect(lost.get_by_role("status", name="Simulated again")).to_contain_text("identical to the stored value")
+    drag(visit, axis, (0.5, 0.02), (0.5, 0.4))
+    expect(kept(lost)).not_to_have_text(re.compile("^21 of 21"))
+    press(visit, axis, (0.5, 0.9))
+    expect(kept(lost)).to_have_text(re.compile("^21 of 21"))
+    between = lines.locator("[data-between]")
+    before = visit.page.url
+    simulated(visit, lambda: press_a_line(visit, lines, between, lost))
+    expect(visit.page).not_to_have_url(before)
+
+
+def press_a_line(visit: Visit, lines: Locator, between: Locator, card: Locator) -> None:
+    """Click the first line that the pointer meets between the second and the third axis."""
+    area, left, right = between.bounding_box(), *(lines.locator("[data-hit]").nth(k).bounding_box() for k in (1, 2))
+    assert area is not None
+    assert left is not None
+    assert right is not None
+    x = (left["x"] + right["x"] + right["width"]) / 2
+    for step in range(20, 90):
+        visit.page.mouse.move(x, area["y"] + area["height"] * step / 100)
+        if card.get_by_text("Pointed at").count():
+            visit.page.mouse.down()
+            visit.page.mouse.up()
+            return
+    raise AssertionError("there is no line between the axes")
+
+
+def test_an_evaluation_is_chosen_and_simulated_by_keys(visit: Visit, lost: Locator) -> None:
+    lost.get_by_role("button", name="Higher value").press("Enter")
+    expect(lost).to_contain_text(re.compile(r"Pointed at: \w+, evaluation"))
+    said = lost.get_by_text(re.compile(r"^Pointed at")).inner_text()
+    answer = simulated(visit, lambda: lost.get_by_role("button", name="Simulate").press("Enter"))
+    assert answer["status"] == "ok"
+    expect(lost.get_by_role("status", name="Simulated again")).to_contain_text("identical to the stored value")
+    expect(lost).to_contain_text(said.replace("Pointed at", "Simulated"))
+
+
+def test_an_evaluation_of_an_active_run_is_simulated_in_the_window_of_its_flight(visit: Visit) -> None:
+    """Last here: the window has no card of the parameter space."""
+    visit.go("/runs/R-0003")
+    card = visit.page.locator("#space")
+    card.scroll_into_view_if_needed()
+    expect(kept(card)).to_have_text(re.compile("^100 of 100 evaluations selected"))
+    card.get_by_role("button", name="Simulate").click()
+    expect(visit.page).to_have_url(re.compile("/runs/R-0003/flight.*whatif=nominal.*set=vehicle"))
+    shown = visit.page.locator("#what-if")
+    expect(shown.get_by_test_id("what-if-cost")).to_have_text(re.compile(r"^\d\.\d+$"), timeout=120_000)

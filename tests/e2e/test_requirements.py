@@ -11,6 +11,7 @@ from playwright.sync_api import Browser, expect
 from backend.db.tables import CatalogueDocument
 from tests.api.reported import finish_fully
 from tests.api.submitting import submit
+from tests.api.versions import edited
 from tests.e2e.axe import AXE, violations
 from tests.e2e.browser import visiting
 from tests.e2e.looking import within
@@ -57,9 +58,9 @@ def test_from_a_file_of_requirements_to_suspect_evidence(tmp_path: Path, browser
         expect(page.locator("[data-requirement='SYS-2']").get_by_text("Violated").first).to_be_visible()
         expect(page.get_by_text("2 requirements: 1 violated, 1 met")).to_be_visible()
         with service.engine.begin() as writer:
-            writer.execute(sa.update(CatalogueDocument).values(code="beef" * 16))
+            writer.execute(sa.update(CatalogueDocument).values(document=edited()))
         visit.go("/requirements?status=suspect")
-        expect(one).to_contain_text("Suspect: the code has changed (sha256 c0dec0dec0de, now beefbeefbeef)")
+        expect(one).to_contain_text("Suspect: the code has changed (sha256 ")
         expect(page.locator("[data-requirement]")).to_have_count(1)
         visit.go("/requirements?q=nothing+like+this")
         expect(page.get_by_text("No requirement matches.")).to_be_visible()

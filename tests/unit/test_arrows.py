@@ -58,7 +58,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.reports": (*SHARED, "backend.catalog", "backend.runs", "backend.results", "backend.signoffs"),
     "backend.previews": (*SHARED, "backend.catalog", "backend.scenes.live"),
     "backend.proposals": (*SHARED, "backend.catalog"),
-    "backend.flights": (*SHARED, "backend.catalog", "backend.runs", "backend.scenes"),
+    "backend.flights": (*SHARED, "backend.catalog", "backend.runs", "backend.results", "backend.scenes"),
     "backend.cases": (*SHARED, "backend.catalog", "backend.runs", "backend.scenes", "backend.flights"),
     "backend.exports": (
         *(*SHARED, "backend.catalog", "backend.runs", "backend.results", "backend.signoffs", "backend.reports"),

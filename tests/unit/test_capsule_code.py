@@ -55,11 +55,11 @@ def with_source(folder: Path, module: str, text: bytes, change: Callable[[Docume
     digest = hashlib.sha256(text).hexdigest()
     document["sources"] = {"files": [{"module": module, "package": False, "digest": digest}], "entries": []}
     if module == OWN:
-        document["versions"]["components"] = {"my_field.py": meaning(text)}
+        document["versions"]["components"] = {"my_field.py": meaning(text).digest}
     else:
         entry = {"distribution": "acme-fields", "version": "1.2", "group": "clearance.components", "name": "my_field"}
         document["sources"]["entries"] = [entry | {"value": FOREIGN}]
-        document["modules"][module] = meaning(text)
+        document["modules"][module] = meaning(text).digest
         document["versions"]["packages"]["acme-fields"] = "1.2"
     files[f"source/{module}.py"] = text
     document["files"][f"source/{module}.py"] = digest
@@ -207,7 +207,7 @@ def test_sources_that_contradict_the_document_are_refused(
 
 def test_source_of_shipped_code_is_not_replaced(tmp_path: Path) -> None:
     capsule = with_source(tmp_path, "worker.engine.kernels.maths", b"x = 1\n")
-    with pytest.raises(CapsuleError, match=r"worker\.kernels\.maths in it is no component"):
+    with pytest.raises(CapsuleError, match=r"worker\.engine\.kernels\.maths in it is no component"):
         read_sources(capsule)
 
 

@@ -19,7 +19,6 @@ from campaigns.claims.numbers import Format, printed, written
 from campaigns.claims.say import capital, count, finding, joined, listed, method, number, percent, say, sentence, signed
 from campaigns.claims.say import symbol as named
 from campaigns.claims.spans import Quantity, Text, values, words
-from campaigns.claims.table import table
 from campaigns.results.base import Stop
 from campaigns.results.search import Gap
 from campaigns.results.verdict import Check, Verdict
@@ -79,12 +78,6 @@ def test_a_number_that_is_none_stays_readable() -> None:
 def test_words_and_print_have_the_same_digits(value: float, form: Format, digits: int, plain: str, print_: str) -> None:
     assert written(value, "kg m2", form, digits) == plain
     assert printed(value, "kg m2", form, digits) == print_
-
-
-def test_the_pages_are_checked_against_todays_numbers() -> None:
-    """Written by `python -m campaigns.claims.table frontend/src/format/quantities.json`."""
-    kept = json.loads((ROOT / "frontend/src/format/quantities.json").read_text(encoding="utf-8"))
-    assert kept == json.loads(json.dumps(table()))
 
 
 EARLIER = [

@@ -71,14 +71,13 @@ def test_an_edit_of_what_a_loop_reaches_is_noticed(monkeypatch: pytest.MonkeyPat
     """And an edit of what it does not reach is not: a new component does not make all flights stale."""
     flights = opened.flights(load_file(library()[QUICK]), compiled=False, lanes=1)
     before = tool.code_of(flights)
-    known = tool.sources.code()
+    known = tool.identity.loaded()
     for module, differs in (
         ("worker.engine.components.vehicles.unicycle", True),
         ("worker.engine.components.avoiders.orca", False),
     ):
-        edited = {**known.modules, module: "0" * 16}
-        monkeypatch.setattr(tool.sources, "code", lambda edited=edited: type(known)(known.digest, edited))
-        assert module in known.modules
+        edited = {**known, module: known[module]._replace(digest="0" * 16)}
+        monkeypatch.setattr(tool.identity, "loaded", lambda edited=edited: edited)
         assert (tool.code_of(flights) != before) == differs, module
 
 

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from campaigns import library, load_file
+from campaigns.results.draws import of_draws
 from tests.problems import Problem
 from tests.unit.cases import CASE1, document
 from tests.unit.living import Live
-from worker.engine.stages.parts.seeds import of_draws
 
 
 def test_a_flight(live: Live) -> None:
@@ -149,20 +149,19 @@ def test_a_memory_bound_that_is_no_number_ends_the_process_with_a_sentence() -> 
 
 
 def test_a_flight_has_its_own_noise(live: Live) -> None:
-    """A seed, or the number of a draw of the certify stage, replaces the realisations of the campaign."""
+    """A seed replaces the realisations of the campaign."""
     campaign = load_file(library()["unicycle_noise"])
     noisy, problem = campaign.document(), Problem(campaign)
     drawn = int(of_draws(problem.campaign.seed, 3, 1)[0])
     stated = live.ask(id=1, campaign=noisy)
     by_seed = live.ask(id=2, campaign=noisy, seed=drawn)
-    by_draw = live.ask(id=3, campaign=noisy, draw=3)
     own, _ = problem.under(drawn).evaluate(problem.nominal_point[None, :])
-    assert by_seed["cost"] == by_draw["cost"] == own.costs[0, 0] != stated["cost"]
-    assert by_draw["meta"]["realisation"]["seed"] == drawn
+    assert by_seed["cost"] == own.costs[0, 0] != stated["cost"]
+    assert by_seed["meta"]["realisation"]["seed"] == drawn
     assert stated["meta"]["realisation"]["seeds"] == len(campaign.scenario.realisations.seeds)
 
 
-@pytest.mark.parametrize("given", [{"seed": -1}, {"seed": 2**20}, {"seed": 1.5}, {"draw": True}, {"draw": "3"}])
-def test_noise_that_does_not_exist_is_refused(live: Live, given: dict[str, Any]) -> None:
-    error = live.ask(id=1, campaign=CASE1, **given)["error"]
-    assert f"{next(iter(given))} must be a whole number from 0 to " in error
+@pytest.mark.parametrize("given", [-1, 2**20, 1.5, True, "3"])
+def test_noise_that_does_not_exist_is_refused(live: Live, given: Any) -> None:
+    error = live.ask(id=1, campaign=CASE1, seed=given)["error"]
+    assert "seed must be a whole number from 0 to " in error

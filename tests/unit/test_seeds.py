@@ -11,6 +11,7 @@ import pytest
 from campaigns.asked.spec import MAX_SEED
 from campaigns.results import CertifyResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK
+from campaigns.results.draws import of_draws
 from tests.audited import audited
 from tests.problems import Problem
 from tests.unit.cases import searching
@@ -32,19 +33,19 @@ def noisy(**changes: Any) -> Any:
 
 
 def test_draws_are_numbers_of_their_index() -> None:
-    drawn = seeds.of_draws(7, 0, 1000)
-    assert np.array_equal(drawn[250:400], seeds.of_draws(7, 250, 150))
+    drawn = of_draws(7, 0, 1000)
+    assert np.array_equal(drawn[250:400], of_draws(7, 250, 150))
     assert (drawn >= 0).all()
     assert (drawn < MAX_SEED).all()
-    assert not np.array_equal(drawn, seeds.of_draws(8, 0, 1000))
+    assert not np.array_equal(drawn, of_draws(8, 0, 1000))
 
 
 def test_draws_are_spread_evenly_and_do_not_follow_each_other() -> None:
-    drawn = seeds.of_draws(1, 0, 100_000) / MAX_SEED
+    drawn = of_draws(1, 0, 100_000) / MAX_SEED
     counts, _ = np.histogram(drawn, bins=20, range=(0.0, 1.0))
     assert np.abs(counts - 5000).max() < 5 * np.sqrt(5000)
     assert abs(np.corrcoef(drawn[1:], drawn[:-1])[0, 1]) < 0.02
-    other = seeds.of_draws(2, 0, 100_000) / MAX_SEED
+    other = of_draws(2, 0, 100_000) / MAX_SEED
     assert abs(np.corrcoef(drawn, other)[0, 1]) < 0.02
 
 
@@ -79,7 +80,7 @@ def test_the_sample_draws_a_realisation_with_every_flight() -> None:
     assert result.drawn_realisations == len(columns.status) == 120
     assert result.sample.noise == "drawn"
     assert "each with its own noise realisation" in result.sample.text
-    own = seeds.of_draws(problem.campaign.seed, 0, 120)
+    own = of_draws(problem.campaign.seed, 0, 120)
     again = problem.evaluate(columns.points, own)[0]
     assert np.array_equal(again.costs, columns.costs, equal_nan=True)
     stated = problem.evaluate(columns.points)[0]

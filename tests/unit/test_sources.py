@@ -12,8 +12,10 @@ from pathlib import Path
 
 import pytest
 
+from campaigns import library, load_file
+from campaigns.identity.code import code_of
 from tests.unit.cases import document
-from worker.running.runs import meaning, sources
+from worker.running.runs import identity, meaning, sources
 
 MODULE = b'"""Text."""\nX = 1.0\n\n\ndef f(x):\n    """Help."""\n    return x * X\n'
 
@@ -102,17 +104,42 @@ def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:
     assert sources.note().digest != before
 
 
-def test_the_code_digest_leaves_out_what_starts_processes() -> None:
-    modules = sources.code().modules
+def test_the_code_of_a_run_is_what_its_campaign_uses() -> None:
+    """The engine, the components and methods that it names, and what they import; no word, no verdict, no process."""
+    campaign = load_file(library()["unicycle_static"])
+    modules = identity.code(campaign).modules
     assert {
         "worker.engine.components.vehicles.unicycle",
+        "worker.engine.kernels.maths",
+        "worker.engine.kernels.guidance",  # named by generated code only
         "worker.engine.search.methods.direct",
-        "worker.running.runs.runner",
+        "worker.engine.stages.validate",
         "campaigns.asked.spec",
+        "campaigns.stages.certify",
     } <= modules.keys()
-    for apart in sources.APART:
-        assert apart in sources.LOADED.files, "it is not there any more"
-        assert apart not in modules
+    for name in modules:
+        assert name.startswith(("worker.engine.", "campaigns.")), name
+        assert not name.startswith("campaigns.claims"), name
+    unused = {"worker.engine.components.avoiders.orca", "worker.engine.search.methods.turbo"}
+    assert unused <= identity.installation().modules.keys()
+    assert not unused & modules.keys()
+    assert not any(name.startswith("worker.engine.systems.simulators.") for name in modules)
+
+
+def test_the_packages_of_a_run_are_those_that_it_imports() -> None:
+    used = identity.packages(load_file(library()["unicycle_static"]))
+    assert used.keys() >= {"numpy", "numba", "llvmlite", "scipy"}
+    assert "pymoo" not in used
+    assert used["numpy"] == importlib.import_module("numpy").__version__
+
+
+@pytest.mark.parametrize("name", sorted(library()))
+def test_every_shipped_campaign_is_identified(name: str) -> None:
+    """By the parts that a worker publishes, as the service combines them, and by the modules that it stores."""
+    campaign = load_file(library()[name])
+    found = identity.code(campaign)
+    assert found.digest == code_of(campaign, identity.code_parts())
+    assert found.modules.items() <= identity.installation().modules.items()
 
 
 def test_a_process_is_stale_once_a_file_changed_or_came(added: Path, monkeypatch: pytest.MonkeyPatch) -> None:

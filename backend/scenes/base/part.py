@@ -8,7 +8,6 @@ from __future__ import annotations
 from contextlib import AbstractContextManager
 from typing import Protocol
 
-from backend.scenes.base.address import Camera
 from backend.scenes.base.palette import Palette
 
 
@@ -36,9 +35,6 @@ class Driver(Protocol):
 
     def moved(self, time: float) -> None:
         """Update all parts to this time [s]."""
-
-    def look_from(self, camera: Camera | None) -> None:
-        """Set the camera; None keeps the position and stops following."""
 
     def shown(self) -> None:
         """The visible layers of the flights have changed."""

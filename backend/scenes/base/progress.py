@@ -9,8 +9,8 @@ import sqlalchemy as sa
 from backend.db.tables import Finding, Run, Stage, Trace
 from backend.results import service as results
 from backend.results.improvements import Improvements
+from backend.results.noise import seeds
 from backend.scenes.base.flight import Flight, from_stored
-from backend.scenes.base.noise import seeds
 from backend.scenes.base.setting import NOMINAL, WORST, Setting
 from campaigns.runs import ENDED
 

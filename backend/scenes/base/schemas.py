@@ -12,12 +12,9 @@ from campaigns.asked.spec import MAX_SEED
 
 Theme = Literal["light", "dark"]
 Trails = Literal["whole", "so_far"]
-WhatIfSource = Literal["page", "space"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Point = tuple[Finite, Finite, Finite]
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
-VALUE, NONE = "value", "none"
-"""Axes of the parameter space that are not parameters: the criterion's value, and none."""
 
 
 class Eye(Schema):
@@ -40,10 +37,6 @@ class Layers(Schema):
     sampled: bool
     field: bool
     """The avoider's field."""
-    space: bool
-    """The parameter space instead of the flights."""
-    axes: tuple[str, str, str]
-    """Axes of the parameter space: paths of uncertain parameters, `value` for the criterion's value, or `none`."""
 
 
 class LayersChange(Given):
@@ -57,8 +50,6 @@ class LayersChange(Given):
     trail: Trails | None = None
     sampled: bool | None = None
     field: bool | None = None
-    space: bool | None = None
-    axes: tuple[str, str, str] | None = None
 
 
 class ViewChange(Given):
@@ -140,5 +131,3 @@ class ViewState(Schema):
     """The parameters of the drawn what-if flight; null if there is none."""
     what_if_seed: int | None
     """Its noise seed; null for those of the campaign."""
-    what_if_source: WhatIfSource | None
-    """Its source: a page, or a click of the visitor on an evaluation in the parameter space."""

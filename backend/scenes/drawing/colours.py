@@ -39,8 +39,7 @@ def colours(fractions: ArrayLike, dark: bool) -> NDArray[np.uint8]:
     return np.stack([np.interp(at, known, VIRIDIS[:, k]) for k in range(3)], axis=-1).round().astype(np.uint8)
 
 
-def gradient(dark: bool, turned: bool = False, steps: int = 8) -> str:
-    """The scale as a CSS background from left (lowest) to right; `turned` where the highest values stand out."""
-    fractions = np.linspace(0.0, 1.0, steps + 1)
-    found = colours(1.0 - fractions if turned else fractions, dark)
+def gradient(dark: bool, steps: int = 8) -> str:
+    """The scale as a CSS background from left (lowest) to right; the highest values stand out."""
+    found = colours(1.0 - np.linspace(0.0, 1.0, steps + 1), dark)
     return f"linear-gradient(90deg,{','.join(f'rgb({r},{g},{b})' for r, g, b in found.tolist())})"

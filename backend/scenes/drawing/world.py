@@ -20,9 +20,6 @@ from backend.scenes.drawing.labels import Anchor, Label, Tag
 
 Floats = NDArray[np.float64]
 
-ROOTS = ("flights", "obstacles", "tracks", "start", "goal", "north", "vectors", "field")
-"""Parent nodes of the flight scene, except the ground and a course."""
-
 LEAST_HEIGHT = 0.04
 """A scene lower than this fraction of its span has no height scale."""
 
@@ -55,21 +52,12 @@ class World:
 
     def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette) -> None:
         self._scene, self._setting, self.palette = server.scene, setting, palette
-        self._roots: list[Any] = [server.scene.add_frame(f"/{name}", show_axes=False) for name in ROOTS]
-        self._flat: dict[str, Any] = {}
         self._scale: list[Any] = []
         """The nodes of the height scale."""
         self._tags: dict[str, Tag] = {}
-        self._visible = True
         self._scene.configure_default_lights(cast_shadow=False)
         self._background()
         self.fit([])
-
-    def show(self, visible: bool) -> None:
-        """Show or hide the whole scene of the flights."""
-        self._visible = visible
-        for node in (*self._roots, *self._flat.values()):
-            node.visible = visible
 
     def paint(self, palette: Palette) -> None:
         """The same in other colours."""
@@ -79,7 +67,7 @@ class World:
 
     def tags(self) -> Iterator[Tag]:
         """The labels; of the height scale the highest first."""
-        yield from reversed(self._tags.values()) if self._visible else ()
+        yield from reversed(self._tags.values())
 
     @property
     def whole(self) -> Scene:
@@ -127,9 +115,8 @@ class World:
 
     def _ground(self) -> None:
         cell = shapes.even_step(self.frame.span, 10)
-        self._flat["ground"] = self._scene.add_grid(
+        self._scene.add_grid(
             "/ground",
-            visible=self._visible,
             infinite_grid=True,
             cell_size=cell,
             section_size=5 * cell,
@@ -154,9 +141,7 @@ class World:
             self._name(f"/{name}/label", name, place + np.array([0.0, -0.5 * unit, 0.0]))
         if setting.course is not None:
             way = np.stack([setting.start, setting.course])
-            dashes = shapes.dashed(way, self.frame.span / 140)
-            self._flat["course"] = self._line("/course", dashes, self.palette.soft, 1.2)
-            self._flat["course"].visible = self._visible
+            self._line("/course", shapes.dashed(way, self.frame.span / 140), self.palette.soft, 1.2)
 
     def _north(self) -> None:
         """An arrow on the ground in the corner of the box, because aircraft scenes are north up."""

@@ -21,7 +21,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from backend.scenes.base.noise import STATED, Noise
 from campaigns.stored.replies import FieldReply, FlightReply
 
 ROOT = Path(__file__).parents[3]
@@ -81,13 +80,14 @@ class Live:
         digest: str,
         parameters: Mapping[str, float],
         rows: int,
-        noise: Noise = STATED,
+        seed: int | None = None,
     ) -> FlightReply:
         """Simulate with these parameters, the others nominal: status, cost, columns, data, meta. Raises `LiveError`.
 
-        digest: of the campaign, to recognise its first simulation.
+        digest: of the campaign, to recognise its first simulation. seed: of one noise realisation; None for those of
+        the campaign.
         """
-        request = {"campaign": campaign, "parameters": parameters, "rows": rows} | noise.request
+        request = {"campaign": campaign, "parameters": parameters, "rows": rows} | _noise(seed)
         found: FlightReply = self._answered(digest, request)
         return found
 
@@ -98,14 +98,14 @@ class Live:
         parameters: Mapping[str, float],
         time: float,
         places: Sequence[tuple[float, float]],
-        noise: Noise = STATED,
+        seed: int | None = None,
     ) -> FieldReply:
         """The avoider's demand at positions in the plane at the vehicle's height, at a time [s] of that flight.
 
         All in the flight's axes; the response is described in `worker/running/processes/live.py`. Raises `LiveError`.
         """
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
-        found: FieldReply = self._answered(digest, asked | noise.request)
+        found: FieldReply = self._answered(digest, asked | _noise(seed))
         return found
 
     def ask(self, digest: str, request: Mapping[str, Any]) -> Any:
@@ -137,6 +137,11 @@ class Live:
             self._closed = True
             if self._child is not None:
                 self._child.end("the service is stopping")
+
+
+def _noise(seed: int | None) -> dict[str, int]:
+    """The field of the request to the simulation process."""
+    return {} if seed is None else {"seed": seed}
 
 
 class _Child:

@@ -16,7 +16,6 @@ import sqlalchemy as sa
 from backend.db.continuation import versions
 from backend.db.tables import Run
 from backend.runs.service import number
-from backend.scenes.base.noise import Noise
 from backend.scenes.base.setting import Setting
 from backend.scenes.live.live import Live
 from campaigns.stored.replies import CaseReply, FlightReply
@@ -50,7 +49,7 @@ class Again(Protocol):
     @property
     def patience(self) -> float: ...
 
-    def answer(self, values: Mapping[str, float], noise: Noise) -> FlightReply:
+    def answer(self, values: Mapping[str, float], seed: int | None) -> FlightReply:
         """The response of the process; raises `LiveError`."""
 
     def tally(self, stage: str, size: int) -> Tally:
@@ -73,8 +72,8 @@ class _OfScenario:
     together: int = TOGETHER
     patience: float = math.inf
 
-    def answer(self, values: Mapping[str, float], noise: Noise) -> FlightReply:
-        return self.live.simulate(self.setting.document, self.setting.digest, values, ROWS, noise)
+    def answer(self, values: Mapping[str, float], seed: int | None) -> FlightReply:
+        return self.live.simulate(self.setting.document, self.setting.digest, values, ROWS, seed)
 
     def tally(self, stage: str, size: int) -> Tally:
         return _Flights(stage, size)
@@ -105,7 +104,7 @@ class _OfSimulator:
     together: int = 1
     patience: float = PATIENCE
 
-    def answer(self, values: Mapping[str, float], noise: Noise) -> CaseReply:
+    def answer(self, values: Mapping[str, float], seed: int | None) -> CaseReply:
         request = {"campaign": self.setting.document, "simulator": self.needs, "parameters": dict(values)}
         found: CaseReply = self.live.ask(self.setting.digest, request | {"rows": ROWS})
         return found

@@ -14,7 +14,6 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from backend.scenes.base.noise import Noise
 from backend.scenes.base.palette import DARK, Palette, Rgb, rgb
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.setting import Setting
@@ -40,7 +39,7 @@ class _Asked:
     parameters: Mapping[str, float]
     time: float
     palette: Palette
-    noise: Noise
+    seed: int | None
 
 
 class FieldSlice(Part):
@@ -106,8 +105,8 @@ class FieldSlice(Part):
         if lead is None or lead.flight is None:
             self._legend.content = tables.note("There is no flight yet; its field cannot be shown.")
             return
-        flight, noise = lead.flight, Noise(seed=lead.flight.seed)
-        self._latest.ask(_Asked(lead.style.title, flight.parameters, self._time, self._palette, noise))
+        flight = lead.flight
+        self._latest.ask(_Asked(lead.style.title, flight.parameters, self._time, self._palette, flight.seed))
 
     def _work(self, asked: _Asked) -> None:
         setting, grid = self._setting, Grid.over(self._world.frame)
@@ -115,7 +114,7 @@ class FieldSlice(Part):
         places = [(float(x), float(y)) for x, y, _ in setting.axes.drawn(drawn)]
         try:
             answer = self._live.field(
-                setting.document, setting.digest, asked.parameters, asked.time, places, asked.noise
+                setting.document, setting.digest, asked.parameters, asked.time, places, asked.seed
             )
         except LiveError as error:
             with self._driver.drawing():

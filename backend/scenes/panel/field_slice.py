@@ -157,7 +157,7 @@ def _scale(found: Slice, dark: bool) -> str:
     if ends[1] < ends[0] * (1 + 1e-6):
         return tables.note(f"Uniform: {_number(ends[0])} {found.unit}.", strong=True)
     texts = [_number(ends[0]), f"{_number(float(np.sqrt(ends[0] * ends[1])))}", f"{_number(ends[1])} {found.unit}"]
-    bar = f'<div style="height:10px;border-radius:2px;background:{gradient(dark, turned=True)}"></div>'
+    bar = f'<div style="height:10px;border-radius:2px;background:{gradient(dark)}"></div>'
     labels = "".join(f"<span>{html.escape(text)}</span>" for text in texts)
     return (
         f'<div style="margin:6px 10px;font-size:0.85em;font-variant-numeric:tabular-nums">{bar}'

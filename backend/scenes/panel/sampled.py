@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
@@ -20,7 +20,6 @@ from backend.db.tables import Stage
 from backend.results import evaluations
 from backend.runs.service import number
 from backend.scenes.base.flight import Floats, from_live
-from backend.scenes.base.noise import STATED, Noise, draws
 from backend.scenes.base.palette import Palette, rgb
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.setting import Setting
@@ -93,7 +92,7 @@ class Sampled(Part):
                 if self._stopped or not self.on:
                     return
                 try:
-                    answer = again.answer(one.values, one.noise)
+                    answer = again.answer(one.parameters, one.seed)
                 except LiveError as error:
                     self._note.content = tables.note(str(error), strong=True)
                     return
@@ -129,17 +128,8 @@ class Sampled(Part):
         )
 
 
-class _Drawn(NamedTuple):
-    """One stored evaluation of the sample: its parameters, its noise, and its cost if it has one."""
-
-    values: dict[str, float]
-    noise: Noise
-    cost: float | None
-
-
-def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[_Drawn]]:
+def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[evaluations.Evaluated]]:
     """The stage with a random sample, certify preferred to a search, and its first flights."""
-    own = draws(reader, run_id, setting.document)
     query = sa.select(Stage.position, Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.evaluations > 0)
     stages = reader.execute(query.order_by(Stage.position)).all()
     catalogue = described(reader, run_id)
@@ -151,10 +141,5 @@ def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, 
     )
     for stage, most in asked:
         name = "the certify stage" if stage.kind == "certify" else titles[stage.method]
-        first = evaluations.drawn_first(reader, run_id, stage.position, most)
-        drew = own.get(stage.position, 0)
-        return name, [
-            _Drawn(one.parameters, Noise(draw=one.position) if one.position < drew else STATED, one.cost)
-            for one in first
-        ]
+        return name, evaluations.drawn_first(reader, run_id, stage.position, most)
     return "", []

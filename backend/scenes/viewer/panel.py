@@ -14,9 +14,7 @@ from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.progress import Progress
 from backend.scenes.base.schemas import LayersChange
 from backend.scenes.base.setting import Setting, UnknownParameterError
-from backend.scenes.cloud.tab import CloudTab, Take
 from backend.scenes.drawing.flights import Flights
-from backend.scenes.drawing.following import Following
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
 from backend.scenes.live.live import Live
@@ -39,9 +37,7 @@ class Panel:
         world: World,
         flights: Flights,
         vectors: Vectors,
-        following: Following,
         driver: Driver,
-        take: Take,
     ) -> None:
         gui, palette = server.gui, world.palette
         tabs = gui.add_tab_group()
@@ -50,21 +46,18 @@ class Panel:
             self._sampled = Sampled(server, engine, live, setting, palette, driver)
             if setting.clears:
                 self._field = FieldSlice(server, setting, world, palette, flights, live, driver)
-        with tabs.add_tab("Space"):
-            self._cloud = CloudTab(server, engine, live, setting, world, progress, following, driver, take)
         with tabs.add_tab("Search"):
             convergence = ConvergenceTab(gui, setting, palette, progress.curves)
         self._simulates = setting.clears
         """Only scenarios have an avoider, whose field is a layer."""
         further = [self._sampled, self._field] if setting.clears else [self._sampled]
-        self.parts: list[Part] = [values, *further, self._cloud, convergence]
+        self.parts: list[Part] = [values, *further, convergence]
 
     def have(self, layers: LayersChange) -> None:
-        """Change the layers; raises `UnknownParameterError` for an unknown axis, or if they are not available."""
+        """Change the layers; raises `UnknownParameterError` if they are not available."""
         if not self._simulates and layers.field:
             text = "this run evaluates a simulator, whose avoider is not known: the layer field is not available"
             raise UnknownParameterError(text)
-        self._cloud.have(layers.space, layers.axes)
         self._sampled.have(layers.sampled)
         if self._simulates:
             self._field.have(layers.field)
@@ -72,9 +65,4 @@ class Panel:
     @property
     def layers(self) -> dict[str, Any]:
         """The visible layers."""
-        return {
-            "sampled": self._sampled.on,
-            "field": self._simulates and self._field.on,
-            "space": self._cloud.on,
-            "axes": self._cloud.along,
-        }
+        return {"sampled": self._sampled.on, "field": self._simulates and self._field.on}

@@ -14,7 +14,7 @@ import sqlalchemy as sa
 import viser
 
 from backend.db.engine import read
-from backend.scenes.base.address import Address, Camera
+from backend.scenes.base.address import Address
 from backend.scenes.base.flight import Flight
 from backend.scenes.base.palette import DARK, LIGHT, rgb
 from backend.scenes.base.part import Part
@@ -83,7 +83,7 @@ class Viewer:
         # The page already shows the run's name and controls; the panel starts folded in favour of the scene.
         alone = address.key is None
         self._unfold(alone)
-        server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else "Values, space, search")
+        server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else "Values, search")
         palette = DARK if address.dark else LIGHT
         with server.atomic():
             self._world = World(server, setting, palette)
@@ -96,8 +96,8 @@ class Viewer:
             self._flights.stored()
             self._replay = Replay(setting, self._flights, self._vectors, self)
             self._what_if = WhatIf(setting, live, self._flights.what_if, self._fly, self)
-            scene = (self._world, self._flights, self._vectors, self._following)
-            self._panel = Panel(server, engine, live, setting, progress, *scene, self, self._take)
+            scene = (self._world, self._flights, self._vectors)
+            self._panel = Panel(server, engine, live, setting, progress, *scene, self)
             self._parts += [self._what_if, *self._panel.parts]
             self._following.on_own = self._note
             self._begin(address)
@@ -158,17 +158,9 @@ class Viewer:
             self._flights.obstacles.show()
             self.changed()
 
-    def look_from(self, camera: Camera | None) -> None:
-        """Set the camera; None keeps the position and stops following."""
-        with self.drawing():
-            self._following.set(camera)
-
     def _fly(self, flight: Flight | None) -> None:
         self._flights.show_what_if(flight)
         self.changed()
-
-    def _take(self, flight: Flight, seed: int | None) -> None:
-        self._what_if.draw(flight, seed, "space")
 
     def show_what_if(self, flight: Flight | None, seed: int | None, order: int) -> None:
         """Draw this flight as the what-if, unless one of a higher order is drawn; raises `GoneError`, `FailedError`.
@@ -180,7 +172,7 @@ class Viewer:
             if self._stopped:
                 raise GoneError
             self._intact()
-            self._what_if.draw(flight, seed, "page", order)
+            self._what_if.draw(flight, seed, order)
 
     def choose(self, flight: str) -> None:
         """Show this finding with the nominal flight, or the nominal flight alone, at the closest approach."""
@@ -202,8 +194,7 @@ class Viewer:
     def steer(self, change: ViewChange) -> ViewState:
         """Apply a change requested by the page, in one frame.
 
-        Raises `GoneError`, `FailedError`, `UnknownFlightError` for a finding, `UnknownParameterError` for a what-if or
-        an axis.
+        Raises `GoneError`, `FailedError`, `UnknownFlightError` for a finding, `UnknownParameterError` for a what-if.
         """
         with self.drawing():
             if self._stopped:
@@ -222,7 +213,7 @@ class Viewer:
             self._replay.have(layers)
             self._replay.steer(change)
             if change.camera is not None:
-                self.look_from(change.camera)
+                self._following.set(change.camera)
             if change.eye is not None:
                 self._following.place((np.array(change.eye.position), np.array(change.eye.target)))
         return self.state()

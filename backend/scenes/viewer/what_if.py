@@ -12,9 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from backend.scenes.base.flight import ROWS, Flight, from_live
-from backend.scenes.base.noise import Noise
 from backend.scenes.base.part import Driver, Part
-from backend.scenes.base.schemas import WhatIfSource
 from backend.scenes.base.setting import Setting, UnknownParameterError
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.live.latest import Latest
@@ -40,7 +38,6 @@ class WhatIf(Part):
         self._setting, self._live, self._drawn, self._show, self._driver = setting, live, drawn, show, driver
         self.seed: int | None = None
         """Requested noise seed; None for those of the campaign."""
-        self.source: WhatIfSource | None = None
         self._number = self._order = 0
         self._latest: Latest[_Asked] = Latest(self._simulate)
 
@@ -55,16 +52,16 @@ class WhatIf(Part):
     @property
     def shown(self) -> dict[str, Any]:
         """The what-if fields of `ViewState`."""
-        return {"what_if": self.parameters, "what_if_seed": self.seed, "what_if_source": self.source}
+        return {"what_if": self.parameters, "what_if_seed": self.seed}
 
-    def draw(self, flight: Flight | None, seed: int | None, source: WhatIfSource, order: int = 0) -> None:
+    def draw(self, flight: Flight | None, seed: int | None, order: int = 0) -> None:
         """Show this flight (None if it has no motion), unless a later one of the page is already shown."""
         with self._driver.drawing():
             if order and order <= self._order:
                 return
             self._order = max(order, self._order)
             self._number += 1
-            self.seed, self.source = seed, source
+            self.seed = seed
             self._show(flight)
 
     def simulate(self, parameters: Mapping[str, float], seed: int | None) -> None:
@@ -93,13 +90,13 @@ class WhatIf(Part):
         self._latest.stop()
 
     def _simulate(self, asked: _Asked) -> None:
-        setting, noise = self._setting, Noise(seed=asked.seed)
+        setting = self._setting
         try:
-            answer = self._live.simulate(setting.document, setting.digest, asked.parameters, ROWS, noise)
+            answer = self._live.simulate(setting.document, setting.digest, asked.parameters, ROWS, asked.seed)
         except LiveError as error:
             _log.info("the what-if flight of a view of %s could not be simulated: %s", setting.run, error)
             return
         flight = from_live(answer)
         with self._driver.drawing():
             if asked.number == self._number:
-                self.draw(flight, asked.seed, "page")
+                self.draw(flight, asked.seed)

@@ -94,6 +94,8 @@ export const getRun = (run: string): Promise<RunDetail> => tagged(run, sdk.getRu
 export const getRunText = (run: string): Promise<string> =>
   answer(sdk.getRunCampaign({ path: { run }, parseAs: 'text' }))
 export const cancelRun = (run: string): Promise<RunSummary> => answer(sdk.cancelRun({ path: { run } }))
+export const restartRun = (run: string): Promise<RunSummary> => answer(sdk.restartRun({ path: { run } }))
+export const continueRun = (run: string): Promise<RunSummary> => answer(sdk.continueRun({ path: { run } }))
 export const getFacets = (): Promise<RunFacets> => answer(sdk.listFacets())
 export const editRun = (run: string, change: RunEdit): Promise<RunDetail> =>
   tagged(run, sdk.editRun({ path: { run }, body: change, headers: matching(run, change) }))

@@ -1,5 +1,5 @@
-// Formats all numbers: true minus sign, narrow space between thousands, a dot for decimals,
-// percent after a narrow space. Start reading at `fixed`.
+// Formats all numbers: true minus sign, narrow space between thousands, a dot for decimals, percent after a narrow space.
+// The same texts as `campaigns/claims/numbers.py`, by the cases of `campaigns/claims/numbers.json`. Start reading at `fixed`.
 
 export const MINUS = '\u2212'
 export const NARROW = '\u202f'
@@ -22,7 +22,7 @@ function grouped(digits: string): string {
 /** A number with fixed decimals; a dash if it is missing. */
 export function fixed(value: Maybe, decimals = 2): string {
   if (!known(value)) return NONE
-  const text = Math.abs(value).toFixed(Math.min(Math.max(decimals, 0), 20))
+  const text = decimal(Math.abs(value), Math.min(Math.max(decimals, 0), 20))
   const negative = value < 0 && Number(text) !== 0
   return (negative ? MINUS : '') + grouped(text)
 }
@@ -64,13 +64,13 @@ export function plain(value: Maybe, digits = 6): string {
   if (value === 0) return '0'
   const size = Math.abs(value)
   if (size >= 1e9 || size < 1e-4) return powered(value, digits)
-  return (value < 0 ? MINUS : '') + grouped(trimmed(size.toFixed(decimalsFor([size], digits))))
+  return (value < 0 ? MINUS : '') + grouped(trimmed(decimal(size, decimalsFor([size], digits))))
 }
 
 /** A number as a power of ten with significant digits, without trailing zeros. */
 export function powered(value: number, digits: number): string {
   if (value === 0) return '0'
-  const [mantissa = '', exponent = '0'] = Math.abs(value).toExponential(digits - 1).split('e')
+  const [mantissa = '', exponent = '0'] = exponential(Math.abs(value), digits).split('e')
   const power = Number(exponent)
   return `${value < 0 ? MINUS : ''}${trimmed(mantissa)}e${power < 0 ? MINUS : ''}${Math.abs(power)}`
 }
@@ -103,20 +103,60 @@ export function parse(text: string): number | null {
   return Number.isFinite(value) ? value : null
 }
 
-/** A fraction as percent. */
-export function percent(share: Maybe, digits = 2): string {
-  if (!known(share)) return NONE
-  const value = share * 100
-  return `${fixed(value, value === 0 ? 0 : decimalsFor([value], digits))}${NARROW}%`
+/** A fraction as percent, with the digits of a sentence: a bound that is rounded more may read below itself. */
+export const percent = (share: Maybe, digits = 3): string =>
+  known(share) ? `${significant(100 * share, digits)}${NARROW}%` : NONE
+
+/** Significant digits without trailing zeros; powers of ten below 1e-4 and above the range of the digits. */
+export function significant(value: number, digits: number): string {
+  if (value === 0) return '0'
+  const [mantissa = '', exponent = '0'] = exponential(Math.abs(value), digits).split('e')
+  const power = Number(exponent)
+  const minus = value < 0 ? MINUS : ''
+  if (power < -4 || power >= digits) {
+    const size = String(Math.abs(power)).padStart(2, '0')
+    return `${minus}${trimmed(mantissa)}e${power < 0 ? MINUS : '+'}${size}`
+  }
+  const plain = mantissa.replace('.', '')
+  const written = power < 0 ? `0.${'0'.repeat(-power - 1)}${plain}` : `${plain.slice(0, power + 1)}.${plain.slice(power + 1)}`
+  return minus + trimmed(written)
 }
 
-/** A duration [s], short enough for a table. */
+/** A duration [s]: 23.4 s, 1:25 min, 2 h 01 min; rounded once, as the service does. */
 export function duration(seconds: Maybe): string {
   if (!known(seconds)) return NONE
-  if (seconds < 0.095) return `<${NARROW}0.1${NARROW}s`
-  if (seconds < 60) return `${seconds.toFixed(1)}${NARROW}s`
-  const whole = Math.round(seconds)
-  if (whole < 3600) return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, '0')}${NARROW}min`
-  const minutes = Math.round(whole / 60)
-  return `${Math.floor(minutes / 60)}${NARROW}h${NARROW}${String(minutes % 60).padStart(2, '0')}${NARROW}min`
+  const tenths = decimal(Math.max(0, seconds), 1)
+  if (Number(tenths) < 60) return `${Number(tenths) === 0 ? `<${NARROW}0.1` : tenths}${NARROW}s`
+  const parts = (whole: number) => [Math.floor(whole / 60), String(whole % 60).padStart(2, '0')] as const
+  const [minutes, rest] = parts(Number(decimal(seconds, 0)))
+  if (minutes < 60) return `${minutes}:${rest}${NARROW}min`
+  const [hours, left] = parts(Number(decimal(seconds / 60, 0)))
+  return `${hours}${NARROW}h${NARROW}${left}${NARROW}min`
+}
+
+/** Digits in which a tie of two roundings ends, and so is told from a number next to it. */
+const EXACT = 100
+
+/**
+ * A size with fixed decimals. A tie goes to the even digit, as in the service: JavaScript rounds ties up, so that 0.125 m
+ * would be 0.13 in a table and 0.12 in a sentence.
+ */
+function decimal(size: number, decimals: number): string {
+  // From here on JavaScript writes powers of ten; these numbers are whole.
+  if (size >= 1e21) return BigInt(size).toString() + (decimals > 0 ? `.${'0'.repeat(decimals)}` : '')
+  const nearest = size.toFixed(decimals)
+  if (!Number.isInteger(2 * size * 10 ** decimals)) return nearest
+  const exact = size.toFixed(EXACT)
+  const end = exact.indexOf('.') + 1 + decimals
+  const below = exact.slice(0, decimals > 0 ? end : end - 1)
+  return /^50*$/.test(exact.slice(end)) && Number(below.at(-1)) % 2 === 0 ? below : nearest
+}
+
+/** A size as a power of ten, with significant digits; ties as above. */
+function exponential(size: number, digits: number): string {
+  const [exact = '', exponent = ''] = size.toExponential(EXACT).split('e')
+  const all = exact.replace('.', '')
+  const tie = /^50*$/.test(all.slice(digits)) && Number(all[digits - 1]) % 2 === 0
+  if (!tie) return size.toExponential(digits - 1)
+  return `${all[0]}${digits > 1 ? '.' : ''}${all.slice(1, digits)}e${exponent}`
 }

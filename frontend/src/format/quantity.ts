@@ -1,38 +1,13 @@
-// Formats a quantity in a sentence with the same digits as the service (`campaigns/claims/numbers.py`); a test compares
-// both.
+// Formats a quantity in a sentence, as `printed` of `campaigns/claims/numbers.py` does.
 import type { Quantity } from '../client'
-import { count, MINUS, NARROW, trimmed } from './numbers'
+import { count, MINUS, NARROW, percent, significant } from './numbers'
 import { unitText } from './units'
 
 export function quantityText({ value, unit, format, digits }: Pick<Quantity, 'value' | 'unit' | 'format' | 'digits'>): string {
-  if (format === 'percent') return `${significant(100 * value, digits)}${NARROW}%`
+  if (format === 'percent') return percent(value, digits)
   const text = format === 'count' ? count(value) : significant(value, digits)
   const sign = format === 'signed' && value >= 0 ? '+' : ''
   return `${sign}${text}${unit && NARROW}${unitText(unit)}`
-}
-
-/** Significant digits without trailing zeros; powers of ten below 1e-4 and above the range of the digits. */
-function significant(value: number, digits: number): string {
-  if (value === 0) return '0'
-  const [mantissa = '', exponent = '0'] = rounded(Math.abs(value), digits).split('e')
-  const power = Number(exponent)
-  const minus = value < 0 ? MINUS : ''
-  if (power < -4 || power >= digits) {
-    const size = String(Math.abs(power)).padStart(2, '0')
-    return `${minus}${trimmed(mantissa)}e${power < 0 ? MINUS : '+'}${size}`
-  }
-  const plain = mantissa.replace('.', '')
-  const written = power < 0 ? `0.${'0'.repeat(-power - 1)}${plain}` : `${plain.slice(0, power + 1)}.${plain.slice(power + 1)}`
-  return minus + trimmed(written)
-}
-
-const EXACT = 60
-/** In powers of ten; rounds half to even, as the service does. */
-function rounded(size: number, digits: number): string {
-  const [exact = '', exponent = ''] = size.toExponential(EXACT).split('e')
-  const all = exact.replace('.', '')
-  const tie = /^50*$/.test(all.slice(digits)) && Number(all[digits - 1]) % 2 === 0
-  return tie ? `${all[0]}.${all.slice(1, digits)}e${exponent}` : size.toExponential(digits - 1)
 }
 
 /** Digits of a number that is read, not copied; the full precision is shown on hover and is in the files. */

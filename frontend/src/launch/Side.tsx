@@ -105,7 +105,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         {bound !== null && (
           <>
             <dt>Bound on P(violation)</dt>
-            <dd>{percent(bound, 3)}</dd>
+            <dd>{percent(bound)}</dd>
           </>
         )}
         {target !== null && (

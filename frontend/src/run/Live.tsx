@@ -10,13 +10,15 @@ import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { useNow } from '../ui/useNow'
 import { Convergence } from './search/Convergence'
-import { bestOf, leaderOf, type RunData, searchesOf } from './data/data'
+import { bestOf, hasSpace, leaderOf, type RunData, searchesOf } from './data/data'
 import { insteadOf } from './data/missing'
 import { Failures } from './search/Failures'
 import { MethodsTable } from './search/MethodsTable'
 import { Notes } from './header/Notes'
+import { OtherCode } from './header/OtherCode'
 import { NominalWorst } from './parameters/NominalWorst'
 import { StageStrip } from './search/StageStrip'
+import { LiveSpace } from './space/SpaceSection'
 import cards from '../ui/cards.module.css'
 import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
@@ -54,6 +56,7 @@ export function Live({ data }: { data: RunData }) {
           />
           <Improvements data={data} className="" />
         </div>
+        {hasSpace(data) && <LiveSpace data={data} />}
         <LiveFailures data={data} />
         <Notes run={run} className={layout.c12} />
       </div>
@@ -72,6 +75,7 @@ function Queued({ data }: { data: RunData }) {
       <p className={cards.note} style={{ marginBottom: 'var(--gap)' }} role="status">
         This run is waiting. {data.run.waits ?? 'It starts automatically when a worker is free.'}
       </p>
+      {data.run.other_code !== null && <OtherCode run={data.run} />}
       <StageStrip run={data.run} />
       <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
         <NominalWorst data={data} className={layout.c6} title="Uncertain parameters" column={null} worst={null} />

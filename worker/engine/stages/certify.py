@@ -1,9 +1,9 @@
 """Certify: an independent sample from the campaign's distributions, declared before the run, and what follows from it.
 
 It has its own random stream, separate from every search; no point comes from an optimiser. Excluded draws are counted
-and drawn again. If the scenario has noise, every draw simulates its own realisation
-(`worker.engine.stages.parts.seeds`), so that the probability is that of the noisy system; of a simulator that does not
-repeat, every draw is one call. A full grid, if requested, supports no claim beyond its own points.
+and drawn again. If the scenario has noise, every draw simulates its own realisation (`campaigns.results.draws`), so
+that the probability is that of the noisy system; of a simulator that does not repeat, every draw is one call. A full
+grid, if requested, supports no claim beyond its own points.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from campaigns.asked.stages import Certify
 from campaigns.claims.say import count, number, say, symbol
 from campaigns.results import CertifyResult
 from campaigns.results.base import EXCLUDED
+from campaigns.results.draws import of_draws
 from campaigns.results.sample import GridPoint, GridResult
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Ended, Floats
-from worker.engine.stages.parts import noise, seeds
+from worker.engine.stages.parts import noise
 from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, drive
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.sample import DRAWN, Noise, Sample
@@ -82,7 +83,7 @@ def _search(
     while drawn.evaluated < asked.samples and drawn.draws < most:
         draws = min(BLOCK, asked.samples - drawn.evaluated, most - drawn.draws)
         drawn_points = problem.quantile(random.random((draws, problem.dimension)))
-        own = seeds.of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
+        own = of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
         if single is not None:
             batch: Batch = yield Through(drawn_points, single)
         else:

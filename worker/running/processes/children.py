@@ -19,10 +19,11 @@ from worker.running.processes.lifeline import Wakeup
 
 
 class Message(TypedDict, total=False):
-    """What a child sends: once, when it has started, its code and simulators; then how each claim ended."""
+    """What a child sends: once, when it has started, its code, simulators and installation; then how each claim ended."""
 
     fresh: bool
     simulators: list[str]
+    installation: str
     outcome: str
     text: str
 

@@ -1,8 +1,7 @@
 """Live simulations for the service: a child process that answers requests on standard input, one line of JSON each.
 
 Request  {"id", "campaign", "parameters": {path: value}, "rows"}; missing parameters are nominal.
-         "seed", or "draw" (index of a draw of the certify stage), selects one noise realisation instead of the
-         campaign's.
+         "seed" selects one noise realisation instead of the campaign's.
 Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"} or {"id", "error": sentence}.
 Request  {"id", "kind": "field", "campaign", "parameters", "time", "places": [[x, y], ...]}, as in
 `worker.engine.systems.closed_loop.field`.
@@ -36,7 +35,6 @@ import numpy as np
 from campaigns import CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import MAX_SEED
-from worker.engine.stages.parts import seeds
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.closed_loop.field import MOST, UNITS, field
 from worker.engine.systems.closed_loop.flights import Flights
@@ -50,7 +48,6 @@ PROBLEMS = 16
 """Number of problems kept in memory; the least recently used one is dropped."""
 
 ROWS = 400
-MOST_DRAWS = 2**53
 
 
 def main() -> None:
@@ -107,18 +104,10 @@ def _flights(document: Any, problems: OrderedDict[str, Flights]) -> Flights:
 
 def _realised(flights: Flights, request: Mapping[str, object]) -> Flights:
     """The flights under the requested noise realisation, by default under those of the campaign."""
-    seed = _whole(request, "seed", MAX_SEED)
-    draw = _whole(request, "draw", MOST_DRAWS)
-    if draw is not None:
-        seed = int(seeds.of_draws(flights.campaign.seed, draw, 1)[0])
+    seed = request.get("seed")
+    if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < MAX_SEED):
+        raise ValueError(f"seed must be a whole number from 0 to {MAX_SEED - 1}, given {seed!r}")
     return flights.under(seed)
-
-
-def _whole(request: Mapping[str, object], name: str, most: int) -> int | None:
-    value = request.get(name)
-    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < most):
-        raise ValueError(f"{name} must be a whole number from 0 to {most - 1}, given {value!r}")
-    return value
 
 
 def _flight(flights: Flights, values: dict[str, float], rows: int) -> FlightReply:

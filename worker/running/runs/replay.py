@@ -18,10 +18,10 @@ from campaigns import Campaign
 from campaigns.claims.numbers import count
 from campaigns.results import Finding
 from campaigns.results.base import OK
+from campaigns.results.draws import of_draws
 from campaigns.results.nominal import Measured
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
-from worker.engine.stages.parts.seeds import of_draws
 from worker.engine.stages.parts.store import Columns, StagePlan
 from worker.engine.systems.base import Floats, in_own_sign
 

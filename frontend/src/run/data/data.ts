@@ -195,6 +195,10 @@ export function searchesOf({
 export const stageOf = (data: RunData, kind: StageDetail['kind']): StageDetail | undefined =>
   data.stages.find((stage) => stage.kind === kind)
 
+/** Whether there are evaluations to show in the parameter space. */
+export const hasSpace = ({ parameters, evaluations }: Pick<RunData, 'parameters' | 'evaluations'>): boolean =>
+  parameters.length > 0 && evaluations !== undefined && evaluations.stages.some((stage) => stage.index.length > 0)
+
 /** The best so far over evaluations or seconds; the last point shows the progress of the stage. */
 export function convergenceOf(search: SearchStage, by: 'evaluations' | 'seconds'): { x: number[]; y: number[] } {
   const { index = [], seconds = [], cost = [] } = search.series?.improvements ?? {}

@@ -76,7 +76,7 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
       <WhatIfButton whatIf={whatIf} flies={flies} />
       <IconButton
         label={panel ? 'Close the panel' : 'Open the panel'}
-        title={`${panel ? 'Close' : 'Open'} the panel: values, ${flies ? 'parameter space, ' : ''}search`}
+        title={`${panel ? 'Close' : 'Open'} the panel: values, search`}
         icon={panel ? IconLayoutSidebarRightCollapse : IconLayoutSidebarRightExpand}
         off={shown === null}
         act={() => view.steer({ panel: !panel })}
@@ -137,12 +137,12 @@ function nearest({ nominalTrace, findingTrace, chosen }: RunData) {
 }
 
 /** The layers and their titles. */
-type Layer = Exclude<keyof LayersChange, 'trail' | 'axes'>
+type Layer = Exclude<keyof LayersChange, 'trail'>
 
 /** Layers of the sample and the search. A simulator has no avoider that is known, and so no field. */
 function further(flies: boolean, word: string): [Layer, string][] {
   const field: [Layer, string][] = flies ? [['field', 'Field of the avoider']] : []
-  return [['sampled', `Sampled ${word}s`], ...field, ['space', 'Parameter space instead']]
+  return [['sampled', `Sampled ${word}s`], ...field]
 }
 
 function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {

@@ -183,7 +183,7 @@ function wordsOf(answer: FlightAnswer | null, whatIf: WhatIf | null): string {
   const near = trace.closest ? [`closest at ${fixed(trace.closest.time, 2)}${NARROW}s`] : []
   const seeds = trace.realisation
   const noise = !seeds ? [] : [`noise seed ${seeds.seed}${seeds.seeds > 1 ? `, the lowest of ${seeds.seeds}` : ''}`]
-  const own = whatIf?.seed != null ? ['of the evaluation chosen in the parameter space'] : []
+  const own = seeds && whatIf?.seed != null ? ['of the evaluation chosen in the parameter space'] : []
   return [`criterion ${plain(threshold)}${NARROW}${unit}`, ...near, [...noise, ...own].join(' ')].filter(Boolean).join(', ')
 }
 

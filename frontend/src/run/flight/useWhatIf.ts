@@ -1,6 +1,6 @@
 // The what-if of a run's page: parameters, result, and synchronisation with address and 3D view.
 // Start reading at `useWhatIf`.
-import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from 'react'
+import { useCallback, useEffect, useMemo, useRef, useState } from 'react'
 import { evaluateCase, simulateFlight } from '../../api/calls'
 import { hasScenario } from '../../api/campaign'
 import { Refusal } from '../../api/problems'
@@ -9,7 +9,7 @@ import type { RunData } from '../data/data'
 import { useAddress } from '../data/useAddress'
 import type { View } from './view'
 import { NOMINAL } from '../data/chosen'
-import { caseOf, QUICK, readWhatIf, requestOf, takenFrom, type WhatIf, written } from './whatif'
+import { caseOf, QUICK, readWhatIf, requestOf, type WhatIf, written } from './whatif'
 
 /** Debounce interval of address changes [ms], which browsers limit. */
 const STILL = 500
@@ -62,16 +62,6 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
   })
   const flies = hasScenario(data.campaign)
   const flight = useFlight(data.run.id, whatIf, view, flies)
-
-  // An evaluation picked in the parameter space is adopted by the page.
-  const shown = useSyncExternalStore(view.subscribe, () => view.known.shown)
-  const taken = shown ? takenFrom(shown, known) : null
-  const text = JSON.stringify(taken)
-  const [last, setLast] = useState('null')
-  if (text !== last) {
-    setLast(text)
-    if (taken) setWhatIf(taken)
-  }
 
   useDrawn(view, whatIf, flies ? flight.answer : null, known)
   const open = whatIf !== null

@@ -1,8 +1,8 @@
-// The what-if in the address, its request, and updates from the view.
+// The what-if in the address, and its request.
 import { describe, expect, it } from 'vitest'
-import type { FindingDetail, ViewState } from '../../client'
+import type { FindingDetail } from '../../client'
 import type { UncertainParameter } from '../data/data'
-import { baseOf, readWhatIf, requestOf, stepped, takenFrom, valuesOf, withValue, written } from './whatif'
+import { baseOf, readWhatIf, requestOf, stepped, valuesOf, withValue, written } from './whatif'
 
 const mass: UncertainParameter = { path: 'vehicle.m', symbol: 'm', unit: 'kg', text: 'Mass', nominal: 5, low: 4, high: 6 }
 const inertia: UncertainParameter = { path: 'vehicle.J', symbol: 'J', unit: 'kg m2', text: '', nominal: 0.05, low: 0.04, high: 0.06 }
@@ -52,13 +52,6 @@ it('asks for what differs, drawn in its own view', () => {
   expect(requestOf({ like: 'F1', set: { 'vehicle.m': 4.5 }, seed: null }, 'k')).toMatchObject({ like: 'F1', parameters: { 'vehicle.m': 4.5 }, view: 'k' })
   expect(requestOf({ like: 'F1', set: {}, seed: null }, 'k')).not.toHaveProperty('seed')
   expect(requestOf({ like: 'nominal', set: {}, seed: 0 }, 'k')).toHaveProperty('seed', 0)
-})
-
-it('takes an evaluation from the parameter space, and nothing that the page drew itself', () => {
-  const shown = { what_if: { 'vehicle.m': 4.1, 'vehicle.J': 0.05, 'goal.x': 7 }, what_if_seed: 3, what_if_source: 'space' } as unknown as ViewState
-  expect(takenFrom(shown, known)).toEqual({ like: 'nominal', set: { 'vehicle.m': 4.1, 'vehicle.J': 0.05 }, seed: 3 })
-  expect(takenFrom({ ...shown, what_if_source: 'page' }, known)).toBeNull()
-  expect(takenFrom({ ...shown, what_if: null }, known)).toBeNull()
 })
 
 it('steps through the range and stops at its ends', () => {

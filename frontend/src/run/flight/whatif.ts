@@ -1,6 +1,6 @@
 // The what-if in the address: reference parameters, changed values, noise seed.
 // Start reading at `readWhatIf` and `valuesOf`.
-import type { CaseRequest, FlightRequest, ViewState } from '../../client'
+import type { CaseRequest, FlightRequest } from '../../client'
 import type { ChosenSearch } from '../data/chosen'
 import { NOMINAL } from '../data/chosen'
 import type { RunData, UncertainParameter } from '../data/data'
@@ -87,14 +87,6 @@ export const QUICK = 0.3
 
 /** Number of rows: enough for a curve, and little data while a slider moves. */
 const ROWS = 200
-
-/** The what-if of an evaluation picked in the parameter space. */
-export function takenFrom(shown: ViewState, { parameters }: Known): WhatIf | null {
-  const { what_if: values, what_if_seed: seed, what_if_source: source } = shown
-  if (source !== 'space' || !values) return null
-  const set = parameters.flatMap(({ path }) => (values[path] === undefined ? [] : [[path, values[path]] as const]))
-  return { like: NOMINAL, set: Object.fromEntries(set), seed }
-}
 
 /** Number of slider steps over the range. */
 export const STEPS = 400

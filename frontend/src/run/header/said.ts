@@ -10,6 +10,10 @@ export function saidOf({ action, detail }: HistoryEntry): string {
       return 'Submitted'
     case 'run.cancelled':
       return detail.state === 'cancelled' || detail.state === 'cancelling' ? 'Cancelled' : 'Requested cancellation after its end'
+    case 'run.restarted':
+      return 'Began it again, without its evaluations'
+    case 'run.continued':
+      return `Continued ${text(detail.continues)} as this run`
     case 'run.edited':
       return editOf(detail)
     case 'run.removed':

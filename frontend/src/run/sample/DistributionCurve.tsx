@@ -42,7 +42,7 @@ export function DistributionCurve({ data, sample, height }: DistributionCurvePro
       left: 48,
       height,
       xText: (x) => `${symbolText(run.quantity || 'value')} = ${fixed(x, decimals)} ${run.unit}`,
-      yText: (y) => percent(y / 100, 3),
+      yText: (y) => percent(y / 100),
     }
   }, [sample, run.quantity, run.unit, height])
   return <Plot spec={spec} />

@@ -21,10 +21,14 @@ export interface ViewProps {
   brush: Brush
   onBrush: (axis: Axis, range: readonly [number, number] | null) => void
   ink: Ink
-  /** Drawn on top: the lowest selected one, and the one under the pointer. */
+  /** Drawn on top: the lowest selected one, and the one pointed at. */
   worst: number | null
   over: number | null
   onOver: (evaluation: number | null) => void
+  /** The one whose parameters the what-if has; drawn on top, too. */
+  simulated: number | null
+  /** Simulates an evaluation; null where nothing can be simulated. */
+  onPick: ((evaluation: number) => void) | null
   threshold: number | null
 }
 
@@ -35,7 +39,7 @@ interface ParallelProps extends ViewProps {
 }
 
 export function Parallel({ height, none, ...view }: ParallelProps) {
-  const { space, kept, ink, worst, over, threshold } = view
+  const { space, kept, ink, worst, over, simulated, onOver, onPick, threshold } = view
   const [holder, width] = useWidth(760)
   const lines = useMemo((): Lines => {
     const bottom = height - 30
@@ -46,6 +50,8 @@ export function Parallel({ height, none, ...view }: ParallelProps) {
     (ctx: CanvasRenderingContext2D) => paintLines(ctx, space, kept, ink, lines),
     [space, kept, ink, lines],
   )
+  const near = ([x, y]: [number, number]) => lineNear(space, kept, lines, x, y)
+  const between = useDrag({ onDrag: () => undefined, onClick: (at) => picked(near(at), onPick), onOver: (at) => onOver(at && near(at)) })
   const value = space.axes[0]
   const criterion = value && threshold !== null && threshold >= value.low && threshold <= value.high ? threshold : null
   const x0 = lines.xs[0] ?? 0
@@ -57,8 +63,9 @@ export function Parallel({ height, none, ...view }: ParallelProps) {
         label={`Parallel coordinates of ${kept.length} evaluations: ${space.axes.map((axis) => symbolText(axis.symbol)).join(', ')}`}
         paint={paint}
       >
+        <rect className={styles.hit} data-between x={x0} y={TOP} width={(lines.xs.at(-1) ?? x0) - x0} height={lines.none - TOP + 8} {...between} />
         {none && (
-          <g>
+          <g pointerEvents="none">
             <path className={figures.a} d={`M${x0 - 5} ${lines.none}h10`} />
             <text x={x0 - 10} y={lines.none + 4} textAnchor="end">
               no value
@@ -66,7 +73,8 @@ export function Parallel({ height, none, ...view }: ParallelProps) {
           </g>
         )}
         {worst !== null && <Line space={space} at={worst} lines={lines} stroke="var(--c-worst)" />}
-        {over !== null && over !== worst && <Line space={space} at={over} lines={lines} stroke="var(--ink)" />}
+        {simulated !== null && <Line space={space} at={simulated} lines={lines} stroke="var(--c-what-if)" />}
+        {over !== null && over !== worst && over !== simulated && <Line space={space} at={over} lines={lines} stroke="var(--ink)" />}
         {space.axes.map((axis, k) => (
           <AxisBar key={axis.key} {...view} axis={axis} lines={lines} x={lines.xs[k] as number} beside={k === 0 && none} />
         ))}
@@ -74,6 +82,13 @@ export function Parallel({ height, none, ...view }: ParallelProps) {
       </Layer>
     </div>
   )
+}
+
+/** Whether an evaluation was met, and is therefore simulated. */
+export function picked(met: number | null, onPick: ViewProps['onPick']): boolean {
+  if (met === null || !onPick) return false
+  onPick(met)
+  return true
 }
 
 function Criterion({ x, y }: { x: number; y: number }) {
@@ -107,7 +122,7 @@ interface AxisBarProps extends ViewProps {
   beside: boolean
 }
 
-function AxisBar({ space, kept, axis, lines, x, beside, brush, onBrush, onOver }: AxisBarProps) {
+function AxisBar({ space, kept, axis, lines, x, beside, brush, onBrush, onOver, onPick }: AxisBarProps) {
   const { top, bottom } = lines
   const range = brush[axis.key] ?? ([axis.low, axis.high] as const)
   const shown = Boolean(brush[axis.key])
@@ -132,7 +147,9 @@ function AxisBar({ space, kept, axis, lines, x, beside, brush, onBrush, onOver }
       }
       onBrush(axis, rangeOn(axis, before[part === 0 ? 1 : 0], valueOf(to)))
     },
-    onClick: () => onBrush(axis, null),
+    onClick: ([px, py]) => {
+      if (!picked(lineNear(space, kept, lines, px, py), onPick)) onBrush(axis, null)
+    },
     onOver: (at) => onOver(at && lineNear(space, kept, lines, at[0], at[1])),
   })
   const decimals = decimalsFor([axis.low, axis.high], 3)

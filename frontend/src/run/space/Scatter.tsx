@@ -8,7 +8,7 @@ import { symbolText, SvgSign } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import { Layer } from './Layer'
 import { type Cell, paintPoints, placed, pointNear } from './paint'
-import type { ViewProps } from './Parallel'
+import { picked, type ViewProps } from './Parallel'
 import { type Axis, parametersOf, rangeOn, shareOf, type Space, valueAt } from './space'
 import { useDrag } from './useDrag'
 import figures from '../../ui/figures.module.css'
@@ -23,7 +23,7 @@ interface ScatterProps extends ViewProps {
 }
 
 export function Scatter({ height, pair, ...view }: ScatterProps) {
-  const { space, kept, ink, worst, over } = view
+  const { space, kept, ink, worst, over, simulated } = view
   const [holder, width] = useWidth(520)
   const cells = useMemo(
     () => (pair ? [cellOf(pair, width, height)] : matrixOf(space, ink.axis, width, height)),
@@ -47,7 +47,8 @@ export function Scatter({ height, pair, ...view }: ScatterProps) {
         {cells.map((cell) => (
           <g key={`${cell.x} ${cell.y}`} pointerEvents="none">
             {worst !== null && <Ring space={space} at={worst} cell={cell} stroke="var(--c-worst)" />}
-            {over !== null && over !== worst && <Ring space={space} at={over} cell={cell} stroke="var(--ink)" />}
+            {simulated !== null && <Ring space={space} at={simulated} cell={cell} stroke="var(--c-what-if)" />}
+            {over !== null && over !== worst && over !== simulated && <Ring space={space} at={over} cell={cell} stroke="var(--ink)" />}
           </g>
         ))}
       </Layer>
@@ -101,7 +102,7 @@ interface FrameProps extends ViewProps {
   cells: readonly Cell[]
 }
 
-function Frame({ cell, cells, space, kept, brush, onBrush, onOver, threshold }: FrameProps) {
+function Frame({ cell, cells, space, kept, brush, onBrush, onOver, onPick, threshold }: FrameProps) {
   const across = space.axes[cell.x] as Axis
   const up = space.axes[cell.y] as Axis
   const { left, top, width, height } = cell
@@ -113,7 +114,8 @@ function Frame({ cell, cells, space, kept, brush, onBrush, onOver, threshold }: 
       onBrush(across, rangeOn(across, x(from[0]), x(to[0])))
       onBrush(up, rangeOn(up, y(from[1]), y(to[1])))
     },
-    onClick: () => {
+    onClick: ([x, y]) => {
+      if (picked(pointNear(space, kept, cell, x, y), onPick)) return
       onBrush(across, null)
       onBrush(up, null)
     },

@@ -2,22 +2,27 @@
 // parameters. A range on an axis filters all views. Start reading at `SpaceCard`.
 import { IconX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import { Fragment, useEffect, useMemo, useState } from 'react'
+import { useEffect, useMemo, useState } from 'react'
 import type { EvaluationSeries } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
+import { hasScenario } from '../../api/campaign'
 import { useHidden } from '../../charts/Legend'
 import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import type { RunData } from '../data/data'
 import { useTheme } from '../../theme/useTheme'
 import { Seg } from '../../ui/Card'
+import { NOMINAL } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
 import { Sign, symbolText } from '../../ui/Sign'
 import { ColourBar } from './ColourBar'
+import type { WhatIfState } from '../flight/useWhatIf'
+import { valuesOf, type WhatIf } from '../flight/whatif'
 import type { Ink } from './paint'
 import { Parallel, type ViewProps } from './Parallel'
+import { Reading } from './Reading'
 import { Scatter } from './Scatter'
-import { type Axis, type Brush, brushed, brushOf, brushTexts, criterionAxis, FATES, keptOf, parametersOf, type Space, spaceOf, VALUE, valueAxis, worstOf } from './space'
+import { type Axis, type Brush, brushed, brushOf, brushTexts, criterionAxis, evaluationOf, FATES, keptOf, parametersAt, parametersOf, rankedFrom, type Space, spaceOf, VALUE, valueAxis, worstOf } from './space'
 import { Toggles } from './Toggles'
 import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
@@ -29,7 +34,16 @@ const MOST = 4000
 /** Maximum number of parameters for the cells of all pairs. */
 const FEW = 4
 
-export function SpaceCard({ data, className }: { data: RunData; className: string | undefined }) {
+interface Props {
+  data: RunData
+  className: string | undefined
+  /** The what-if whose result is shown here; null where the page has none. */
+  whatIf: WhatIfState | null
+  /** Simulates the parameters of an evaluation; null where nothing can be simulated. */
+  onPick: ((next: WhatIf) => void) | null
+}
+
+export function SpaceCard({ data, className, whatIf, onPick }: Props) {
   const { run, catalogue, evaluations, parameters } = data
   const theme = useTheme()
   const [address, change] = useAddress(run.id)
@@ -57,6 +71,8 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
     const [low, high] = [values.reduce((a, b) => Math.min(a, b), Infinity), values.reduce((a, b) => Math.max(a, b), -Infinity)]
     return { theme, low, high, axis: by, turned: space.axes[by]?.worse === 'high' }
   }, [space, theme, by])
+  const picked = whatIf?.whatIf ?? null
+  const simulated = useMemo(() => picked && evaluationOf(space, kept, valuesOf(picked, data), picked.seed), [space, kept, picked, data])
   if (space.count === 0 || parameters.length === 0) return null
   const view: ViewProps = {
     space,
@@ -68,8 +84,12 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
     // A filtered evaluation under the pointer is no longer highlighted.
     over: over !== null && kept.includes(over) ? over : null,
     onOver: setOver,
+    simulated,
+    onPick: onPick && ((at) => onPick({ like: NOMINAL, set: parametersAt(space, at), seed: space.seeds[at] ?? null })),
     threshold: run.threshold,
   }
+  const at = view.over ?? simulated ?? worst
+  const flies = hasScenario(data.campaign)
   const some = space.fates.some((fate) => fate > 0)
   const many = parameters.length > FEW
   const height = many ? 340 : [0, 300, 320, 400, 480][parameters.length]
@@ -84,7 +104,7 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
       className={className}
       run={run.id}
       data={() => tableOf(space, kept)}
-      footer="Drag along an axis or in a cell to select a range; drag its ends to change it, click to clear it. The data and the CSV file contain the selection."
+      footer={`${onPick ? `Click an evaluation to ${flies ? 'simulate it' : 'use its values in the what-if'}. ` : ''}Drag along an axis or in a cell to select a range; drag its ends to change it, click next to the evaluations to clear it. The data and the CSV file contain the selection.`}
     >
       <div className={styles.space} onKeyDown={(event) => event.key === 'Escape' && setBrush({})}>
         <div className={styles.head}>
@@ -120,7 +140,17 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
             <Scatter {...view} height={(height ?? 340) - (many ? 34 : 0)} pair={many ? pair : null} />
           </div>
         </div>
-        <Reading space={space} at={view.over ?? worst} lowest={view.over === null || view.over === worst} />
+        <Reading
+          space={space}
+          at={at}
+          lowest={at === worst}
+          simulated={at !== null && at === simulated}
+          failures={evaluations?.failures ?? []}
+          whatIf={whatIf}
+          onStep={(step) => at !== null && setOver(rankedFrom(space, kept, at, step))}
+          onPick={view.onPick}
+          flies={flies}
+        />
       </div>
     </ChartCard>
   )
@@ -215,32 +245,6 @@ function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, nu
       {choice('Vertical', 1)}
       {choice('Horizontal', 0)}
     </div>
-  )
-}
-
-/** One evaluation as text: the one under the pointer, otherwise the lowest selected. */
-function Reading({ space, at, lowest }: { space: Space; at: number | null; lowest: boolean }) {
-  if (at === null) return <p className={clsx('small mut', styles.read)}>No evaluation is selected.</p>
-  const group = space.groups[space.of[at] as number]
-  const fate = FATES[space.fates[at] as number]
-  return (
-    <p className={clsx('small sec', styles.read)}>
-      <b className={lowest ? 'bad-t' : undefined}>{lowest ? 'Lowest selected' : 'Pointed at'}</b>: {group?.title}, evaluation{' '}
-      {count((space.index[at] as number) + 1)}
-      {fate !== 'ok' && `, ${fate}`}:{' '}
-      {space.axes.map((axis, k) => {
-        const value = space.columns[k]?.[at] as number
-        return Number.isNaN(value) ? null : (
-          <Fragment key={axis.key}>
-            {k > 0 && '; '}
-            <span className="nw">
-              <Sign text={axis.symbol} path={axis.key} /> = {plain(value, 5)}
-              {axis.unit && ` ${unitText(axis.unit)}`}
-            </span>
-          </Fragment>
-        )
-      })}
-    </p>
   )
 }
 

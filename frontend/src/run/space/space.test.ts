@@ -1,6 +1,7 @@
 // Ranges on axes, thinning, and contrast of colours in both themes.
 import { expect, it } from 'vitest'
 import type { Evaluations, EvaluationSeries } from '../../client'
+import { againOf } from './again'
 import { rgbOf, SHADES, shadeOf } from './colours'
 import { DASHED, dashOf, layersOf } from './paint'
 import {
@@ -8,6 +9,7 @@ import {
   brushed,
   brushOf,
   brushTexts,
+  evaluationOf,
   keptOf,
   nudged,
   rangeOn,
@@ -17,7 +19,9 @@ import {
   valueAt,
   valueAxis,
   criterionAxis,
+  parametersAt,
   parametersOf,
+  rankedFrom,
   worstOf,
 } from './space'
 
@@ -34,6 +38,7 @@ function series(position: number, cost: (number | null)[], a: number[], status?:
     cost,
     status: status ?? cost.map(() => 'ok'),
     parameters: { a, b: a.map((v) => 10 - v) },
+    seeds: [],
   } as unknown as EvaluationSeries
 }
 
@@ -95,6 +100,40 @@ it('finds the lowest of the filtered evaluations', () => {
   expect(worstOf(TWO, keptOf(TWO, {}, NONE))).toBe(1)
   expect(worstOf(TWO, keptOf(TWO, { a: [8, 9] }, NONE))).toBe(4)
   expect(worstOf(TWO, keptOf(TWO, { a: [3, 4] }, NONE))).toBeNull()
+})
+
+it('finds the evaluation that a what-if repeats, by all of its parameters and its noise', () => {
+  const seeded = { ...series(2, [3, 1, 2], [1, 1, 0.1 + 0.2]), seeds: [7, null, null] }
+  const space = made([seeded])
+  const all = keptOf(space, {}, NONE)
+  expect(parametersAt(space, 2)).toEqual({ a: 0.1 + 0.2, b: 10 - (0.1 + 0.2) })
+  expect(evaluationOf(space, all, parametersAt(space, 2), null)).toBe(2)
+  expect(evaluationOf(space, all, { a: 1, b: 9 }, 7)).toBe(0)
+  expect(evaluationOf(space, all, { a: 1, b: 9 }, null)).toBe(1)
+  expect(evaluationOf(space, all, { a: 0.3, b: 9.7 }, null)).toBeNull()
+  expect(evaluationOf(space, all, { a: 1 }, null)).toBeNull()
+  expect(evaluationOf(space, Uint32Array.of(0, 1), parametersAt(space, 2), null)).toBeNull()
+})
+
+it('goes from value to value, those without one last', () => {
+  const all = keptOf(TWO, {}, NONE)
+  const walked = [1]
+  while (walked.length < 7) walked.push(rankedFrom(TWO, all, walked.at(-1) as number, 1))
+  expect(walked).toEqual([1, 4, 0, 5, 2, 3, 3])
+  expect(rankedFrom(TWO, all, 1, -1)).toBe(1)
+  expect(rankedFrom(TWO, Uint32Array.of(1, 5), 1, 1)).toBe(5)
+})
+
+it('compares a simulation with the stored evaluation by every bit', () => {
+  const stored = { cost: 0.75, fate: 'ok' } as const
+  const lost = { cost: Number.NaN, fate: 'failed' } as const
+  expect(againOf({ cost: 0.75, status: 'ok', reason: '' }, stored)).toBe('identical to the stored value')
+  expect(againOf({ cost: 0.75 + 2 ** -53, status: 'ok', reason: '' }, stored)).toBe('differs from the stored value by 1.11e-16')
+  expect(againOf({ cost: null, status: 'failed', reason: 'It fell.' }, stored)).toBe('failed: It fell, unlike the stored evaluation')
+  expect(againOf({ cost: null, status: 'failed', reason: 'It fell.' }, lost)).toBe('failed: It fell, as stored')
+  expect(againOf({ cost: null, status: 'timeout', reason: '' }, lost)).toBe('timeout, as stored')
+  expect(againOf({ cost: null, status: 'excluded', reason: '' }, lost)).toBe('excluded, unlike the stored evaluation')
+  expect(againOf({ cost: 0.7, status: 'ok', reason: '' }, lost)).toBe('ok, unlike the stored evaluation')
 })
 
 it('thins evenly and keeps the lowest', () => {

@@ -43,6 +43,8 @@ export interface Space {
   of: Uint16Array
   /** Counted from 0 within the stage. */
   index: Uint32Array
+  /** The noise seed of an evaluation that drew its own; null for those of the campaign. */
+  seeds: (number | null)[]
   count: number
   total: number
 }
@@ -76,6 +78,7 @@ export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
     fates: new Uint8Array(count),
     of: new Uint16Array(count),
     index: new Uint32Array(count),
+    seeds: new Array<number | null>(count).fill(null),
     count,
     total: stages.reduce((sum, series) => sum + series.total, 0),
   }
@@ -90,6 +93,7 @@ export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
       space.fates[at] = series.status[row] === 'ok' ? 0 : series.status[row] === 'excluded' ? 2 : 1
       space.of[at] = group
       space.index[at] = series.index[row] ?? 0
+      space.seeds[at] = series.seeds[row] ?? null
       at++
     }
   })
@@ -146,6 +150,24 @@ export function worstOf(space: Space, kept: Uint32Array): number | null {
     if (!Number.isNaN(value) && (worst === null || value < (values[worst] as number))) worst = i
   }
   return worst
+}
+
+/** The parameters of an evaluation by path, to the last bit. */
+export const parametersAt = ({ axes, columns }: Space, at: number): Record<string, number> =>
+  Object.fromEntries(parametersOf(axes).map((k) => [(axes[k] as Axis).key, columns[k]?.[at] as number]))
+
+/** The first of the selected evaluations with exactly these parameters and this noise seed; null if there is none. */
+export function evaluationOf(space: Space, kept: Uint32Array, values: Readonly<Record<string, number>>, seed: number | null): number | null {
+  const wanted = parametersOf(space.axes).map((k) => [space.columns[k] as Float64Array, values[(space.axes[k] as Axis).key]] as const)
+  return kept.find((i) => space.seeds[i] === seed && wanted.every(([column, value]) => column[i] === value)) ?? null
+}
+
+/** The selected evaluation `step` ranks above another one by value, those without a value last; stays at the ends. */
+export function rankedFrom(space: Space, kept: Uint32Array, at: number, step: 1 | -1): number {
+  const values = space.columns[0] as Float64Array
+  const size = (i: number) => (Number.isNaN(values[i]) ? Infinity : (values[i] as number))
+  const order = [...kept].sort((a, b) => (size(a) === size(b) ? a - b : size(a) - size(b)))
+  return order[order.indexOf(at) + step] ?? at
 }
 
 /** The range between two values, clipped to the axis and with rounded ends; null for the whole axis. */

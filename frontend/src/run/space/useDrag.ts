@@ -6,7 +6,8 @@ const STILL = 3
 interface Drag {
   /** While dragged: from and to [px]. */
   onDrag: (from: [number, number], to: [number, number]) => void
-  onClick: () => void
+  /** Position of the click. */
+  onClick: (at: [number, number]) => void
   /** Hover position without a button pressed; null when it leaves. */
   onOver?: (at: [number, number] | null) => void
   /** State at the start of a drag. */
@@ -34,7 +35,7 @@ export function useDrag({ onDrag, onClick, onOver, onStart }: Drag) {
       if (drag.moved) onDrag(drag.at, at)
     },
     onPointerUp: () => {
-      if (began.current && !began.current.moved) onClick()
+      if (began.current && !began.current.moved) onClick(began.current.at)
       began.current = null
     },
     onPointerCancel: () => {

@@ -21,7 +21,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign' |
   const at = run.stages.find((stage) => stage.kind === 'search' && stage.method === method)
   const target = numberOf(campaign.target_probability)
   const compute = run.stages.reduce((sum, stage) => sum + stage.seconds, 0)
-  const percentOf = percent(statistics?.upper_bound, 3).split('\u202f')
+  const percentOf = percent(statistics?.upper_bound).split('\u202f')
   return (
     <div className={cards.card} style={{ marginTop: 'var(--gap)' }}>
       <div className={runStyles.stats}>

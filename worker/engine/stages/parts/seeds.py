@@ -1,8 +1,7 @@
 """The noise realisation of each evaluation, if a stage draws one per evaluation.
 
-It is that of the baseline's finding, or computed from the campaign's seed and the evaluation's index, so it is never
-stored with the evaluation: the highest bits of
-SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
+It is that of the baseline's finding, or computed from the campaign's seed and the evaluation's index
+(`campaigns.results.draws`), so it is never stored with the evaluation.
 """
 
 from __future__ import annotations
@@ -10,26 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from campaigns.asked.spec import MAX_SEED
 from campaigns.results import CertifyResult
 from campaigns.results.baseline import BaselineResult
+from campaigns.results.draws import of_draws
 from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.store import Columns
 from worker.engine.systems.base import Seeds
-
-_GAMMA = 0x9E3779B97F4A7C15
-_BITS = MAX_SEED.bit_length() - 1
-assert 1 << _BITS == MAX_SEED
-
-
-def of_draws(seed: int, first: int, count: int) -> Seeds:
-    """The realisations of the draws `first`, first + 1, ... of the certify stage of a campaign with this seed."""
-    index = np.arange(first, first + count, dtype=np.uint64)
-    stream = _mixed(np.array([seed + 1], dtype=np.uint64) * np.uint64(_GAMMA))
-    mixed = _mixed(stream + (index + np.uint64(1)) * np.uint64(_GAMMA))
-    return (mixed >> np.uint64(64 - _BITS)).astype(np.int64)
 
 
 def stated(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns]]:
@@ -61,9 +47,3 @@ def _drawn(context: Context, position: int) -> int:
 def _rows(columns: Columns, first: int, last: int | None) -> Columns:
     rows = slice(first, last)
     return Columns(columns.points[rows], columns.costs[rows], columns.status[rows], columns.seconds[rows], {})
-
-
-def _mixed(z: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return z ^ (z >> np.uint64(31))

@@ -1,0 +1,69 @@
+"""Ways on for a run that other code began: begin it again, or continue it as a new run. See `backend.runs.waiting`."""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+
+from backend.access.own import require_own
+from backend.catalog.service import required
+from backend.db import audit, codes, waiting
+from backend.db.access import Visitor
+from backend.db.engine import read
+from backend.db.tables import Run
+from backend.http import bodies
+from backend.http.errors import RefusedError
+from backend.runs import service
+from backend.runs.schemas import RunSummary
+from campaigns import Campaign, CampaignError, Catalogue, check
+from campaigns.identity.code import model_of
+from campaigns.runs import run_name
+from campaigns.versions import Versions
+
+
+def restart(engine: sa.Engine, run_id: int, visitor: Visitor) -> RunSummary:
+    """Begin a run again without its evaluations; 409 unless it waits for its code, 403 if it is another user's."""
+    with engine.begin() as writer:
+        _own(writer, run_id, visitor)
+        lost = writer.scalar(sa.select(Run.evaluations).where(Run.id == run_id))
+        if not waiting.restart(writer, run_id):
+            raise _not_waiting(run_id)
+        audit.note(writer, visitor, "run.restarted", run_name(run_id), {"evaluations": lost})
+    with read(engine) as reader:
+        return service.summary(reader, run_id)
+
+
+def carry_on(engine: sa.Engine, run_id: int, visitor: Visitor) -> RunSummary:
+    """Continue a run as a new one; as `restart`, and 409 if no evaluation may be used, 422 for an unusable campaign."""
+    with engine.begin() as writer:
+        _own(writer, run_id, visitor)
+        found = waiting.carry(writer, run_id, *_usable(writer, run_id))
+        if found is None:
+            raise _not_waiting(run_id)
+        audit.note(writer, visitor, "run.continued", run_name(found), {"continues": run_name(run_id)})
+    with read(engine) as reader:
+        return service.summary(reader, found)
+
+
+def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:
+    """The campaign and the catalogue, if the newest worker may use evaluations of the run."""
+    campaign, catalogue = service.campaign(reader, run_id), required(reader)
+    if problems := check(campaign, catalogue):
+        raise bodies.invalid(CampaignError(run_name(run_id), problems))
+    model = Versions.of(reader.scalar(sa.select(Run.flown).where(Run.id == run_id))).model
+    if model is not None and model != model_of(campaign, codes.installed(reader)):
+        detail = (
+            f"the code that evaluates differs between {run_name(run_id)} and the newest worker, so none of its "
+            "evaluations can be used: begin it again, or start a worker of its version"
+        )
+        raise RefusedError(409, "not-continuable", detail)
+    return campaign, catalogue
+
+
+def _own(reader: sa.Connection, run_id: int, visitor: Visitor) -> None:
+    service.require(reader, run_id)
+    require_own(reader, visitor, reader.scalar(sa.select(Run.owner).where(Run.id == run_id)), run_name(run_id))
+
+
+def _not_waiting(run_id: int) -> RefusedError:
+    detail = f"{run_name(run_id)} does not wait for the code that began it; only such a run is begun again or continued"
+    return RefusedError(409, "not-waiting", detail)

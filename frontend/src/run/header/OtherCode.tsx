@@ -1,0 +1,48 @@
+// The ways on for a run that waits for the code that began it: begin it again, or continue it as a new run.
+import { useMutation, useQueryClient } from '@tanstack/react-query'
+import { useNavigate } from '@tanstack/react-router'
+import { clsx } from 'clsx'
+import { continueRun, restartRun } from '../../api/calls'
+import { useBarredFromOwn } from '../../api/may'
+import { putRun } from '../../api/events'
+import type { RunDetail } from '../../client'
+import { count } from '../../format/numbers'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+import layout from '../../ui/layout.module.css'
+
+export function OtherCode({ run }: { run: RunDetail }) {
+  const cache = useQueryClient()
+  const navigate = useNavigate()
+  const barred = useBarredFromOwn('engineer', run)
+  const restart = useMutation({ mutationFn: () => restartRun(run.id), onSuccess: (found) => putRun(cache, found) })
+  const carry = useMutation({
+    mutationFn: () => continueRun(run.id),
+    onSuccess: (found) => navigate({ to: '/runs/$id', params: { id: found.id } }),
+  })
+  const busy = restart.isPending || carry.isPending
+  const refused = restart.error ?? carry.error
+  return (
+    <div style={{ marginBottom: 'var(--gap)' }}>
+      <div className={layout.acts}>
+        <button type="button" className={buttons.btn} disabled={busy || barred !== undefined} title={barred} onClick={() => carry.mutate()}>
+          Continue as a new run
+        </button>
+        <button
+          type="button"
+          className={clsx(buttons.btn, buttons.danger)}
+          disabled={busy || barred !== undefined}
+          title={barred}
+          onClick={() => restart.mutate()}
+        >
+          Begin again, discard {count(run.evaluations)} {run.evaluations === 1 ? 'evaluation' : 'evaluations'}
+        </button>
+      </div>
+      {refused && (
+        <p className={fields.ferr} role="alert">
+          {refused.message}
+        </p>
+      )}
+    </div>
+  )
+}

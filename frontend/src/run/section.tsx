@@ -1,0 +1,84 @@
+// A section of the page of a run that has ended: its tab, its condition and its card. Start reading at `section`.
+import { Fragment, type ReactNode } from 'react'
+import { Columns, type Piece } from './Columns'
+import type { RunData } from './data/data'
+import type { Facts } from './facts'
+import type { WhatIfState } from './flight/useWhatIf'
+import type { View } from './flight/view'
+import layout from '../ui/layout.module.css'
+
+/** What a section is rendered from. */
+export interface Page extends Facts {
+  data: RunData
+  view: View
+  whatIf: WhatIfState
+  /** The result of the what-if for charts, which may be drawn later. */
+  other: WhatIfState['answer']
+  /** A time under the pointer of a chart. */
+  cross: (time: number) => void
+  /** Whether the main content is drawn: charts with thousands of points follow it. */
+  calm: boolean
+}
+
+type Content = { card: ReactNode } | { pieces: readonly Piece[] }
+
+export interface Section {
+  /** Its anchor, if it has a tab. */
+  id: string
+  /** Its tab; null without one, or if the run has nothing to show here. */
+  tab: (page: Page) => { id: string; name: string; count?: number } | null
+  /** Its card, or pieces for balanced columns; null if the run has nothing to show here. */
+  content: (page: Page) => Content | null
+}
+
+interface Given<T> {
+  id: string
+  /** The condition: what of the run is shown here. */
+  of: (page: Page) => T | false | null | undefined
+  title?: string | ((page: Page, of: T) => string)
+  count?: (page: Page, of: T) => number | undefined
+}
+
+type Rendered<T> =
+  | { card: (page: Page, of: T) => ReactNode; pieces?: undefined }
+  /** Cards that share two balanced columns with those of neighbouring sections. */
+  | { card?: undefined; pieces: (page: Page, of: T) => readonly Piece[] }
+
+/** A row of the table; the condition's value is given to its other parts. */
+export function section<T>({ id, title, count, of, ...rendered }: Given<T> & Rendered<T>): Section {
+  return {
+    id,
+    tab: (page) => {
+      const there = of(page)
+      if (!there || title === undefined) return null
+      const number = count?.(page, there)
+      return { id, name: typeof title === 'string' ? title : title(page, there), ...(number !== undefined && { count: number }) }
+    },
+    content: (page) => {
+      const there = of(page)
+      if (!there) return null
+      return rendered.card ? { card: rendered.card(page, there) } : { pieces: rendered.pieces(page, there) }
+    },
+  }
+}
+
+/** All sections of a run; pieces of neighbouring sections share two columns. */
+export function Sections({ sections, page }: { sections: readonly Section[]; page: Page }) {
+  const rows: ReactNode[] = []
+  let pieces: Piece[] = []
+  let columns = 0
+  const placed = () => {
+    // Counted among the columns alone: other sections may come later, and would mount the cards again.
+    if (pieces.length > 0) rows.push(<Columns key={`columns ${columns++}`} pieces={pieces} />)
+    pieces = []
+  }
+  sections.forEach((one, i) => {
+    const content = one.content(page)
+    if (!content) return
+    if ('pieces' in content) return pieces.push(...content.pieces)
+    placed()
+    rows.push(<Fragment key={`${one.id} ${i}`}>{content.card}</Fragment>)
+  })
+  placed()
+  return <div className={layout.grid}>{rows}</div>
+}

@@ -19,7 +19,7 @@ from worker.running.processes.lifeline import Wakeup
 
 
 class Message(TypedDict, total=False):
-    """What a child sends: once, when it has started, its code, simulators and installation; then how each claim ended."""
+    """What a child sends: when it has started, its code, simulators and installation; then how each claim ended."""
 
     fresh: bool
     simulators: list[str]

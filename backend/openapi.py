@@ -33,46 +33,6 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (RunSubmit, "validation"),
     (SweepSubmit, "validation"),
 )
-_LEFT_OUT = {
-    "Criterion": ("component", "result", "from_centre", "requirements"),
-    "Campaign": ("scenario", "simulator", "encounter", "regression", "baseline"),
-    "Catalogue": ("simulators", "digests", "own", "code", "unusable"),
-    "Provenance": ("model", "components", "simulator", "evaluator", "command"),
-    "Versions": ("model", "components", "simulator", "evaluator", "command"),
-    "Validation": ("again", "repeats"),
-    "ValidateResult": ("incumbents", "untraced", "since"),
-    "RunVerdict": ("regression",),
-    "Verdict": ("regression",),
-    "NominalResult": ("measured", "untraced"),
-    "Measured": ("call_seconds", "slots"),
-    "TraceColumn": ("text",),
-    "TraceHead": ("scene",),
-    "Compared": ("minima",),
-    "Counts": ("flaky",),
-    "Simulator": ("repeats", "retries"),
-    "Repeats": ("quantile",),
-    "Validate": ("repeats",),
-    "SimulatorEntry": ("step",),
-    "ComponentEntry": ("look",),
-    "MethodEntry": ("look",),
-}
-"""Models whose defaults are omitted in responses."""
-_PARTIAL = frozenset(
-    {
-        *("RunSubmit", "SweepSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
-        *("PasswordChange", "UserInvite", "UserChange", "AccessSettingsChange", "TokenRequest"),
-        *(
-            "RequirementGiven",
-            "DraftContent",
-            "DraftReplace",
-            "ViewChange",
-            "LayersChange",
-            "FlightRequest",
-            "CaseRequest",
-        ),
-    }
-)
-"""Request models; all others are responses, which have every field."""
 _CAMPAIGN_BODY = {
     "type": "object",
     "description": "A campaign to be checked or previewed.",
@@ -132,9 +92,6 @@ def _document(app: FastAPI) -> JsonObject:
     for name, key in _HOLDING:
         nullable = "anyOf" in schemas[name]["properties"][key]
         schemas[name]["properties"][key] = {"anyOf": [_CAMPAIGN, {"type": "null"}]} if nullable else _CAMPAIGN
-    for name in schemas.keys() - _PARTIAL:
-        answered = schemas[name].get("properties", {})
-        schemas[name]["required"] = [key for key in answered if key not in _LEFT_OUT.get(name, ())]
     for path, operations in found["paths"].items():
         for method, operation in operations.items():
             _declare(operation, method, RULES[method.upper(), path])

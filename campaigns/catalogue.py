@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from campaigns.documented import Documented
+from campaigns.documented import Documented, no_default
 from campaigns.documents import JsonObject
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 from campaigns.versions import CodeParts
@@ -26,11 +26,7 @@ def _absent(look: Any) -> bool:
     return look is None
 
 
-def _no_default(schema: JsonObject) -> None:
-    schema.pop("default", None)
-
-
-_LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=_no_default)
+_LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=no_default)
 """Omitted if not declared, so that older snapshots keep their digests."""
 
 
@@ -189,19 +185,19 @@ class Catalogue(Entry):
     components: list[ComponentEntry]
     methods: list[MethodEntry]
     simulators: Annotated[
-        list[SimulatorEntry], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)
+        list[SimulatorEntry], Field(exclude_if=lambda given: not given, json_schema_extra=no_default)
     ] = []
     """Omitted if there is none, so that older snapshots keep their digests."""
-    digests: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)] = {}
+    digests: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=no_default)] = {}
     """Of the files of simulators, by name, when this was published; not in snapshots, and omitted if empty."""
-    own: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)] = {}
+    own: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=no_default)] = {}
     """Of the files of the operator's own components, by file, when this was published; not in snapshots."""
-    code: Annotated[CodeParts | None, Field(exclude_if=lambda given: given is None, json_schema_extra=_no_default)] = (
+    code: Annotated[CodeParts | None, Field(exclude_if=lambda given: given is None, json_schema_extra=no_default)] = (
         None
     )
     """Of the code, by part, when this was published; not in snapshots."""
     unusable: Annotated[
-        list[UnusableEntry], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)
+        list[UnusableEntry], Field(exclude_if=lambda given: not given, json_schema_extra=no_default)
     ] = []
     """What was skipped, when this was published; not in snapshots, and omitted if there is none."""
 

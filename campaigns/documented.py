@@ -24,8 +24,22 @@ class Documented(BaseModel):
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         schema = handler(core_schema)
-        _describe(cls, handler.resolve_ref_schema(schema).get("properties", {}))
+        described = handler.resolve_ref_schema(schema)
+        _describe(cls, described.get("properties", {}))
+        if handler.mode == "serialization" and "properties" in described:
+            described["required"] = [name for name in described["properties"] if not _left_out(cls, name)]
         return schema
+
+
+def no_default(schema: JsonSchemaValue) -> None:
+    """For `json_schema_extra` of a field that is omitted when it has its default: the schema omits it as well."""
+    schema.pop("default", None)
+
+
+def _left_out(model: type[BaseModel], name: str) -> bool:
+    """Whether a field is omitted for some values; all others are in every document, defaults included."""
+    field = model.model_fields.get(name)
+    return field is not None and field.exclude_if is not None
 
 
 def _describe(model: type[BaseModel], properties: dict[str, Any]) -> None:

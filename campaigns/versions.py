@@ -9,7 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
+
+from campaigns.documented import Documented
 
 SHORT = 12
 """Digits of a digest in a message."""
@@ -32,7 +34,7 @@ class OtherCode(ValueError):
     """The run was begun by other code, packages or components; the message states the differences as clauses."""
 
 
-class CodeParts(BaseModel):
+class CodeParts(Documented):
     """The digests of an installation's code by part, each with everything that it imports, without documentation."""
 
     model_config = ConfigDict(frozen=True)
@@ -46,7 +48,7 @@ class CodeParts(BaseModel):
     """Of other packages, by name."""
 
 
-class Processor(BaseModel):
+class Processor(Documented):
     """The processor, and the features of it that the compiler used."""
 
     model_config = ConfigDict(frozen=True)
@@ -55,7 +57,7 @@ class Processor(BaseModel):
     features: str = ""
 
 
-class Versions(BaseModel):
+class Versions(Documented):
     """The versions behind a run, as loaded when its first stage began; None or empty: not stored by earlier
     versions."""
 

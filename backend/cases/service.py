@@ -7,9 +7,7 @@ in processes of its own. The service's machine must have the simulator of the ru
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import sqlalchemy as sa
 
@@ -23,8 +21,8 @@ from backend.runs.service import campaign, number
 from backend.scenes.base.flight import ROWS
 from backend.scenes.live.live import FlightRefusedError, Live, LiveError
 from campaigns import Campaign
-from campaigns.documents import JsonObject
 from campaigns.runs import run_name
+from campaigns.stored.replies import CaseReply, InstalledReply
 
 COMMAND = (sys.executable, "-P", "-m", "worker.running.processes.cases")
 LIMIT = 60.0
@@ -81,19 +79,20 @@ def installed(live: Live, campaign: Campaign, version: str) -> CaseInstalled:
     """Whether the machine of the service has this simulator; evaluates nothing. Raises `RefusedError`."""
     request = {"kind": "installed", "campaign": campaign.document(), "simulator": version}
     try:
-        reason = live.ask(f"installed {campaign.digest}", request)["missing"]
+        found: InstalledReply = live.ask(f"installed {campaign.digest}", request)
     except LiveError as error:
         text = f"whether the simulator is installed could not be found out: {error}"
         raise RefusedError(503, "case-failed", text) from None
-    return CaseInstalled(installed=not reason, reason=reason)
+    return CaseInstalled(installed=not found["missing"], reason=found["missing"])
 
 
-def evaluated(live: Live, wanted: Evaluable, rows: int) -> JsonObject:
+def evaluated(live: Live, wanted: Evaluable, rows: int) -> CaseReply:
     """The answer of the process; raises `RefusedError`."""
     case = wanted.case
     request = {"campaign": case.document, "simulator": wanted.simulator, "parameters": case.values}
     try:
-        return live.ask(case.digest, request | {"rows": max(rows, ROWS)})
+        found: CaseReply = live.ask(case.digest, request | {"rows": max(rows, ROWS)})
+        return found
     except FlightRefusedError as error:
         raise RefusedError(422, "not-flyable", f"this case cannot be evaluated: {error}") from None
     except LiveError as error:
@@ -104,7 +103,7 @@ def evaluated(live: Live, wanted: Evaluable, rows: int) -> JsonObject:
         raise RefusedError(503, "case-failed", text) from None
 
 
-def response(wanted: Evaluable, answer: Mapping[str, Any], drawn: str | None, rows: int) -> CaseAnswer:
+def response(wanted: Evaluable, answer: CaseReply, drawn: str | None, rows: int) -> CaseAnswer:
     """The response of the API."""
     plain = flights.response(wanted.case, answer, drawn, rows if answer["columns"] else 0)
     known = wanted.digest is not None

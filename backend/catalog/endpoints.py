@@ -14,7 +14,6 @@ from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import problems
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.asked.load import load_document
-from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["catalog"])
 LibraryName = Annotated[str, Path(description="The identifier of a shipped campaign, such as `unicycle_static`.")]
@@ -41,7 +40,7 @@ def list_campaigns(reader: Reader) -> list[LibraryCampaign]:
 
 
 @router.get("/campaigns/schema")
-def campaign_schema() -> JsonObject:
+def campaign_schema() -> dict[str, object]:
     """The JSON Schema of a campaign."""
     return Campaign.model_json_schema()
 

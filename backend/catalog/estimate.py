@@ -13,7 +13,7 @@ from backend.db.tables import Run, Stage
 from campaigns import Campaign, Catalogue
 from campaigns.checked.expected import Total, boundary, expected, latest, total
 from campaigns.checked.expected import again as made_again
-from campaigns.runs import run_name
+from campaigns.runs import RunState, run_name
 from campaigns.stages.found import declared
 
 USUAL = (
@@ -90,7 +90,7 @@ def _scaled(seconds: Callable[[int], float | None], evaluations: Total) -> _Time
 
 def _earlier(reader: sa.Connection, digest: str) -> _Earlier | None:
     """The newest finished run of exactly this campaign that began from nothing."""
-    same = (Run.campaign_digest == digest, Run.state == "done", Run.removed.is_(None), Run.continues.is_(None))
+    same = (Run.campaign_digest == digest, Run.state == RunState.DONE, Run.removed.is_(None), Run.continues.is_(None))
     run_id = reader.scalar(sa.select(Run.id).where(*same, Run.purged.is_(None)).order_by(Run.id.desc()).limit(1))
     if run_id is None:
         return None

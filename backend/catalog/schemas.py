@@ -6,7 +6,6 @@ from typing import Literal
 
 from backend.http.schema import Schema
 from campaigns.catalogue import Catalogue, ParameterEntry
-from campaigns.documents import JsonObject
 from campaigns.results.drawn import DrawnFlight
 
 CatalogueOut = Catalogue
@@ -17,7 +16,7 @@ class LibraryCampaign(Schema):
 
     id: str
     digest: str
-    document: JsonObject
+    document: dict[str, object]
     yaml: str
     problems: list[ProblemOut]
     nominal: DrawnFlight | None
@@ -99,7 +98,7 @@ class Checked(Schema):
     ok: bool
     problems: list[ProblemOut]
     digest: str | None
-    document: JsonObject | None
+    document: dict[str, object] | None
     yaml: str | None
     """Null if it has errors, or more values than a campaign in YAML may have."""
     parameters: list[CheckedParameter]

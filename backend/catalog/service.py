@@ -18,6 +18,7 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check, librar
 from campaigns.asked.text import readable_yaml
 from campaigns.checked.check import parameters
 from campaigns.results.drawn import library_flights
+from campaigns.runs import RunState, StageState
 from campaigns.stages.plan import plan
 
 NO_CATALOGUE = (
@@ -153,7 +154,7 @@ def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> flo
     """
     if campaign.scenario is None:
         return None
-    recent = sa.select(Run.id, Run.campaign_digest).where(Run.state == "done").order_by(Run.id.desc())
+    recent = sa.select(Run.id, Run.campaign_digest).where(Run.state == RunState.DONE).order_by(Run.id.desc())
     runs = recent.limit(RECENT_RUNS).subquery()
     document = CampaignRow.document
     same = [
@@ -165,7 +166,7 @@ def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> flo
         .select_from(runs)
         .join(CampaignRow, CampaignRow.digest == runs.c.campaign_digest)
         .join(Stage, Stage.run_id == runs.c.id)
-        .where(Stage.state == "done", Stage.evaluations > 0, *same)
+        .where(Stage.state == StageState.DONE, Stage.evaluations > 0, *same)
     )
     evaluated, seconds = reader.execute(totals).one()
     if not evaluated or not seconds:

@@ -17,7 +17,6 @@ from backend.db.access import Visitor
 from backend.db.chain import COVERED, FIRST, Head, Verified, digest, verify
 from backend.db.engine import now
 from backend.db.tables import Audit, AuditHead
-from campaigns.documents import JsonObject
 
 PAGE = 1000
 """Rows that are read at a time."""
@@ -30,17 +29,17 @@ COLUMNS = tuple(
 """What a row consists of; for `as_row`."""
 
 
-def note(writer: sa.Connection, visitor: Visitor, action: str, subject: str, detail: JsonObject) -> None:
+def note(writer: sa.Connection, visitor: Visitor, action: str, subject: str, detail: Mapping[str, object]) -> None:
     """Record an action in the caller's transaction: `action` such as `signoff.created`, `subject` such as R-0001."""
     _write(writer, action, subject, detail, {"user": visitor.user, "via": visitor.via})
 
 
-def note_command(writer: sa.Connection, user: str, action: str, subject: str, detail: JsonObject) -> None:
+def note_command(writer: sa.Connection, user: str, action: str, subject: str, detail: Mapping[str, object]) -> None:
     """Record an action on the command line by an operating-system user."""
     _write(writer, action, subject, detail, {"user": user[:64], "via": "cli"})
 
 
-def note_unchained(writer: sa.Connection, user: str, action: str, subject: str, detail: JsonObject) -> None:
+def note_unchained(writer: sa.Connection, user: str, action: str, subject: str, detail: Mapping[str, object]) -> None:
     """The same in migrations up to 0017: the next one adds the chain."""
     names = ("at", "user", "via", "action", "subject")
     table = sa.table("audit", *map(sa.column, names), sa.column("detail", sa.JSON()))
@@ -48,7 +47,7 @@ def note_unchained(writer: sa.Connection, user: str, action: str, subject: str, 
     writer.execute(sa.insert(table).values(detail=detail, **dict(zip(names, values, strict=True))))
 
 
-def note_sign_in(writer: sa.Connection, user: str, via: str, action: str, detail: JsonObject) -> None:
+def note_sign_in(writer: sa.Connection, user: str, via: str, action: str, detail: Mapping[str, object]) -> None:
     """Record an action of a user who is not yet signed in."""
     _write(writer, action, user, detail, {"user": user[:64], "via": via})
 
@@ -85,7 +84,7 @@ def verified(reader: sa.Connection, noted: Head | None = None) -> Verified:
     return verify(rows(reader), head(reader), noted)
 
 
-def _write(writer: sa.Connection, action: str, subject: str, detail: JsonObject, who: dict[str, str]) -> None:
+def _write(writer: sa.Connection, action: str, subject: str, detail: Mapping[str, object], who: dict[str, str]) -> None:
     row, hash_ = writer.execute(sa.select(AuditHead.row, AuditHead.hash).with_for_update()).one()
     values = {"id": row + 1, "at": now(writer), "action": action, "subject": subject[:80], "detail": detail, **who}
     values["previous"] = hash_

@@ -21,15 +21,15 @@ from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.documents import JsonObject
 from campaigns.results import Finding, TraceHead
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from campaigns.results.trace import TraceColumn
+from campaigns.runs import RunState
 from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace, join
 from campaigns.versions import Versions
 
 
-def state(connection: sa.Connection, run_id: int) -> tuple[str, JsonObject] | None:
+def state(connection: sa.Connection, run_id: int) -> tuple[RunState, dict[str, object]] | None:
     """A run's state and the document of its campaign; None if there is no such run."""
     of = sa.select(Run.state, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     row = connection.execute(of.where(Run.id == run_id)).first()
@@ -115,12 +115,13 @@ def begin(
             connection.execute(sa.insert(EvaluationChunk).values(**chunk, **written))
             sizes.grow(connection, run_id, sizes.of_chunk(written))
     at = now(connection)
-    held = {"state": "running", "worker": worker, "fence": 1, "attempts": 1, "started": at, "lease_until": at + lease}
+    held = {"worker": worker, "fence": 1, "attempts": 1, "started": at, "lease_until": at + lease}
     carried_over = {
         "evaluations": sum(len(c.status) for c in carried.values()),
         "failed_evaluations": sum(_failed(c) for c in carried.values()),
         "best_so_far": cited.best_so_far,
         "flown": None if versions is None else versions.model_dump(mode="json"),
+        "state": RunState.RUNNING,
     }
     connection.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **held, **carried_over))
     labels.store(connection, run_id, labels.of_runs(connection, [old]).get(old, {}))
@@ -133,7 +134,7 @@ def begin(
     return Claim(run_id, 1, 1, attempts, worker, campaign.document())
 
 
-def _counts(columns: Columns) -> JsonObject:
+def _counts(columns: Columns) -> dict[str, object]:
     best, index = lowest(columns)
     return {
         "evaluations": len(columns.status),

@@ -13,7 +13,7 @@ from campaigns.asked.proposal import Cost
 from campaigns.catalogue import SimulatorEntry
 from campaigns.results import NominalResult
 from campaigns.results.nominal import Measured
-from campaigns.runs import run_name
+from campaigns.runs import StageState, run_name
 from campaigns.versions import Versions
 
 RECENT_RUNS = 50
@@ -60,7 +60,7 @@ def _first(
 
 def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurement]:
     """The measurements by runs of the simulator with this declaration, the newest first."""
-    nominal = sa.and_(Stage.run_id == Run.id, Stage.kind == "nominal", Stage.state == "done")
+    nominal = sa.and_(Stage.run_id == Run.id, Stage.kind == "nominal", Stage.state == StageState.DONE)
     asked = (
         sa.select(Run.id, Run.started, Run.flown, Stage.result)
         .join(Stage, nominal)

@@ -17,7 +17,6 @@ from backend.db.access import close_sessions
 from backend.db.engine import now
 from backend.db.roles import ROLES, Role, Scope, has_scope, widest
 from backend.db.tables import Token, User
-from campaigns.documents import JsonObject
 
 PREFIX = "provider:"
 """Begins `created_by` of a provider's users; no name of a user or token contains a colon."""
@@ -81,7 +80,7 @@ def sign_in(writer: sa.Connection, identity: str, wish: str, role: Role) -> Sign
     return SignedIn(found.name, role, found.role)
 
 
-def withdraw(writer: sa.Connection, identity: str) -> tuple[str, JsonObject] | None:
+def withdraw(writer: sa.Connection, identity: str) -> tuple[str, dict[str, object]] | None:
     """End all access of an identity whose groups give no role: its sessions and its tokens. The user, and how many."""
     found = user_of(writer, identity)
     if found is None:

@@ -30,10 +30,9 @@ from backend.db.tables import (
     Stage,
     Trace,
 )
-from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
-_EMPTY: JsonObject = {
+_EMPTY: dict[str, object] = {
     "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
     "snapshot": None, "size": 0,
 }  # fmt: skip

@@ -20,8 +20,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.documents import JsonObject
-from campaigns.runs import HELD
+from campaigns.runs import HELD, RunState, StageState
 
 LEASE = 10.0
 """How long a worker may send no heartbeat before its run can be claimed by another [s]."""
@@ -49,10 +48,10 @@ class Claim:
     attempt: int
     max_attempts: int
     worker: str
-    document: JsonObject
+    document: dict[str, object]
     """The campaign."""
 
-    def as_json(self) -> JsonObject:
+    def as_json(self) -> dict[str, object]:
         """The claim as plain JSON values; `Claim(**values)` restores it."""
         return asdict(self)
 
@@ -97,17 +96,17 @@ def submit(
     return run_id
 
 
-def request_cancel(connection: sa.Connection, run_id: int) -> str | None:
+def request_cancel(connection: sa.Connection, run_id: int) -> RunState | None:
     """Cancel a run: immediately if no live worker holds it, otherwise by a request to its worker. Returns its state.
 
     None if there is no such run; a run that has ended is unchanged.
     """
     at = now(connection)
-    unheld = sa.or_(Run.state == "queued", sa.and_(Run.state.in_(HELD), Run.lease_until < at))
-    ended = {"state": "cancelled", "cancel": True, "finished": at, "lease_until": 0.0, "error": None}
+    unheld = sa.or_(Run.state == RunState.QUEUED, sa.and_(Run.state.in_(HELD), Run.lease_until < at))
+    ended = {"state": RunState.CANCELLED, "cancel": True, "finished": at, "lease_until": 0.0, "error": None}
     connection.execute(sa.update(Run).where(Run.id == run_id, unheld).values(**ended))
-    asked = {"state": "cancelling", "cancel": True}
-    connection.execute(sa.update(Run).where(Run.id == run_id, Run.state == "running").values(**asked))
+    asked = {"state": RunState.CANCELLING, "cancel": True}
+    connection.execute(sa.update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING).values(**asked))
     return connection.scalar(sa.select(Run.state).where(Run.id == run_id))
 
 
@@ -145,13 +144,13 @@ class Queue:
         """Extend the lease; true if cancellation was requested. Raises `LostLease`."""
         with self.engine.begin() as connection:
             fenced(connection, claim, lease_until=now(connection) + self.lease)
-            return connection.scalar(sa.select(Run.state).where(Run.id == claim.run_id)) == "cancelling"
+            return connection.scalar(sa.select(Run.state).where(Run.id == claim.run_id)) == RunState.CANCELLING
 
     def cancel_requested(self, claim: Claim) -> bool:
         """Whether cancellation was requested or this claim is no longer valid; read-only."""
         mine = sa.select(Run.state).where(Run.id == claim.run_id, Run.fence == claim.fence)
         with read(self.engine) as connection:
-            return connection.scalar(mine) != "running"
+            return connection.scalar(mine) != RunState.RUNNING
 
     def retry(self, claim: Claim, how: str, *, delay: float = 0.5) -> None:
         """Queue the run again after a failed attempt, with a doubling pause; fail it after the last attempt.
@@ -161,15 +160,15 @@ class Queue:
         """
         with self.engine.begin() as connection:
             row = _locked(connection, claim)
-            if row.state == "cancelling":
-                return self._end(connection, claim, "cancelled")
+            if row.state == RunState.CANCELLING:
+                return self._end(connection, claim, RunState.CANCELLED)
             if row.attempts >= row.max_attempts:
                 sentence = _failed_after(connection, claim.run_id, row.attempts, how)
-                return self._end(connection, claim, "failed", sentence)
+                return self._end(connection, claim, RunState.FAILED, sentence)
             pause = min(60.0, delay * 2 ** (row.attempts - 1))
             sentence = f"Attempt {row.attempts} of {row.max_attempts}: {how}."[:LONGEST_ERROR]
-            free = {"state": "queued", "lease_until": 0.0, "not_before": now(connection) + pause, "error": sentence}
-            return fenced(connection, claim, **free)
+            later = {"lease_until": 0.0, "not_before": now(connection) + pause, "error": sentence}
+            return fenced(connection, claim, state=RunState.QUEUED, **later)
 
     def give_back(self, claim: Claim) -> None:
         """Release the run on an orderly shutdown of the worker; this attempt does not count."""
@@ -185,21 +184,21 @@ class Queue:
     def fail(self, claim: Claim, why: str) -> None:
         """End the run as failed with the reason `why`; there is no further attempt."""
         with self.engine.begin() as connection:
-            self._end(connection, claim, "failed", why)
+            self._end(connection, claim, RunState.FAILED, why)
 
     def cancelled(self, claim: Claim) -> None:
         """End the run as cancelled after its worker has stopped."""
         with self.engine.begin() as connection:
-            self._end(connection, claim, "cancelled")
+            self._end(connection, claim, RunState.CANCELLED)
 
     def _release(self, connection: sa.Connection, claim: Claim, **more: None) -> None:
         row = _locked(connection, claim)
-        if row.state == "cancelling":
-            return self._end(connection, claim, "cancelled")
-        free = {"state": "queued", "lease_until": 0.0, "not_before": 0.0, "attempts": max(0, row.attempts - 1)}
+        if row.state == RunState.CANCELLING:
+            return self._end(connection, claim, RunState.CANCELLED)
+        free = {"state": RunState.QUEUED, "lease_until": 0.0, "not_before": 0.0, "attempts": max(0, row.attempts - 1)}
         return fenced(connection, claim, **free, **more)
 
-    def _end(self, connection: sa.Connection, claim: Claim, state: str, error: str | None = None) -> None:
+    def _end(self, connection: sa.Connection, claim: Claim, state: RunState, error: str | None = None) -> None:
         error = error and error[:LONGEST_ERROR]
         fenced(connection, claim, state=state, finished=now(connection), lease_until=0.0, error=error)
 
@@ -219,21 +218,21 @@ class Queue:
         )
 
     def _ended(self, connection: sa.Connection, row: Any, at: float) -> bool:
-        values: JsonObject = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
-        if row.state == "cancelling":
-            values |= {"state": "cancelled", "error": None}
+        values: dict[str, object] = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
+        if row.state == RunState.CANCELLING:
+            values |= {"state": RunState.CANCELLED, "error": None}
         elif row.attempts >= row.max_attempts:
-            values |= {"state": "failed", "error": _failed_after(connection, row.id, row.attempts, _SILENT)}
+            values |= {"state": RunState.FAILED, "error": _failed_after(connection, row.id, row.attempts, _SILENT)}
         else:
             return False
         connection.execute(sa.update(Run).where(Run.id == row.id).values(**values))
         return True
 
     def _hold(self, connection: sa.Connection, row: Any, at: float, worker: str) -> Claim:
-        values: JsonObject = {"state": "running", "worker": worker, "fence": row.fence + 1}
+        values: dict[str, object] = {"state": RunState.RUNNING, "worker": worker, "fence": row.fence + 1}
         values |= {"attempts": row.attempts + 1, "lease_until": at + self.lease}
         values |= {"started": at if row.started is None else row.started}
-        if row.state == "running":
+        if row.state == RunState.RUNNING:
             values |= {"error": f"Attempt {row.attempts} of {row.max_attempts}: {_SILENT}."}
         connection.execute(sa.update(Run).where(Run.id == row.id).values(**values))
         of = sa.select(CampaignRow.document).where(CampaignRow.digest == row.campaign_digest)
@@ -241,7 +240,7 @@ class Queue:
         return Claim(row.id, row.fence + 1, row.attempts + 1, row.max_attempts, worker, document)
 
 
-def _locked(connection: sa.Connection, claim: Claim) -> sa.Row[str, int, int]:
+def _locked(connection: sa.Connection, claim: Claim) -> sa.Row[RunState, int, int]:
     mine = sa.select(Run.state, Run.attempts, Run.max_attempts).where(Run.id == claim.run_id, Run.fence == claim.fence)
     row = connection.execute(mine.with_for_update()).first()
     if row is None:
@@ -251,7 +250,7 @@ def _locked(connection: sa.Connection, claim: Claim) -> sa.Row[str, int, int]:
 
 def waiting_order(at: float) -> sa.Select[int]:
     """The numbers of the runs that wait for a worker, in the order of claims as of now (it changes with the owners)."""
-    return sa.select(Run.id).where(_ready(at), Run.state != "cancelling").order_by(*_order(at))
+    return sa.select(Run.id).where(_ready(at), Run.state != RunState.CANCELLING).order_by(*_order(at))
 
 
 def _order(at: float) -> tuple[Any, ...]:
@@ -264,7 +263,7 @@ def _order(at: float) -> tuple[Any, ...]:
 
 def _ready(at: float) -> sa.ColumnElement[bool]:
     return sa.or_(
-        sa.and_(Run.state == "queued", Run.not_before <= at),
+        sa.and_(Run.state == RunState.QUEUED, Run.not_before <= at),
         sa.and_(Run.state.in_(HELD), Run.lease_until < at),
     )
 
@@ -272,7 +271,7 @@ def _ready(at: float) -> sa.ColumnElement[bool]:
 def _able(simulators: Sequence[str], installation: str) -> sa.ColumnElement[bool]:
     """Whether a worker with these simulators and this code may claim a run; any may end one that is being cancelled."""
     has = sa.or_(Run.needs.is_(None), Run.needs.in_(simulators))
-    return sa.or_(sa.and_(has, ~refusals.by(installation)), Run.state == "cancelling")
+    return sa.or_(sa.and_(has, ~refusals.by(installation)), Run.state == RunState.CANCELLING)
 
 
 def _needed(campaign: Campaign, catalogue: Catalogue | None) -> str | None:
@@ -282,7 +281,7 @@ def _needed(campaign: Campaign, catalogue: Catalogue | None) -> str | None:
 
 def _failed_after(connection: sa.Connection, run_id: int, attempts: int, how: str) -> str:
     """The reason for the failure: number of attempts, stage, and how the last attempt ended."""
-    running = sa.select(Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.state == "running")
+    running = sa.select(Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.state == StageState.RUNNING)
     stage = connection.execute(running.order_by(Stage.position)).first()
     where = "before its first stage"
     if stage is not None:

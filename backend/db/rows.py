@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 import sqlalchemy as sa
 from pydantic import BaseModel
 
-from campaigns.documents import JsonObject
 from campaigns.results import Finding, StageResult
 from campaigns.results.base import OK
 from campaigns.stages.found import stage_result
@@ -50,7 +49,17 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def blobs(columns: Columns) -> JsonObject:
+class ChunkRow(TypedDict):
+    """A row of the chunk table without its position."""
+
+    points: bytes
+    costs: bytes
+    status: bytes
+    seconds: bytes
+    reasons: dict[str, str]
+
+
+def blobs(columns: Columns) -> ChunkRow:
     """The columns as a row of the chunk table."""
     return {
         "points": _bytes(columns.points),
@@ -74,11 +83,25 @@ def lowest(columns: Columns) -> tuple[float, int | None]:
     return float(columns.costs[index, 0]), index
 
 
-def finding_row(finding: Finding) -> JsonObject:
+def finding_row(finding: Finding) -> dict[str, object]:
     return {**plain(finding), "cost": finding.cost, "margin": finding.margin}
 
 
-def trace_row(trace: Trace) -> JsonObject:
-    rows = len(trace.data)
-    shape = {"name": trace.name, "columns": plain(trace.columns), "rows": rows}
-    return {**shape, "data": _bytes(trace.data), "meta": plain(trace.meta)}
+class TraceRow(TypedDict):
+    """A row of the traces table without its run."""
+
+    name: str
+    columns: list[Any]
+    rows: int
+    data: bytes
+    meta: dict[str, Any]
+
+
+def trace_row(trace: Trace) -> TraceRow:
+    return {
+        "name": trace.name,
+        "columns": plain(trace.columns),
+        "rows": len(trace.data),
+        "data": _bytes(trace.data),
+        "meta": plain(trace.meta),
+    }

@@ -12,7 +12,6 @@ from backend.db.tables import CatalogueSnapshot, Run
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import digest_of, snapshot
-from campaigns.documents import JsonObject
 
 
 def store(writer: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> str:
@@ -32,7 +31,7 @@ def of_run(reader: sa.Connection, run_id: int) -> Catalogue | None:
 
 def digest(reader: sa.Connection, run_id: int) -> str | None:
     """The digest of the stored snapshot, computed again so that a later change is detected; None without a snapshot."""
-    document: JsonObject | None = reader.scalar(_stored(CatalogueSnapshot.document, run_id))
+    document: dict[str, object] | None = reader.scalar(_stored(CatalogueSnapshot.document, run_id))
     return None if document is None else digest_of(document)
 
 

@@ -24,10 +24,9 @@ from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import values_changed
-from campaigns.documents import JsonObject
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
-from campaigns.runs import StageState
+from campaigns.runs import RunState, StageState
 from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord, Trace, join
 from campaigns.versions import Code, OtherCode, Versions, differences, differing
 
@@ -89,7 +88,7 @@ class RunStore:
         def work(connection: sa.Connection) -> None:
             fenced(connection, self.claim, state=Run.state)
             started = sa.func.coalesce(Stage.started, now(connection))
-            connection.execute(self._stage(position).values(state="running", started=started))
+            connection.execute(self._stage(position).values(state=StageState.RUNNING, started=started))
 
         self._write(work)
 
@@ -125,11 +124,11 @@ class RunStore:
         """Store a stage's result and findings and mark it done, in one transaction. Resets the attempts."""
 
         def work(connection: sa.Connection) -> None:
-            values: JsonObject = {"attempts": 1, "error": None}
+            values: dict[str, object] = {"attempts": 1, "error": None}
             if isinstance(result, NominalResult):
                 values["nominal_cost"] = plain(result.cost)
             fenced(connection, self.claim, **values)
-            ended = {"state": "done", "finished": now(connection), "seconds": seconds, "result": plain(result)}
+            ended = {"state": StageState.DONE, "finished": now(connection), "seconds": seconds, "result": plain(result)}
             connection.execute(self._stage(position).values(**ended))
             self._replace(connection, FindingRow, FindingRow.label, [finding_row(f) for f in findings])
             flights = [trace_row(t) for t in traces]
@@ -149,7 +148,7 @@ class RunStore:
     def conclude(self, verdict: Verdict) -> None:
         """Store the verdict and mark the run done."""
         values = {
-            "state": "done",
+            "state": RunState.DONE,
             "verdict": verdict.verdict,
             "reason": verdict.reason,
             "nominal_cost": None if verdict.nominal is None else plain(verdict.nominal.cost),
@@ -227,7 +226,7 @@ class RunStore:
             return
         chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **written}
         connection.execute(sa.insert(EvaluationChunk).values(**chunk))
-        values: JsonObject = {
+        values: dict[str, object] = {
             "evaluations": first + count,
             "failed": Stage.failed + failed,
             "excluded": Stage.excluded + int((columns.status == EXCLUDED).sum()),
@@ -260,7 +259,7 @@ class RunStore:
     def _stage(self, position: int) -> sa.Update:
         return sa.update(Stage).where(Stage.run_id == self._run, Stage.position == position)
 
-    def _replace(self, connection: sa.Connection, table: Any, key: Any, rows: list[JsonObject]) -> None:
+    def _replace(self, connection: sa.Connection, table: Any, key: Any, rows: Sequence[Mapping[str, object]]) -> None:
         if rows:
             names = [row[key.key] for row in rows]
             connection.execute(sa.delete(table).where(table.run_id == self._run, key.in_(names)))

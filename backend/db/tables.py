@@ -40,6 +40,7 @@ from backend.db.tables_users import Signoff as Signoff
 from backend.db.tables_webhooks import WebhookDelivery as WebhookDelivery
 from backend.db.tables_webhooks import WebhookTarget as WebhookTarget
 from campaigns.documents import JsonObject
+from campaigns.runs import RunState, StageState
 
 
 class Campaign(Base):
@@ -75,8 +76,7 @@ class Run(Base):
     tags: orm.Mapped[list[Any]] = orm.mapped_column(default=list)
     owner: orm.Mapped[str] = orm.mapped_column(sa.String(64), default="")
     """The user who submitted it."""
-    state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="queued")
-    """queued, running, cancelling, cancelled, failed, done"""
+    state: orm.Mapped[RunState] = orm.mapped_column(default=RunState.QUEUED)
     created: orm.Mapped[float] = orm.mapped_column(index=True)
     started: orm.Mapped[float | None]
     finished: orm.Mapped[float | None]
@@ -152,8 +152,7 @@ class Stage(Base):
     kind: orm.Mapped[str] = orm.mapped_column(sa.String(20))
     """nominal, baseline, sensitivity, search, certify, validate"""
     method: orm.Mapped[str | None] = orm.mapped_column(sa.String(60))
-    state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="waiting")
-    """waiting, running, done"""
+    state: orm.Mapped[StageState] = orm.mapped_column(default=StageState.WAITING)
     started: orm.Mapped[float | None]
     finished: orm.Mapped[float | None]
     planned: orm.Mapped[int] = orm.mapped_column(default=0)
@@ -183,7 +182,7 @@ class EvaluationChunk(Base):
     """uint8: 0 ok, 1 failed, 2 timeout, 3 excluded."""
     seconds: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """float64, working time of the stage when each was completed [s]."""
-    reasons: orm.Mapped[JsonObject] = orm.mapped_column(default=dict)
+    reasons: orm.Mapped[dict[str, str]] = orm.mapped_column(default=dict)
     """{index in the stage: why} for every evaluation that is not ok."""
     __table_args__ = (
         sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
@@ -221,7 +220,7 @@ class Finding(Base):
     """F1 is the worst."""
     cost: orm.Mapped[float]
     margin: orm.Mapped[float]
-    parameters: orm.Mapped[JsonObject]
+    parameters: orm.Mapped[dict[str, float]]
     """{path: value} in the parameters' units."""
     point: orm.Mapped[list[Any]]
     """On the unit cube."""
@@ -229,7 +228,7 @@ class Finding(Base):
     """Search methods that found it independently; empty if only local refinement found it."""
     found: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
     """[{position, method, evaluations}]: stages that found it, and after how many of their evaluations."""
-    at_bounds: orm.Mapped[JsonObject]
+    at_bounds: orm.Mapped[dict[str, str]]
     """{path: "low" | "high"}"""
     validation: orm.Mapped[JsonObject]
     slices: orm.Mapped[JsonObject | None]

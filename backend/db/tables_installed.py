@@ -37,7 +37,7 @@ class CodeVersion(Base):
 
     __tablename__ = "code_versions"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
-    modules: orm.Mapped[JsonObject]
+    modules: orm.Mapped[dict[str, str]]
     """{module: digest}; see `campaigns.versions`."""
     created: orm.Mapped[float]
 

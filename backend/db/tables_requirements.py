@@ -9,7 +9,6 @@ import sqlalchemy as sa
 from sqlalchemy import orm
 
 from backend.db.base import Base
-from campaigns.documents import JsonObject
 
 
 class RequirementFile(Base):
@@ -34,7 +33,7 @@ class Requirement(Base):
     __tablename__ = "requirements"
     id: orm.Mapped[str] = orm.mapped_column(sa.String(120), primary_key=True)
     text: orm.Mapped[str] = orm.mapped_column(sa.Text)
-    attributes: orm.Mapped[JsonObject]
+    attributes: orm.Mapped[dict[str, str]]
     """The other attributes of its file, as text by name."""
     file_id: orm.Mapped[int | None] = orm.mapped_column(sa.ForeignKey("requirement_files.id"), index=True)
     """None: written here."""

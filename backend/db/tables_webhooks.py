@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
+
 import sqlalchemy as sa
 from sqlalchemy import orm
 
@@ -18,6 +20,14 @@ class WebhookTarget(Base):
     """When it was first configured; runs that ended before are not reported to it."""
 
 
+class DeliveryState(StrEnum):
+    """The state of a message; failed: not accepted in any attempt."""
+
+    PENDING = "pending"
+    DELIVERED = "delivered"
+    FAILED = "failed"
+
+
 class WebhookDelivery(Base):
     """A message of the outbox. A run is reported once to every target."""
 
@@ -30,8 +40,7 @@ class WebhookDelivery(Base):
     type: orm.Mapped[str] = orm.mapped_column(sa.String(40))
     body: orm.Mapped[str] = orm.mapped_column(sa.Text)
     """JSON, exactly as it is signed and sent."""
-    state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="pending")
-    """pending, delivered, failed (after the last attempt)"""
+    state: orm.Mapped[DeliveryState] = orm.mapped_column(default=DeliveryState.PENDING)
     created: orm.Mapped[float] = orm.mapped_column(index=True)
     attempts: orm.Mapped[int] = orm.mapped_column(default=0)
     not_before: orm.Mapped[float] = orm.mapped_column(default=0.0)

@@ -23,7 +23,6 @@ from backend.db.tables import (
 )
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.documents import JsonObject
 from campaigns.runs import RunState, run_name
 from campaigns.stages.plan import plan
 
@@ -38,7 +37,7 @@ def restart(writer: sa.Connection, run_id: int) -> bool:
         writer.execute(sa.delete(table).where(table.run_id == run_id))
     refusals.clear(writer, run_id)
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
-    empty: JsonObject = {
+    empty: dict[str, object] = {
         "attempts": 0,
         "started": None,
         "worker": None,

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from backend.http.schema import Given, Number32, Schema
+from backend.http.schema import Given, Instant, Number32, Schema
 from backend.runs.requests import Tags
 
 LONGEST = 500_000
@@ -38,8 +38,8 @@ class DraftSummary(Schema):
     tags: list[str]
     owner: str
     """The user who created it."""
-    created: float
-    saved: float
+    created: Instant
+    saved: Instant
     saved_by: str
     run: str | None
     """The last run started from it."""

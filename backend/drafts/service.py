@@ -17,7 +17,6 @@ from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSumma
 from backend.http.errors import RefusedError, not_found
 from backend.http.matches import require_match
 from backend.runs import service
-from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
 MOST = 1000
@@ -43,7 +42,7 @@ def number(draft: str) -> int:
 def listed(reader: sa.Connection) -> list[DraftSummary]:
     """All drafts without their texts, the last saved first."""
     query = sa.select(*_LISTED, Row.run_id).order_by(Row.saved.desc(), Row.id.desc())
-    return [DraftSummary(**_draft(dict(row))) for row in reader.execute(query).mappings()]
+    return [DraftSummary.model_validate(_draft(row)) for row in reader.execute(query).mappings()]
 
 
 def one(reader: sa.Connection, draft_id: int) -> Draft:
@@ -52,7 +51,7 @@ def one(reader: sa.Connection, draft_id: int) -> Draft:
     row = reader.execute(query).mappings().one_or_none()
     if row is None:
         raise not_found("draft", name(draft_id))
-    return Draft(**_draft(dict(row)))
+    return Draft.model_validate(_draft(row))
 
 
 def create(writer: sa.Connection, given: DraftContent, visitor: Visitor) -> Draft:
@@ -79,7 +78,7 @@ def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visi
     404 if there is no such draft, 403 if it is another user's, 409 if another version was saved since, 412 if `match`
     (If-Match) is not its tag.
     """
-    values: JsonObject = given.model_dump(exclude={"version", "run"})
+    values: dict[str, object] = given.model_dump(exclude={"version", "run"})
     with engine.begin() as writer:
         owner = writer.scalar(sa.select(Row.owner).where(Row.id == draft_id).with_for_update())
         require_own(writer, visitor, owner, name(draft_id))
@@ -125,6 +124,7 @@ def _conflict(draft: Draft, version: int) -> RefusedError:
     return RefusedError(409, "draft-changed", detail)
 
 
-def _draft(row: JsonObject) -> JsonObject:
-    run_id = row.pop("run_id")
-    return row | {"id": name(row["id"]), "run": None if run_id is None else run_name(run_id)}
+def _draft(row: sa.RowMapping) -> dict[str, object]:
+    run_id = row["run_id"]
+    stored = {key: value for key, value in row.items() if key != "run_id"}
+    return stored | {"id": name(row["id"]), "run": None if run_id is None else run_name(run_id)}

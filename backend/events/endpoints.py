@@ -14,12 +14,11 @@ from fastapi.responses import StreamingResponse
 
 from backend.db.engine import read
 from backend.http.deps import Engine
-from backend.http.errors import problems
+from backend.http.errors import Responses, problems
 from backend.runs import service
-from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["events"])
-STREAM: dict[int | str, JsonObject] = {
+STREAM: Responses = {
     200: {"description": "A stream of events.", "content": {"text/event-stream": {"schema": {"type": "string"}}}}
 }
 

@@ -22,7 +22,6 @@ from backend.results.evaluations import Bounds, in_units
 from backend.results.improvements import Improvements
 from backend.runs import listing, service
 from backend.runs.schemas import RunSummary, StageProgress
-from campaigns.documents import JsonObject
 from campaigns.runs import ACTIVE
 
 LATE = 10.0
@@ -60,7 +59,7 @@ class _Watched:
     stages: list[StageProgress] = field(default_factory=list)
     steps: dict[int, Improvements] = field(default_factory=dict)
 
-    def since(self, steps: Improvements, known: int) -> JsonObject:
+    def since(self, steps: Improvements, known: int) -> NewImprovements:
         """The improvements since index `known`, with the parameters of the last one."""
         last = {}
         if steps.point is not None and len(steps.index) > known:
@@ -72,7 +71,7 @@ class _Watched:
             evaluations=steps.read,
             elapsed=steps.elapsed,
             parameters={path: values[0] for path, values in last.items()},
-        ).model_dump()
+        )
 
 
 class Watch:
@@ -120,7 +119,7 @@ class Watch:
         watched = self._watched.get(run_id)
         if watched is None:
             return events
-        steps = {str(position): watched.since(steps, 0) for position, steps in watched.steps.items()}
+        steps = {str(position): watched.since(steps, 0).model_dump() for position, steps in watched.steps.items()}
         return [*events, _stage_event(run_id, watched.stages), _event(run_id, "evaluations", json.dumps(steps))]
 
     def ended(self, since: float) -> list[Event]:
@@ -183,7 +182,7 @@ def _improvements(reader: sa.Connection, run_id: int, watched: _Watched) -> list
             continue
         known = len(steps.index)
         steps.catch_up(reader, run_id, stage.position)
-        added[str(stage.position)] = watched.since(steps, known)
+        added[str(stage.position)] = watched.since(steps, known).model_dump()
     return [_event(run_id, "evaluations", json.dumps(added))] if added else []
 
 

@@ -16,14 +16,13 @@ from backend.exports import capsules, mcap, parquet, service
 from backend.exports.schemas import ExportFile
 from backend.http.capacity import BoundedStream
 from backend.http.deps import Engine, Reader, capacities
-from backend.http.errors import RefusedError, problems
+from backend.http.errors import RefusedError, Responses, problems
 from backend.http.naming import named
 from backend.http.schema import FlightName, RunName
 from backend.reports import picture
 from backend.runs.service import number, summary
 from backend.scenes.recordings import pages as recordings
 from campaigns.capsules.packing import Content, packed
-from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["exports"])
 Theme = Annotated[Literal["light", "dark"], Query(description="The colour theme.")]
@@ -44,7 +43,7 @@ TAGGED = {
 }
 
 
-def _described(file: str) -> dict[int | str, JsonObject]:
+def _described(file: str) -> Responses:
     media = _KINDS[file].media_type
     schema = {} if media == "application/json" else {"type": "string"}
     if media in BINARY:
@@ -54,7 +53,7 @@ def _described(file: str) -> dict[int | str, JsonObject]:
     return {200: made, 304: unchanged}
 
 
-_CAPSULE: dict[int | str, JsonObject] = {
+_CAPSULE: Responses = {
     200: {
         "description": "A zip file.",
         "content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}},
@@ -62,7 +61,7 @@ _CAPSULE: dict[int | str, JsonObject] = {
     },
     304: {"description": "The file matches `If-None-Match`.", "headers": TAGGED},
 }
-_RECORDING: dict[int | str, JsonObject] = {
+_RECORDING: Responses = {
     200: {
         "description": "One self-contained file.",
         "content": {"text/html": {"schema": {"type": "string"}}},

@@ -24,7 +24,6 @@ from backend.results import service as results
 from backend.runs import service as runs
 from backend.scenes.base.flight import Flight, from_stored
 from campaigns import thin
-from campaigns.documents import JsonObject
 from campaigns.results import TraceHead
 from campaigns.results.trace import TraceColumn
 from campaigns.version import VERSION
@@ -70,7 +69,7 @@ class _Output:
     schemas: dict[str, int] = field(default_factory=dict)
     channels: dict[str, int] = field(default_factory=dict)
 
-    def send(self, topic: str, schema: str, time: float, message: JsonObject) -> None:
+    def send(self, topic: str, schema: str, time: float, message: dict[str, object]) -> None:
         """Write a message; time [s]."""
         if topic not in self.channels:
             if schema not in self.schemas:
@@ -122,7 +121,7 @@ class _Output:
                 self.send(f"/{name}/{topic}", VALUES, time, stamped(time, values=values))
 
 
-def _fixed(name: str, flight: Flight, head: TraceHead) -> Iterator[JsonObject]:
+def _fixed(name: str, flight: Flight, head: TraceHead) -> Iterator[dict[str, object]]:
     """The obstacles that do not move, drawn as balls of their radius."""
     start = float(flight.time[0])
     placed = [(o.position, o.radius) for o in head.obstacles]

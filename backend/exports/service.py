@@ -10,7 +10,7 @@ import hashlib
 import io
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,7 +32,6 @@ from backend.runs.components import components
 from backend.runs.schemas import RunSummary
 from backend.signoffs import service as signoffs
 from campaigns.cells import Writer
-from campaigns.documents import JsonObject
 from campaigns.results import NominalResult
 from campaigns.results.base import Status
 from campaigns.runs import ENDED
@@ -304,14 +303,14 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
     return _run_json(engine, found, told, stages, flights)
 
 
-def _components(reader: sa.Connection, run_id: int) -> JsonObject | None:
+def _components(reader: sa.Connection, run_id: int) -> dict[str, object] | None:
     """The stored component descriptions; None if there are none, since the installed ones may differ."""
     told = snapshots.of_run(reader, run_id) and components(reader, run_id)
     return told.model_dump(mode="json") if told else None
 
 
 def _run_json(
-    engine: sa.Engine, found: Sheet, told: JsonObject, stages: list[JsonObject], flights: list[str]
+    engine: sa.Engine, found: Sheet, told: Mapping[str, object], stages: list[dict[str, Any]], flights: list[str]
 ) -> Iterator[bytes]:
     yield (_text(told)[:-1] + f',"columns":{_text(found.columns)},"stages":[').encode()
     evaluated = {stage.position: stage for stage in found.stages}
@@ -340,11 +339,11 @@ def traces_mat(reader: sa.Connection, run_id: int) -> bytes:
     from scipy.io import savemat  # imported here because it takes a third of a second
 
     detail = runs.summary(reader, run_id)
-    told: JsonObject = {"run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}}
+    told: dict[str, object] = {"run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}}
     for flight in results.traces(reader, run_id):
         row = results.stored(reader, run_id, flight.name)
         data = results.table(row)
-        fields: JsonObject = {_field(c["name"]): data[:, [k]] for k, c in enumerate(row.columns)}
+        fields: dict[str, object] = {_field(c["name"]): data[:, [k]] for k, c in enumerate(row.columns)}
         fields["units"] = {_field(c["name"]): c["unit"] for c in row.columns}
         fields["meta"] = _text(row.meta)
         told[_field(flight.name)] = fields

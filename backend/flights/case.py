@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import sqlalchemy as sa
 
@@ -20,8 +19,9 @@ from backend.http.errors import RefusedError
 from campaigns import Campaign, Catalogue, Problem, thin
 from campaigns.checked import said
 from campaigns.checked.check import parameters, parts
-from campaigns.documents import JsonObject
+from campaigns.results.trace import TraceColumn, TraceHead
 from campaigns.runs import run_name
+from campaigns.stored.replies import FlightReply
 
 NOMINAL = "nominal"
 
@@ -31,7 +31,7 @@ class Case:
     """A flight of a run, or a case of its simulator, ready to be simulated."""
 
     run_id: int
-    document: JsonObject
+    document: dict[str, object]
     digest: str
     threshold: float
     criteria: list[CriterionOut]
@@ -61,7 +61,7 @@ def case(
     )
 
 
-def response(wanted: Case, answer: Mapping[str, Any], drawn: str | None, rows: int) -> FlightAnswer:
+def response(wanted: Case, answer: FlightReply, drawn: str | None, rows: int) -> FlightAnswer:
     """The response of the API."""
     meta, deciding = answer["meta"], wanted.criteria[0]
     values = [FlightValue(**one.model_dump(), value=meta["values"].get(one.name)) for one in wanted.criteria]
@@ -79,13 +79,13 @@ def response(wanted: Case, answer: Mapping[str, Any], drawn: str | None, rows: i
         parameters=meta["parameters"],
         seed=wanted.seed,
         drawn=drawn,
-        trace=meta,
-        columns=answer["columns"],
+        trace=TraceHead.model_validate(meta),
+        columns=[TraceColumn.model_validate(column) for column in answer["columns"]],
         data=_thinned(answer, rows) if rows else {},
     )
 
 
-def _thinned(answer: Mapping[str, Any], rows: int) -> dict[str, list[float | None]]:
+def _thinned(answer: FlightReply, rows: int) -> dict[str, list[float | None]]:
     """About `rows` rows, including those around the closest approach."""
     data, closest = answer["data"], answer["meta"].get("closest")
     time = data[next(column["name"] for column in answer["columns"] if column["group"] == "time")]

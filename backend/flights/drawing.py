@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
-from typing import Any
 
 from fastapi import Request
 
@@ -14,6 +12,7 @@ from backend.runs.service import number
 from backend.scenes.base.flight import from_live
 from backend.scenes.control.viewers import Handle
 from backend.scenes.viewer.viewer import GoneError, Viewer
+from campaigns.stored.replies import FlightReply
 
 
 async def viewer_of(request: Request, visitor: CurrentVisitor, run: str, view: str | None) -> Viewer | None:
@@ -24,7 +23,7 @@ async def viewer_of(request: Request, visitor: CurrentVisitor, run: str, view: s
     return found
 
 
-def drew(viewer: Viewer | None, answer: Mapping[str, Any], seed: int | None, turn: Turn) -> bool:
+def drew(viewer: Viewer | None, answer: FlightReply, seed: int | None, turn: Turn) -> bool:
     """Draw the answer as the what-if unless a newer request has overtaken it; whether it was drawn."""
     if viewer is None or turn.overtaken.is_set():
         return False

@@ -11,8 +11,8 @@ from backend.results.noise import seeds
 from backend.runs.service import campaign, number
 from backend.scenes.base.flight import ROWS
 from backend.scenes.live.live import FlightRefusedError, Live, LiveError
-from campaigns.documents import JsonObject
 from campaigns.runs import run_name
+from campaigns.stored.replies import FlightReply
 
 
 def asked(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
@@ -26,7 +26,7 @@ def asked(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
     return case(reader, run_id, found, given.like, given.parameters, seed)
 
 
-def simulated(live: Live, wanted: Case, rows: int) -> JsonObject:
+def simulated(live: Live, wanted: Case, rows: int) -> FlightReply:
     """The answer of the simulation process; raises `RefusedError`."""
     # A drawn flight needs its poses, so a time series is always requested.
     try:

@@ -14,7 +14,6 @@ from backend.http.errors import RefusedError, problem_of
 from campaigns import Campaign, CampaignError, Problem, load_text
 from campaigns.asked.problem import MOST
 from campaigns.asked.reading import LONGEST_KEY, repeated
-from campaigns.documents import JsonObject
 
 READERS = 2
 """Number of campaigns parsed at a time: the largest takes seconds, and threads share one interpreter."""
@@ -122,7 +121,7 @@ class _RepeatedError(ValueError):
     pass
 
 
-def _distinct(pairs: list[tuple[str, Any]]) -> JsonObject:
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, object]:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise _RepeatedError((repeated(name for name, _ in pairs) or "")[:LONGEST_KEY])

@@ -8,20 +8,21 @@ from __future__ import annotations
 
 import http
 import logging
+import operator
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import sqlalchemy as sa
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from pydantic import Field
 from starlette.exceptions import HTTPException
 
 from backend.http.root import at
 from backend.http.schema import Schema
 from campaigns import Problem
 from campaigns.asked.problem import LONGEST, MOST, shown
-from campaigns.documents import JsonObject
 
 MEDIA_TYPE = "application/problem+json"
 _URN = "urn:clearance:problem:"
@@ -44,10 +45,13 @@ class ProblemDocument(Schema):
     status: int
     detail: str
     instance: str
-    errors: list[ProblemError] | None = None
+    errors: Annotated[list[ProblemError], Field(default_factory=list, exclude_if=operator.not_)]
 
 
-PROBLEMS: dict[int | str, JsonObject] = {
+Responses = dict[int | str, dict[str, Any]]
+"""The `responses=` of a route: parts of an OpenAPI document."""
+
+PROBLEMS: Responses = {
     "default": {
         "description": "What went wrong, as a problem document (RFC 9457).",
         "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}},
@@ -138,15 +142,15 @@ RETRY = frozenset({"no-catalogue", "preview-busy", "busy", "too-many-requests"})
 RETRY_AFTER = {"description": "Seconds to wait before the next request.", "schema": {"type": "integer"}}
 
 
-def problems(*kinds: str) -> dict[int | str, JsonObject]:
+def problems(*kinds: str) -> Responses:
     """For `responses=` of a route: its problem types in addition to those of all routes."""
-    by_status: dict[int | str, JsonObject] = {}
+    by_status: Responses = {}
     for kind in kinds:
         declare(by_status, kind)
     return by_status
 
 
-def declare(responses: dict[Any, JsonObject], kind: str, key: type[int] | type[str] = int) -> None:
+def declare(responses: Responses, kind: str, key: type[int] | type[str] = int) -> None:
     """Add a problem type to the responses of an operation."""
     status, when = KINDS[kind]
     told = f"`{_URN}{kind}`: {when}"
@@ -192,10 +196,9 @@ def respond(refused: RefusedError, path: str) -> JSONResponse:
         status=refused.status,
         detail=_text(refused.detail),
         instance=at(_text(path)),
-        errors=errors or None,
+        errors=errors,
     )
-    content = document.model_dump(exclude_none=True)
-    return JSONResponse(content, refused.status, dict(refused.headers or {}), MEDIA_TYPE)
+    return JSONResponse(document.model_dump(), refused.status, dict(refused.headers or {}), MEDIA_TYPE)
 
 
 def _text(given: str) -> str:

@@ -13,8 +13,7 @@ from typing import Annotated, Any
 
 from fastapi import Header
 
-from backend.http.errors import RefusedError
-from campaigns.documents import JsonObject
+from backend.http.errors import RefusedError, Responses
 
 IfMatch = Annotated[
     str | None,
@@ -26,7 +25,7 @@ IfMatch = Annotated[
 ]
 _TAG = re.compile(r'(?:W/)?"[^"]*"')
 
-TAGGED: dict[int | str, JsonObject] = {
+TAGGED: Responses = {
     200: {
         "headers": {
             "ETag": {"description": "The entity tag, for `If-Match` of an edit.", "schema": {"type": "string"}},

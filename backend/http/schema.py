@@ -19,6 +19,9 @@ DraftName = Annotated[str, Path(description="The draft by its name, such as D-00
 FlightName = Annotated[str, Path(description="A stored flight: `nominal`, or a finding by its label, such as F1.")]
 Number32 = Annotated[int, Field(ge=1, le=2**31 - 2)]
 """An integer that fits into a 32-bit column even after an increment."""
+UNIX_TIME = "unix-time"
+Instant = Annotated[float, Field(json_schema_extra={"format": UNIX_TIME})]
+"""A time as seconds since 1970; the format in the OpenAPI document distinguishes it from other numbers."""
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 
 

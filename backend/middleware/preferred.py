@@ -16,16 +16,9 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from backend.http.errors import MEDIA_TYPE
+from backend.http.schema import UNIX_TIME
 
 TIMES, LISTS = "times=rfc3339", "lists=envelope"
-NAMES = frozenset(
-    (
-        "at", "attempted", "beat", "changed", "created", "delivered", "disabled", "expires", "finished",
-        "imported", "invited_until", "joined", "last_seen", "last_used", "next_attempt", "now", "opened",
-        "removed", "revoked", "saved", "since", "started", "withdrawn",
-    )
-)  # fmt: skip
-"""Numbers of these names are seconds since 1970."""
 _LATEST = 253_402_300_799.0
 """The end of the year 9999, the last of RFC 3339."""
 
@@ -113,27 +106,27 @@ def _described(operation: Mapping[str, Any]) -> dict[str, Any] | None:
     return None
 
 
-def with_times(value: Any, schema: Mapping[str, Any], known: Mapping[str, Any], name: str = "") -> Any:
-    """The value with times as text; schema: what the document says of it; name: of the field that it is."""
+def with_times(value: Any, schema: Mapping[str, Any], known: Mapping[str, Any]) -> Any:
+    """The value with times as text; schema: its description in the document."""
     if "$ref" in schema:
         schema = known[schema["$ref"].rsplit("/", 1)[-1]]
     options = schema.get("anyOf") or schema.get("oneOf")
     if options:
-        return _chosen(value, options, known, name)
-    if schema.get("type") == "number" and name in NAMES:
+        return _chosen(value, options, known)
+    if schema.get("format") == UNIX_TIME:
         return rfc3339(value)
     if isinstance(value, dict) and "properties" in schema:
         fields = schema["properties"]
-        return {key: with_times(v, fields[key], known, key) if key in fields else v for key, v in value.items()}
+        return {key: with_times(v, fields[key], known) if key in fields else v for key, v in value.items()}
     if isinstance(value, list) and isinstance(schema.get("items"), Mapping):
         return [with_times(inner, schema["items"], known) for inner in value]
     return value
 
 
-def _chosen(value: Any, options: Any, known: Mapping[str, Any], name: str) -> Any:
+def _chosen(value: Any, options: Any, known: Mapping[str, Any]) -> Any:
     """By the first alternative that changes it: their fields differ in nothing that is a time."""
     for option in options:
-        found = with_times(value, option, known, name)
+        found = with_times(value, option, known)
         if found != value:
             return found
     return value

@@ -22,7 +22,7 @@ from backend.scenes.live.live import FlightRefusedError, Live, LiveError
 from campaigns import Campaign, CampaignError, check
 from campaigns.catalogue import ComponentEntry
 from campaigns.checked import effort
-from campaigns.documents import JsonObject
+from campaigns.stored.replies import FlightReply
 
 ROWS = 240
 """Approximate number of points of a preview."""
@@ -45,7 +45,7 @@ class Previews:
         self._thread = CapacityLimiter(1)  # separate from the threads that all requests share
         self._waiting = 0
 
-    async def simulate(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[JsonObject, float]:
+    async def simulate(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[FlightReply, float]:
         """The answer of the simulation process, and how long it took [s]. Raises `RefusedError`.
 
         gone: whether the client has disconnected; checked again when its turn comes.
@@ -67,7 +67,7 @@ class Previews:
         """End the simulation process; waiting requests are refused."""
         self.live.close()
 
-    def _flown(self, campaign: Campaign) -> JsonObject:
+    def _flown(self, campaign: Campaign) -> FlightReply:
         try:
             return self.live.simulate(campaign.document(), campaign.digest, {}, ROWS)
         except FlightRefusedError as error:
@@ -88,7 +88,7 @@ def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:
     return criterion
 
 
-def response(campaign: Campaign, criterion: ComponentEntry, answer: Mapping[str, Any], seconds: float) -> Preview:
+def response(campaign: Campaign, criterion: ComponentEntry, answer: FlightReply, seconds: float) -> Preview:
     """The response of the API."""
     data, meta = answer["data"], answer["meta"]
     moving = [i for i, obstacle in enumerate(meta["obstacles"]) if obstacle["moving"]]

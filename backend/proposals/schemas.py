@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from backend.http.schema import Schema
-from campaigns.documents import JsonObject
+from backend.http.schema import Instant, Schema
 
 
 class MeasuredCost(Schema):
@@ -14,7 +13,7 @@ class MeasuredCost(Schema):
     one of `clearance check-simulator`."""
     source: str
     """Where the time is known from: the run, or the command with its machine and time."""
-    at: float | None
+    at: Instant | None
     """When it was measured [s since 1970], of a run when that began; null if it is not known."""
     host: str
     """The machine on which the command ran; empty for a run."""
@@ -31,7 +30,7 @@ class ProposedSearch(Schema):
 
     method: str
     evaluations: int
-    options: JsonObject
+    options: dict[str, object]
 
 
 class Proposal(Schema):

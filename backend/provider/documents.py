@@ -15,7 +15,6 @@ from joserfc.jwk import KeySet
 
 from backend.provider.configured import Configured, safe_address
 from backend.provider.errors import SignInError, unreachable
-from campaigns.documents import JsonObject
 
 PATIENCE = 10.0
 """Time limit of each request to the provider [s]."""
@@ -38,13 +37,13 @@ class Documents:
 
     def __init__(self, configured: Configured) -> None:
         self._of = configured
-        self._metadata: JsonObject = {}
+        self._metadata: dict[str, object] = {}
         self._keys: KeySet | None = None
         self._metadata_at = self._keys_at = -KEPT
         self._failure: SignInError | None = None
         self._failed_at = 0.0
 
-    async def metadata(self) -> JsonObject:
+    async def metadata(self) -> dict[str, object]:
         """The configuration; its issuer is the configured one, and its addresses are encrypted or on this machine."""
         at = time.monotonic()
         if at - self._metadata_at < KEPT:
@@ -58,7 +57,7 @@ class Documents:
             raise
         return self._metadata
 
-    async def _fetched(self) -> JsonObject:
+    async def _fetched(self) -> dict[str, object]:
         address = f"{self._of.issuer.rstrip('/')}/.well-known/openid-configuration"
         found = await fetch(self._of.name, "GET", address)
         if found.get("issuer") != self._of.issuer:
@@ -76,7 +75,10 @@ class Documents:
         found = await fetch(self._of.name, "GET", str((await self.metadata())["jwks_uri"]))
         try:
             # A key of a kind that is not known here must not hide the others.
-            listed = [key for key in found["keys"] if key.get("kty") in ("RSA", "EC", "OKP")]
+            entries = found["keys"]
+            if not isinstance(entries, list):
+                raise TypeError
+            listed = [key for key in entries if key.get("kty") in ("RSA", "EC", "OKP")]
             keys = KeySet.import_key_set({"keys": [key for key in listed if key.get("use", "sig") == "sig"]})
         except (JoseError, ValueError, KeyError, TypeError, AttributeError):
             raise unreachable(self._of.name, "the keys are not a JSON web key set") from None
@@ -86,7 +88,7 @@ class Documents:
 
 async def fetch(
     name: str, method: str, address: str, headers: Mapping[str, str] | None = None, **given: Any
-) -> JsonObject:
+) -> dict[str, object]:
     """A JSON object from the provider; redirects are not followed. Raises `SignInError`."""
     named = {"Accept": "application/json", **(headers or {})}
     try:
@@ -102,7 +104,7 @@ async def fetch(
     return found
 
 
-def _refused(name: str, status: int, found: JsonObject) -> SignInError:
+def _refused(name: str, status: int, found: dict[str, object]) -> SignInError:
     said = str(found.get("error", ""))[:60]
     reason = f"status {status}{f', {said}' if said.isprintable() and said else ''}"
     if said in ("invalid_grant", "invalid_client", "unauthorized_client"):

@@ -20,7 +20,6 @@ from backend.provider.documents import Documents, fetch
 from backend.provider.errors import SignInError, invalid
 from backend.provider.identity import Identity
 from backend.provider.pending import Pending, Started
-from campaigns.documents import JsonObject
 
 ALGORITHMS = ["RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA"]
 """Accepted signatures: asymmetric ones only, never `none`, and never HMAC with what may be a public key."""
@@ -91,13 +90,13 @@ class Provider:
         name = next((one for one in called if isinstance(one, str) and one), "")
         return Identity(self.configured.issuer, str(claims["sub"]), name, _listed(claims.get(wanted)))
 
-    async def _exchanged(self, code: str, verifier: str) -> JsonObject:
+    async def _exchanged(self, code: str, verifier: str) -> dict[str, object]:
         """The tokens for a code; the secret is sent as the provider prefers (RFC 6749, 2.3.1)."""
         of, metadata = self.configured, await self._documents.metadata()
         form = {"grant_type": "authorization_code", "code": code, "redirect_uri": of.redirect}
         form["code_verifier"] = verifier
-        methods = metadata.get("token_endpoint_auth_methods_supported") or ["client_secret_basic"]
-        if of.secret and "client_secret_basic" in methods:
+        methods = metadata.get("token_endpoint_auth_methods_supported")
+        if of.secret and (not isinstance(methods, list) or not methods or "client_secret_basic" in methods):
             quoted = (urllib.parse.quote(of.client_id, safe=""), urllib.parse.quote(of.secret, safe=""))
             return await fetch(of.name, "POST", str(metadata["token_endpoint"]), data=form, auth=quoted)
         form["client_id"] = of.client_id
@@ -105,7 +104,7 @@ class Provider:
             form["client_secret"] = of.secret
         return await fetch(of.name, "POST", str(metadata["token_endpoint"]), data=form)
 
-    async def _verified(self, tokens: JsonObject, nonce: str) -> JsonObject:
+    async def _verified(self, tokens: dict[str, object], nonce: str) -> dict[str, object]:
         """The claims of the ID token: signature, issuer, audience, times, nonce and subject are checked."""
         of, text = self.configured, tokens.get("id_token")
         if not isinstance(text, str):
@@ -133,7 +132,7 @@ class Provider:
             raise invalid(of.name, "invalid subject")
         return dict(claims)
 
-    async def _more(self, tokens: JsonObject, subject: str) -> JsonObject:
+    async def _more(self, tokens: dict[str, object], subject: str) -> dict[str, object]:
         """The claims that only the UserInfo endpoint has; those of another subject are refused (section 5.3.2)."""
         address = str((await self._documents.metadata()).get("userinfo_endpoint") or "")
         token = tokens.get("access_token")

@@ -10,22 +10,19 @@ from fastapi.responses import HTMLResponse
 
 from backend.db.engine import now, read
 from backend.http.deps import Engine, Reader, capacities
-from backend.http.errors import problems
+from backend.http.errors import Responses, problems
 from backend.http.schema import RunName
 from backend.reports import listing, pdf, service
 from backend.reports.schemas import ReportPage
 from backend.runs.service import number
-from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["reports"])
 
-_HTML: dict[int | str, JsonObject] = {
+_HTML: Responses = {
     200: {"description": "One self-contained file.", "content": {"text/html": {"schema": {"type": "string"}}}}
 }
 _BINARY = {"schema": {"type": "string", "format": "binary"}}
-_PDF: dict[int | str, JsonObject] = {
-    200: {"description": "The report on A4 pages.", "content": {"application/pdf": _BINARY}}
-}
+_PDF: Responses = {200: {"description": "The report on A4 pages.", "content": {"application/pdf": _BINARY}}}
 
 
 @router.get(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from backend.http.schema import Schema
+from backend.http.schema import Instant, Schema
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState
 
@@ -30,7 +30,7 @@ class Report(Schema):
     campaign_name: str
     state: RunState
     verdict: VerdictWord | None
-    finished: float | None
+    finished: Instant | None
     digest: str
     """SHA-256 of the results."""
     signed: int

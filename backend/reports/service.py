@@ -21,6 +21,7 @@ from backend.reports.held import Held, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
 from campaigns.results import SensitivityResult, TraceHead, ValidateResult
+from campaigns.runs import RunState
 from campaigns.version import VERSION
 from campaigns.versions import Processor, Versions
 
@@ -37,12 +38,12 @@ _VERDICTS = {
     "inconclusive": ("unk", "Inconclusive", "M9 9a3 3 0 1 1 4 2.8c-.7.4-1 1-1 1.9M12 17v.01"),
 }
 _STATES = {
-    "queued": "The run has not started. No claim is made.",
-    "running": "The run is not finished. No claim is made; the numbers below are preliminary.",
-    "cancelling": "The run is being cancelled. No claim is made; the numbers below are preliminary.",
-    "cancelled": "The run was cancelled early. No claim is made; the numbers below are those found until then.",
-    "failed": "The run failed. No claim is made; the failure is not evidence about the avoidance system.",
-    "done": "The run ended without a verdict. No claim is made.",
+    RunState.QUEUED: "The run has not started. No claim is made.",
+    RunState.RUNNING: "The run is not finished. No claim is made; the numbers below are preliminary.",
+    RunState.CANCELLING: "The run is being cancelled. No claim is made; the numbers below are preliminary.",
+    RunState.CANCELLED: "The run was cancelled early. No claim is made; the numbers below are those found until then.",
+    RunState.FAILED: "The run failed. No claim is made; the failure is not evidence about the avoidance system.",
+    RunState.DONE: "The run ended without a verdict. No claim is made.",
 }
 
 

@@ -16,7 +16,7 @@ from backend.db.engine import now, read
 from backend.db.tables import Run
 from backend.http import bodies
 from backend.http.deps import Engine, Reader, capacities
-from backend.http.errors import problems
+from backend.http.errors import Responses, problems
 from backend.http.matches import TAGGED, IfMatch
 from backend.requirements import gsn, matrix, reqif, service, sheet
 from backend.requirements.present import CHUNK
@@ -29,7 +29,6 @@ from backend.requirements.schemas import (
     RequirementRow,
 )
 from campaigns.asked.values import Name
-from campaigns.documents import JsonObject
 from campaigns.runs import run_number
 from campaigns.version import VERSION
 
@@ -47,7 +46,7 @@ FileNumber = Annotated[int, Path(ge=1, le=2**31 - 1, description="The number of 
 Attribute = Annotated[str, Query(max_length=120)]
 
 
-def _made(text: str, media: str) -> dict[int | str, JsonObject]:
+def _made(text: str, media: str) -> Responses:
     return {200: {"description": text, "content": {media: {"schema": {"type": "string"}}}}}
 
 

@@ -18,7 +18,10 @@ import yaml
 from backend.requirements.schemas import RequirementRow, RequirementRun
 from campaigns.asked.reading import Dumper
 from campaigns.claims.numbers import number, signed
-from campaigns.documents import JsonObject
+
+Element = dict[str, str | bool | list[str]]
+Nodes = dict[str, Element]
+"""The elements of an argument by their names."""
 
 TOP, STRATEGY = "G-all-requirements", "S-all-requirements"
 """A dash in the middle: names of requirements have none."""
@@ -42,16 +45,16 @@ def argument(
     rows: Sequence[RequirementRow], claims: Mapping[str, str], address: str, at: float, code: str | None
 ) -> str:
     """The document. claims: the sentence of each run's verdict, by its name; address: of the service; at: now."""
-    nodes: dict[str, JsonObject] = {}
+    nodes: Nodes = {}
     names = _names([row.id for row in rows])
     goals = [_goal(nodes, names[row.id], row, claims, address) for row in rows]
     when = datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     met = sum(row.status == "met" for row in rows)
-    top: JsonObject = {"text": "The requirements are met, as far as the searches of the runs below can show"}
+    top: Element = {"text": "The requirements are met, as far as the searches of the runs below can show"}
     top["status"] = "met" if rows and met == len(rows) else "not met"
     known = "not known" if code is None else f"sha256 {code}"
     context = f"Exported {when}: {met} of {len(rows)} requirements are met. Code of the workers: {known}"
-    document: dict[str, JsonObject] = {TOP: top | {"inContextOf": ["C-export", "A-search"]}}
+    document: Nodes = {TOP: top | {"inContextOf": ["C-export", "A-search"]}}
     document["C-export"] = {"text": context, "url": f"{address}/requirements"}
     document["A-search"] = {"text": "A search is not a proof: a worse case inside the bounds remains possible"}
     if goals:
@@ -62,9 +65,9 @@ def argument(
     return yaml.dump(document | nodes, Dumper=_Text, sort_keys=False, allow_unicode=True, width=110)
 
 
-def _goal(nodes: dict[str, JsonObject], name: str, row: RequirementRow, claims: Mapping[str, str], address: str) -> str:
+def _goal(nodes: Nodes, name: str, row: RequirementRow, claims: Mapping[str, str], address: str) -> str:
     """Add the goal of a requirement, with all that is beneath it; its name."""
-    goal: JsonObject = {
+    goal: Element = {
         "text": f"{row.id}: {row.text or 'no text is known'}",
         "status": row.status,
         "why": row.sentence,
@@ -97,7 +100,7 @@ def _goal(nodes: dict[str, JsonObject], name: str, row: RequirementRow, claims: 
 
 
 def _subgoal(
-    nodes: dict[str, JsonObject],
+    nodes: Nodes,
     name: str,
     run: RequirementRun,
     against: Sequence[RequirementRun],
@@ -110,7 +113,7 @@ def _subgoal(
     """
     key = f"{name}-{run.id}"
     above = "its threshold" if run.threshold is None else f"{number(run.threshold)} {run.unit}".strip()
-    goal: JsonObject = {"text": f"{run.campaign_name}: {run.quantity or 'the criterion'} stays above {above}"}
+    goal: Element = {"text": f"{run.campaign_name}: {run.quantity or 'the criterion'} stays above {above}"}
     nodes[f"G-{key}"] = goal
     if run.verdict == "cleared" and run.signed and not run.suspect and not against:
         nodes[f"Sn-{key}"] = _leaf(run, claims, address)
@@ -120,15 +123,13 @@ def _subgoal(
     return _with(goal, f"G-{key}", inContextOf=contexts)
 
 
-def _context(
-    nodes: dict[str, JsonObject], name: str, run: RequirementRun, claims: Mapping[str, str], address: str
-) -> str:
+def _context(nodes: Nodes, name: str, run: RequirementRun, claims: Mapping[str, str], address: str) -> str:
     key = f"C-{name}-{run.id}"
     nodes[key] = _leaf(run, claims, address)
     return key
 
 
-def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> JsonObject:
+def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> Element:
     """A run as evidence: its claim, its digests, its address."""
     parts = [f"{run.id} is {run.verdict or run.state}"]
     if run.margin is not None:
@@ -140,13 +141,13 @@ def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> JsonO
     if run.suspect:
         parts.append(f"SUSPECT: {'; '.join(run.changes)}")
     text = ", ".join(parts[:-1] if run.suspect else parts) + (f". {parts[-1]}" if run.suspect else "")
-    leaf: JsonObject = {"text": text, "claim": claims.get(run.id, ""), "digest": f"sha256 {run.campaign_digest}"}
+    leaf: Element = {"text": text, "claim": claims.get(run.id, ""), "digest": f"sha256 {run.campaign_digest}"}
     if run.code is not None:
         leaf["code"] = f"sha256 {run.code}"
     return leaf | {"url": f"{address}/runs/{run.id}"}
 
 
-def _with(goal: JsonObject, name: str, **lists: Iterable[str]) -> str:
+def _with(goal: Element, name: str, **lists: Iterable[str]) -> str:
     for key, values in lists.items():
         if values:
             goal[key] = list(values)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from backend.http.schema import Given, Schema
+from backend.http.schema import Given, Instant, Schema
 from backend.requirements.standing import Status
 from backend.runs.outcomes import Outcome
 from campaigns.asked.requirements import RequirementId
@@ -27,7 +27,7 @@ class EdgeSignoff(Schema):
 
     name: str
     role: str
-    created: float
+    created: Instant
     current: bool
     """Whether the results are still those that were signed."""
     own: bool
@@ -64,7 +64,7 @@ class RequirementRow(Schema):
     """The name of the file that it was imported from."""
     attributes: dict[str, str]
     """The other attributes of its file."""
-    changed: float | None
+    changed: Instant | None
     changed_by: str | None
     etag: str
     """The entity tag of its registered text, for `If-Match` of an edit; that of no text if it is not registered."""
@@ -100,7 +100,7 @@ class RequirementFileOut(Schema):
     size: int
     """Bytes."""
     requirements: int
-    imported: float
+    imported: Instant
     imported_by: str
 
 

@@ -24,7 +24,6 @@ from backend.requirements.schemas import FileKind, Imported, RequirementFileOut,
 from campaigns import Problem
 from campaigns.asked.requirements import RequirementId
 from campaigns.asked.values import Notes
-from campaigns.documents import JsonObject
 
 MOST = 20_000
 """Requirements that are registered."""
@@ -106,7 +105,7 @@ def _imported(writer: sa.Connection, upload: Upload, visitor: Visitor) -> Import
         if old is None:
             added.append(_row(one, file_id, at, visitor))
             continue
-        values: JsonObject = {"attributes": _cut(one.attributes), "file_id": file_id}
+        values: dict[str, object] = {"attributes": _cut(one.attributes), "file_id": file_id}
         if old.text != one.text:
             changed.append(one.id)
             values |= {"text": one.text, "changed": at, "changed_by": visitor.user}
@@ -132,7 +131,7 @@ def _refuse_foreign(reader: sa.Connection, file_id: int, there: Sequence[Any]) -
         )
 
 
-def _stored(writer: sa.Connection, name: str, stored: JsonObject) -> int:
+def _stored(writer: sa.Connection, name: str, stored: dict[str, object]) -> int:
     file_id = writer.scalar(sa.select(RequirementFile.id).where(RequirementFile.name == name))
     if file_id is not None:
         writer.execute(sa.update(RequirementFile).where(RequirementFile.id == file_id).values(**stored))
@@ -226,8 +225,8 @@ def _one(reader: sa.Connection, key: str, hold: bool = False) -> Any:
     return reader.execute(of.where(Requirement.id == key)).one_or_none()
 
 
-def _row(one: Read, file_id: int | None, at: float, visitor: Visitor) -> JsonObject:
-    values: JsonObject = {"id": one.id, "text": one.text, "attributes": _cut(one.attributes), "file_id": file_id}
+def _row(one: Read, file_id: int | None, at: float, visitor: Visitor) -> dict[str, object]:
+    values: dict[str, object] = {"id": one.id, "text": one.text, "attributes": _cut(one.attributes), "file_id": file_id}
     return values | {"created": at, "changed": at, "changed_by": visitor.user}
 
 
@@ -243,7 +242,7 @@ def _forget(writer: sa.Connection, ids: Sequence[str]) -> None:
         writer.execute(sa.delete(Requirement).where(Requirement.id.in_(some)))
 
 
-def _some(ids: Sequence[str]) -> JsonObject:
+def _some(ids: Sequence[str]) -> dict[str, object]:
     """How many there are, and the first of them."""
     return {"count": len(ids), "ids": list(ids[:NAMED])}
 

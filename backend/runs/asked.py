@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, TypedDict
 
 from fastapi import Depends, Query
 from pydantic import ValidationError
@@ -16,15 +16,24 @@ from pydantic import ValidationError
 from backend.http.errors import RefusedError, problem_of
 from backend.runs.requests import RunSubmit
 from campaigns import CampaignError, Problem
-from campaigns.documents import JsonObject
 from campaigns.labels import MOST, parsed
+
+
+class Parts(TypedDict, total=False):
+    """Fields of a submission."""
+
+    labels: dict[str, str]
+    baseline: str
+    reuse: bool
+    group: str
+    priority: int
 
 
 @dataclass(frozen=True)
 class Asked:
     """The parts of a submission that its address gives; empty if it gives none."""
 
-    parts: JsonObject
+    parts: Parts
 
     def with_body(self, given: RunSubmit) -> RunSubmit:
         """The submission with both; raises `CampaignError` for a part that is given twice."""
@@ -58,14 +67,19 @@ def asked(
 ) -> Asked:
     """Labels, baseline, reuse, group and priority in the address; 422 with a sentence for what is not allowed."""
     try:
-        parts: JsonObject = {"labels": parsed(label)} if label else {}
+        parts: Parts = {"labels": parsed(label)} if label else {}
     except ValueError as error:
         raise _refused([Problem("label", "", f"{error}")]) from None
-    parts |= {} if baseline is None else {"baseline": baseline}
-    parts |= {"reuse": True} if reuse else {}
-    parts |= {name: given for name, given in (("group", group), ("priority", priority)) if given is not None}
+    if baseline is not None:
+        parts["baseline"] = baseline
+    if reuse:
+        parts["reuse"] = True
+    if group is not None:
+        parts["group"] = group
+    if priority is not None:
+        parts["priority"] = priority
     try:
-        RunSubmit.model_validate({"campaign": {}} | parts)
+        RunSubmit.model_validate({"campaign": {}, **parts})
     except ValidationError as error:
         raise _refused([problem_of(e, e["loc"]) for e in error.errors(include_url=False)]) from None
     return Asked(parts)

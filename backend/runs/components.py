@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import sqlalchemy as sa
 
 from backend.catalog.service import published, required
@@ -11,7 +13,6 @@ from backend.runs import service
 from backend.runs.schemas import RunComponents
 from campaigns import Catalogue
 from campaigns.checked.snapshot import changes, snapshot
-from campaigns.documents import JsonObject
 from campaigns.identity.code import code_of
 from campaigns.versions import Versions
 
@@ -24,10 +25,10 @@ def components(reader: sa.Connection, run_id: int) -> RunComponents:
     then, now = Versions.of(versions).code, code_of(asked, codes.installed(reader))
     others = [] if then == now else codes.changed(reader, then)
     changes_of_code = [*others, *_own(Versions.of(versions), published(reader))]
-    code: JsonObject = {"code": then, "code_installed": now, "code_changes": changes_of_code}
+    described = partial(RunComponents, code=then, code_installed=now, code_changes=changes_of_code)
     if kept is None:
-        return RunComponents(digest=None, catalogue=snapshot(asked, required(reader)), changes=[], **code)
-    return RunComponents(digest=digest, catalogue=kept, changes=changed(kept, published(reader)), **code)
+        return described(digest=None, catalogue=snapshot(asked, required(reader)), changes=[])
+    return described(digest=digest, catalogue=kept, changes=changed(kept, published(reader)))
 
 
 def _own(then: Versions, installed: Catalogue | None) -> list[str]:

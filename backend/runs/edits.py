@@ -20,7 +20,6 @@ from backend.runs.requests import RunEdit
 from backend.runs.schemas import RunSummary
 from backend.runs.tombstones import refuse_purged
 from campaigns import Problem
-from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
 
@@ -65,10 +64,10 @@ def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
         raise RefusedError(409, "notes-changed", detail)
 
 
-def _audited(values: JsonObject) -> JsonObject:
+def _audited(values: dict[str, object]) -> dict[str, object]:
     """The entry of the audit trail; notes, which can be long, are stored as length and digest."""
     notes = values.get("notes")
-    if notes is None:
+    if not isinstance(notes, str):
         return values
     digest = hashlib.sha256(notes.encode()).hexdigest()
     return values | {"notes": {"characters": len(notes), "sha256": digest}}

@@ -13,7 +13,7 @@ from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.http import bodies
 from backend.http.deps import Engine, Reader
-from backend.http.errors import problems
+from backend.http.errors import Responses, problems
 from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
@@ -39,7 +39,6 @@ from backend.runs.schemas import (
     StageDetail,
 )
 from campaigns import CampaignError
-from campaigns.documents import JsonObject
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
@@ -52,13 +51,13 @@ SUBMIT_BODY = {
         "application/yaml": {"schema": {"type": "string"}},
     },
 }
-LOCATION: dict[int | str, JsonObject] = {
+LOCATION: Responses = {
     201: {
         "description": "The run that was queued, now or earlier with the same key, or the one that is reused.",
         "headers": {"Location": {"description": "The address of the run.", "schema": {"type": "string"}}},
     }
 }
-CAMPAIGN_FILE: dict[int | str, JsonObject] = {
+CAMPAIGN_FILE: Responses = {
     200: {
         "description": "YAML, or JSON if it was submitted as JSON.",
         "content": {"application/yaml": {"schema": {"type": "string"}}},

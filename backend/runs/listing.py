@@ -19,7 +19,7 @@ from backend.runs.filters import Filters
 from backend.runs.order import Order, Sort
 from backend.runs.schemas import RunPage, RunSummary, StageProgress
 from campaigns.results.verdict import VerdictWord
-from campaigns.runs import RunState, run_name
+from campaigns.runs import HELD, RunState, StageState, run_name
 
 _PLAIN = (
     "id", "name", "tags", "owner", "state", "verdict", "reason", "error", "campaign_digest", "threshold",
@@ -54,13 +54,13 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     query = sa.select(*columns, CampaignRow.name.label("campaign_name"), *named, simulator, *told, *counts.COLUMNS)
     query = query.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows = reader.execute(query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc())).all()
-    working = _working(reader, [row.id for row in rows if row.state in ("running", "cancelling")])
+    working = _working(reader, [row.id for row in rows if row.state in HELD])
     units = _units(reader) if any(row.unit is None for row in rows) else {}
     excluded = counts.excluded(reader, [row.id for row in rows])
     labelled = labels.of_runs(reader, [row.id for row in rows])
     grouped = groups.of_runs(reader, [row.id for row in rows])
-    waits = waiting.reasons(reader, [row.id for row in rows if row.state == "queued"])
-    doing = waiting.doing(reader, [row.id for row in rows if row.state == "running"])
+    waits = waiting.reasons(reader, [row.id for row in rows if row.state == RunState.QUEUED])
+    doing = waiting.doing(reader, [row.id for row in rows if row.state == RunState.RUNNING])
     return [
         _summary(
             row,
@@ -104,7 +104,8 @@ def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
     if not ids:
         return {}
     columns = [getattr(Stage, field) for field in StageProgress.model_fields]
-    rows = reader.execute(sa.select(Stage.run_id, *columns).where(Stage.run_id.in_(ids), Stage.state == "running"))
+    running = (Stage.run_id.in_(ids), Stage.state == StageState.RUNNING)
+    rows = reader.execute(sa.select(Stage.run_id, *columns).where(*running))
     return {
         row.run_id: StageProgress.model_validate({k: v for k, v in row._mapping.items() if k != "run_id"})
         for row in rows

@@ -12,8 +12,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
-from backend.http.schema import Schema
-from campaigns.documents import JsonObject
+from backend.http.schema import Instant, Schema
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
@@ -49,8 +48,8 @@ class Outcome(Schema):
     samples: int | None
     confidence: float | None
     """Of the upper bound."""
-    created: float
-    finished: float | None
+    created: Instant
+    finished: Instant | None
     removed: bool
     """Whether it is removed from the lists."""
 
@@ -82,7 +81,7 @@ def outcomes(
 
 def _outcome(row: Any) -> Outcome:
     done = row.state == RunState.DONE
-    values: JsonObject = {name: getattr(row, name) for name in _PLAIN}
+    values = {name: getattr(row, name) for name in _PLAIN}
     values |= {name: getattr(row, name) if done else None for name in _NUMBERS}
     known = values["worst_cost"] is not None and row.threshold is not None
     return Outcome(

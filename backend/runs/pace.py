@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from backend.runs.schemas import StageProgress
+from campaigns.runs import StageState
 
 FEWEST = 8
 """With fewer evaluations than this no speed is reported."""
@@ -16,13 +17,13 @@ def estimate(stages: Sequence[StageProgress]) -> tuple[float | None, float | Non
     A stage that has just started is assumed to be as fast as the run so far. Stages that end by their own rule finish
     earlier.
     """
-    running = next((s for s in stages if s.state == "running"), None)
+    running = next((s for s in stages if s.state == StageState.RUNNING), None)
     if running is None:
         return None, None
     speed = _speed([running]) or _speed([s for s in stages if s.kind != "nominal"])
     if speed is None:
         return None, None
-    left = sum(max(0, s.planned - s.evaluations) for s in stages if s.state != "done")
+    left = sum(max(0, s.planned - s.evaluations) for s in stages if s.state != StageState.DONE)
     return speed, left / speed
 
 

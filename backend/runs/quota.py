@@ -9,8 +9,7 @@ import sqlalchemy as sa
 from backend.db.access import Visitor
 from backend.db.tables import Run, Token
 from backend.http.errors import RefusedError
-
-ACTIVE = ("queued", "running", "cancelling")
+from campaigns.runs import ACTIVE
 
 
 @dataclass(frozen=True)

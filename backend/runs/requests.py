@@ -9,7 +9,6 @@ from pydantic import Field
 from backend.http.schema import Given
 from campaigns.asked.load import LARGEST_FILE
 from campaigns.asked.values import Notes
-from campaigns.documents import JsonObject
 from campaigns.labels import Group, Labels
 
 Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
@@ -21,7 +20,7 @@ class RunSubmit(Given):
     """A campaign to run; the campaign's own name and tags are the defaults."""
 
     checked_elsewhere: ClassVar = frozenset({"campaign"})  # errors in it are located by `campaigns.asked.reading`
-    campaign: JsonObject
+    campaign: dict[str, object]
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None
     labels: Labels = Field(default_factory=dict)

@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field, computed_field
 
 from backend.catalog.schemas import CriterionOut
-from backend.http.schema import Schema
+from backend.http.schema import Instant, Schema
 from campaigns import Catalogue
 from campaigns.documents import JsonObject
 from campaigns.results import Verdict
@@ -21,7 +21,7 @@ from campaigns.versions import Versions
 class HistoryEntry(Schema):
     """An action on a run, from the audit trail."""
 
-    at: float
+    at: Instant
     """Seconds since 1970."""
     user: str
     via: str
@@ -29,7 +29,7 @@ class HistoryEntry(Schema):
     action: str
     """run.submitted, run.edited, run.cancelled, run.restarted, run.continued, run.removed, run.restored, run.purged,
     signoff.created, signoff.withdrawn, signoff.bound"""
-    detail: JsonObject
+    detail: dict[str, object]
 
 
 class Facet(Schema):
@@ -74,8 +74,8 @@ class StageProgress(Schema):
     best: float | None
     best_index: int | None
     seconds: float
-    started: float | None
-    finished: float | None
+    started: Instant | None
+    finished: Instant | None
 
     @computed_field  # type: ignore[prop-decorator]
     @property
@@ -96,7 +96,7 @@ class RunDoing(Schema):
 
     sentence: str
     """Compiling your closed loop, about 15 s, once: it is stored for later runs."""
-    since: float
+    since: Instant
     """Seconds since 1970."""
     seconds: float | None
     """Estimated from earlier ones on the same machine [s]; None if there are none."""
@@ -143,9 +143,9 @@ class RunSummary(Schema):
     failed_evaluations: int
     """Includes timeouts."""
     excluded_evaluations: int
-    created: float
-    started: float | None
-    finished: float | None
+    created: Instant
+    started: Instant | None
+    finished: Instant | None
     stage: StageProgress | None
     """The running stage."""
     waits: str | None
@@ -164,7 +164,7 @@ class RunSummary(Schema):
     """Convergence history: evaluations and the lowest cost within them, thinned for a sparkline."""
     upper_bound: float | None
     """Upper bound on P(violation), from the independent sample."""
-    removed: float | None
+    removed: Instant | None
     """Time of removal from all lists; None if it is listed."""
     removed_by: str | None
     removed_reason: str | None

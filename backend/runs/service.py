@@ -25,11 +25,10 @@ from backend.runs.tombstones import refuse_purged
 from backend.runs.versions import readable
 from campaigns import Campaign
 from campaigns.claims import earlier
-from campaigns.documents import JsonObject
 from campaigns.results import SearchResult, Verdict, verdicts
 from campaigns.results.remedies import Ran
 from campaigns.results.verdict import VerdictWord
-from campaigns.runs import run_name, run_number
+from campaigns.runs import RunState, run_name, run_number
 from campaigns.stages.found import declared
 from campaigns.versions import Versions
 
@@ -64,7 +63,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     if not base.quantity and stated:  # the installed catalogue no longer has the criterion, the stored one has
         base = base.model_copy(update={"quantity": stated[0].quantity, "unit": stated[0].unit})
     stages = progress(reader, run_id)
-    rate, remaining = pace.estimate(stages) if base.state == "running" else (None, None)
+    rate, remaining = pace.estimate(stages) if base.state == RunState.RUNNING else (None, None)
     return RunDetail(
         **dict(base),
         notes=notes,
@@ -103,7 +102,7 @@ def _plan(campaign: Campaign) -> list[StageSummary]:
 
 
 def _verdict(
-    reader: sa.Connection, run_id: int, asked: Campaign, parts: JsonObject | None, failed: int
+    reader: sa.Connection, run_id: int, asked: Campaign, parts: dict[str, object] | None, failed: int
 ) -> RunVerdict | None:
     """The stored verdict with its checks; those of an inconclusive one with their remedies."""
     if not parts or not parts.get("verdict"):

@@ -24,7 +24,6 @@ from backend.runs.schemas import RunBaseline, RunSubmitted
 from backend.runs.service import baseline, summary
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
-from campaigns.documents import JsonObject
 from campaigns.results.baselines import CannotCompare
 from campaigns.runs import RunState, run_name, run_number
 from campaigns.stages.plan import plan
@@ -145,11 +144,13 @@ def _queue(
     return run_id
 
 
-def _supersede(writer: sa.Connection, submission: Submission, visitor: Visitor, run_id: int) -> list[tuple[int, str]]:
+def _supersede(
+    writer: sa.Connection, submission: Submission, visitor: Visitor, run_id: int
+) -> list[tuple[int, RunState]]:
     """Cancel the other runs of the group that have not ended and that the visitor may cancel; their new states."""
     if submission.group is None:
         return []
-    found = []
+    found: list[tuple[int, RunState]] = []
     for other, owner in groups.active(writer, submission.group, run_id):
         if owns(writer, visitor, owner):
             state = queue.request_cancel(writer, other)
@@ -159,8 +160,8 @@ def _supersede(writer: sa.Connection, submission: Submission, visitor: Visitor, 
     return found
 
 
-def _noted(submission: Submission, asked: Resolved) -> JsonObject:
-    told: JsonObject = {"campaign": asked.campaign.digest, "name": submission.name}
+def _noted(submission: Submission, asked: Resolved) -> dict[str, object]:
+    told: dict[str, object] = {"campaign": asked.campaign.digest, "name": submission.name}
     told |= {"labels": submission.labels} if submission.labels else {}
     told |= {} if submission.group is None else {"group": submission.group}
     return told | ({} if submission.baseline is None else {"baseline": submission.baseline})

@@ -58,7 +58,7 @@ def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing
     if not run_ids:
         return {}
     held = sa.select(Worker.run_id, Worker.doing, Worker.name, Run.worker).join(Run, Run.id == Worker.run_id)
-    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == "running", Worker.beat > now(reader) - SEEN)
+    live = sa.and_(Worker.run_id.in_(run_ids), Run.state == RunState.RUNNING, Worker.beat > now(reader) - SEEN)
     found = {}
     for row in reader.execute(held.where(live)):
         known = Doing.of(row.doing, row.run_id) if row.name == row.worker else None

@@ -14,7 +14,6 @@ import sqlalchemy as sa
 
 from backend.access.door import Door
 from backend.db import audit
-from campaigns.documents import JsonObject
 
 BURST = 10
 """Rows that are written at once."""
@@ -60,7 +59,7 @@ class Failures:
 
         def write(writer: sa.Connection) -> None:
             for action, attempts in sorted(counts.items()):
-                told: JsonObject = {"address": address[:64], "attempts": attempts}
+                told: dict[str, object] = {"address": address[:64], "attempts": attempts}
                 audit.note_sign_in(writer, UNKNOWN, "link", action, told)
 
         return write, lambda: self._counts.update(counts)

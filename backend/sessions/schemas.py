@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, SecretStr
 
 from backend.db.roles import Role, Scope
-from backend.http.schema import Given, Schema
+from backend.http.schema import Given, Instant, Schema
 
 
 class SessionInfo(Schema):
@@ -39,9 +39,9 @@ class BrowserSession(Schema):
     id: str
     user: str
     via: Literal["link", "password", "provider"]
-    created: float
-    expires: float
-    last_used: float | None
+    created: Instant
+    expires: Instant
+    last_used: Instant | None
     """Null if it was not used since the service was started; accurate to a second."""
     agent: str
     """The browser's description of itself."""

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from backend.http.schema import Given, Schema
+from backend.http.schema import Given, Instant, Schema
 from campaigns.asked.values import Name, Notes
 
 Comment = Annotated[Notes, Field(max_length=4000)]
@@ -42,8 +42,8 @@ class Signoff(Schema):
     """The user who was signed in to the service."""
     own: bool
     """Whether this user also launched the run: such a sign-off is not independent."""
-    created: float
-    withdrawn: float | None
+    created: Instant
+    withdrawn: Instant | None
     withdrawn_by: str | None
     withdrawn_reason: str | None
 

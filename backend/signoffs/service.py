@@ -20,7 +20,6 @@ from backend.http.errors import RefusedError, not_found
 from backend.runs.removal import refuse_removed
 from backend.runs.tombstones import refuse_purged
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
-from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
 
@@ -31,7 +30,7 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
     digest = results_digest(reader, run_id)
     rows = reader.execute(sa.select(Row.__table__).where(Row.run_id == run_id).order_by(Row.id)).mappings()
     launcher = _launcher(reader, run_id)
-    items = [_signoff(reader, dict(row), digest, launcher) for row in rows]
+    items = [_signoff(reader, row, digest, launcher) for row in rows]
     can_sign = verdict is not None and not removed
     barred = None if visitor is None else _barred(reader, run_id, visitor)
     return Signoffs(digest=digest, can_sign=can_sign, barred=barred, items=items)
@@ -89,13 +88,13 @@ def one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
     row = reader.execute(query).mappings().one_or_none()
     if row is None:
         raise not_found(f"sign-off of {run_name(run_id)} with the number", str(signoff_id))
-    return _signoff(reader, dict(row), results_digest(reader, run_id), _launcher(reader, run_id))
+    return _signoff(reader, row, results_digest(reader, run_id), _launcher(reader, run_id))
 
 
-def _signoff(reader: sa.Connection, row: JsonObject, digest: str, launcher: str) -> Signoff:
-    del row["run_id"]
+def _signoff(reader: sa.Connection, row: sa.RowMapping, digest: str, launcher: str) -> Signoff:
+    stored = {name: value for name, value in row.items() if name != "run_id"}
     own = account_of(reader, row["user"]) == launcher
-    return Signoff(**row, current=row["digest"] == digest, own=own)
+    return Signoff.model_validate(stored | {"current": row["digest"] == digest, "own": own})
 
 
 def _launcher(reader: sa.Connection, run_id: int) -> str:

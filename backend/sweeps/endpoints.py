@@ -10,26 +10,25 @@ from fastapi.concurrency import run_in_threadpool
 from backend.access.auth import CurrentVisitor
 from backend.http import bodies
 from backend.http.deps import Engine, Reader
-from backend.http.errors import RefusedError, problems
+from backend.http.errors import RefusedError, Responses, problems
 from backend.http.keys import Key
 from backend.http.root import at
 from backend.sweeps import service, sheet
 from backend.sweeps.schemas import SweepDetail, SweepSubmit, SweepSummary
 from campaigns import CampaignError
 from campaigns.asked.load import load_document
-from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["sweeps"])
 
 SweepName = Annotated[str, Path(description="The sweep by its name, such as S-0001.")]
 BODY = {"required": True, "content": {"application/json": {"schema": {"$ref": "#/components/schemas/SweepSubmit"}}}}
-LOCATION: dict[int | str, JsonObject] = {
+LOCATION: Responses = {
     201: {
         "description": "The sweep that was launched, now or earlier with the same key.",
         "headers": {"Location": {"description": "The address of the sweep.", "schema": {"type": "string"}}},
     }
 }
-TABLE: dict[int | str, JsonObject] = {
+TABLE: Responses = {
     200: {"description": "One row for each run.", "content": {"text/csv": {"schema": {"type": "string"}}}}
 }
 

@@ -6,11 +6,10 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field, field_validator
 
-from backend.http.schema import Given, Schema
+from backend.http.schema import Given, Instant, Schema
 from backend.runs.outcomes import Outcome
 from backend.runs.requests import Tags
 from campaigns.asked.values import Number, Path
-from campaigns.documents import JsonObject
 from campaigns.labels import Labels
 
 MOST = 50
@@ -21,7 +20,7 @@ class SweepSubmit(Given):
     """A campaign, and the values of one of its fixed parameters; each value is a run."""
 
     checked_elsewhere: ClassVar = frozenset({"campaign"})
-    campaign: JsonObject
+    campaign: dict[str, object]
     path: Annotated[Path, Field(description="A parameter that is not uncertain, such as avoider.d_0.")]
     values: Annotated[list[Number], Field(min_length=2, max_length=MOST, description="In the parameter's unit.")]
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
@@ -52,7 +51,7 @@ class SweepSummary(Schema):
     """The description of the parameter."""
     unit: str
     owner: str
-    created: float
+    created: Instant
     runs: int
     states: dict[str, int]
     """The numbers of its runs by state and by verdict; purged ones are omitted."""

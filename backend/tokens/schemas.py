@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from backend.db.roles import Scope
-from backend.http.schema import Given, Schema
+from backend.http.schema import Given, Instant, Schema
 
 LONGEST = 3650
 """Maximum lifetime of a token that expires [days]."""
@@ -21,11 +21,11 @@ class Token(Schema):
     scope: Scope
     """A token never has more than the role of its owner."""
     state: Literal["active", "expired", "revoked"]
-    created: float
-    expires: float | None
-    last_used: float | None
+    created: Instant
+    expires: Instant | None
+    last_used: Instant | None
     """Accurate to a minute."""
-    revoked: float | None
+    revoked: Instant | None
 
 
 class TokenRequest(Given):

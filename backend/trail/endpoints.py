@@ -9,14 +9,13 @@ from fastapi.responses import StreamingResponse
 
 from backend.access.auth import CurrentVisitor
 from backend.http.deps import Engine, Reader
-from backend.http.errors import problems
+from backend.http.errors import Responses, problems
 from backend.trail import service
 from backend.trail.schemas import AuditPage
-from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["audit"])
 
-LINES: dict[int | str, JsonObject] = {
+LINES: Responses = {
     200: {
         "description": "One JSON object a line, oldest first; `clearance trail verify --file` verifies it.",
         "content": {"application/jsonl": {"schema": {"type": "string"}}},

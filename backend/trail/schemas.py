@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from backend.http.schema import Schema
-from campaigns.documents import JsonObject
+from backend.http.schema import Instant, Schema
 
 
 class AuditEntry(Schema):
     """One row of the audit trail."""
 
     id: int
-    at: float
+    at: Instant
     """Seconds since 1970."""
     user: str
     """The user, the API token, or on the command line the user of the operating system."""
@@ -18,7 +17,7 @@ class AuditEntry(Schema):
     """link, password, token, or cli for the command line."""
     action: str
     subject: str
-    detail: JsonObject
+    detail: dict[str, object]
     previous: str
     """The hash of the row before it."""
     hash: str

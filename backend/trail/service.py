@@ -13,7 +13,6 @@ from backend.db.engine import read
 from backend.db.tables import Audit, Token
 from backend.http.errors import RefusedError
 from backend.trail.schemas import AuditEntry, AuditPage
-from campaigns.documents import JsonObject
 
 MOST_ACTORS = 500
 
@@ -58,7 +57,7 @@ def _lines(engine: sa.Engine, until: int) -> Iterator[str]:
             yield json.dumps(row, sort_keys=True, separators=(",", ":"), allow_nan=False) + "\n"
 
 
-def _entry(row: JsonObject) -> AuditEntry:
+def _entry(row: dict[str, object]) -> AuditEntry:
     """A row; a detail that is not an object was changed, and is shown as it is."""
     detail = row["detail"] if isinstance(row["detail"], dict) else {"unreadable": str(row["detail"])}
     return AuditEntry.model_validate({**row, "detail": detail})

@@ -14,7 +14,6 @@ from backend.runs.facets import labels_of
 from backend.runs.outcomes import Outcome, outcomes
 from backend.trends.schemas import Trend, TrendRun
 from campaigns import Problem
-from campaigns.documents import JsonObject
 from campaigns.runs import run_name, run_number
 
 
@@ -72,7 +71,14 @@ def _marked(found: list[Outcome], stated: dict[str, list[str]], labelled: dict[s
     for outcome in found:
         changed = None not in (code, outcome.code) and code != outcome.code
         other = campaign is not None and campaign != outcome.campaign_digest
-        known: JsonObject = {"requirements": stated.get(outcome.id, []), "labels": labelled.get(outcome.id, {})}
-        runs.append(TrendRun(**dict(outcome), code_changed=changed, campaign_changed=other, **known))
+        runs.append(
+            TrendRun(
+                **dict(outcome),
+                code_changed=changed,
+                campaign_changed=other,
+                requirements=stated.get(outcome.id, []),
+                labels=labelled.get(outcome.id, {}),
+            )
+        )
         code, campaign = outcome.code or code, outcome.campaign_digest
     return runs

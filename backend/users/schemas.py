@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from backend.db.roles import Role
-from backend.http.schema import Given, Schema
+from backend.http.schema import Given, Instant, Schema
 
 
 class User(Schema):
@@ -18,12 +18,12 @@ class User(Schema):
     state: Literal["active", "invited", "disabled"]
     """invited: the user has not set a password yet."""
     has_password: bool
-    created: float
+    created: Instant
     created_by: str
-    joined: float | None
+    joined: Instant | None
     """When the invitation was accepted."""
-    disabled: float | None
-    invited_until: float | None
+    disabled: Instant | None
+    invited_until: Instant | None
     """When the open link expires; null if there is none."""
     sessions: int
     """The number of browsers that are signed in as this user."""
@@ -58,7 +58,7 @@ class Invitation(Schema):
     """The path of the link, below the address of the service."""
     address: str | None
     """The public address of the service from its settings; null if none is set."""
-    expires: float
+    expires: Instant
 
 
 class AccessSettings(Schema):

@@ -14,6 +14,7 @@ import sqlalchemy as sa
 
 from backend.db.engine import insert, now, read
 from backend.db.tables import Run, WebhookDelivery, WebhookTarget
+from backend.db.tables_webhooks import DeliveryState
 from backend.webhooks import body
 from backend.webhooks.sending import Message, Sent
 from campaigns.runs import ENDED
@@ -85,7 +86,7 @@ class Outbox:
 
     def claim(self) -> Message | None:
         """The next message that is due, its attempt counted; None if there is none."""
-        due = (WebhookDelivery.target == self.target, WebhookDelivery.state == "pending")
+        due = (WebhookDelivery.target == self.target, WebhookDelivery.state == DeliveryState.PENDING)
         columns = (WebhookDelivery.id, WebhookDelivery.body, WebhookDelivery.attempts)
         next_one = sa.select(*columns).order_by(WebhookDelivery.not_before, WebhookDelivery.created).limit(1)
         with read(self.engine) as reader:  # so that an idle service never writes
@@ -108,9 +109,9 @@ class Outbox:
             at = now(writer)
             values: dict[str, object] = {"status": sent.status, "error": sent.error}
             if sent.error is None:
-                values |= {"state": "delivered", "delivered": at}
+                values |= {"state": DeliveryState.DELIVERED, "delivered": at}
             elif message.attempt >= MOST:
-                values |= {"state": "failed"}
+                values |= {"state": DeliveryState.FAILED}
             else:
                 values |= {"not_before": at + pause(message.attempt)}
             writer.execute(sa.update(WebhookDelivery).where(*mine).values(**values))
@@ -118,8 +119,8 @@ class Outbox:
 
 def test(writer: sa.Connection, target: str) -> str:
     """Store a test message, unless one is still waiting: whoever asks often gets no queue of them. Returns its id."""
-    mine = (WebhookDelivery.target == target, WebhookDelivery.type == body.TEST, WebhookDelivery.state == "pending")
-    waiting = writer.scalar(sa.select(WebhookDelivery.id).where(*mine).limit(1))
+    tests = sa.select(WebhookDelivery.id).where(WebhookDelivery.target == target, WebhookDelivery.type == body.TEST)
+    waiting = writer.scalar(tests.where(WebhookDelivery.state == DeliveryState.PENDING).limit(1))
     if waiting is not None:
         return str(waiting)
     values = _new(writer, target, body.TEST)

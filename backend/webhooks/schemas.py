@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
-from backend.http.schema import Schema
+from backend.db.tables_webhooks import DeliveryState
+from backend.http.schema import Instant, Schema
 
 
 class WebhookDelivery(Schema):
@@ -20,19 +19,18 @@ class WebhookDelivery(Schema):
     """`run.ended` or `test`."""
     configured: bool
     """Whether the settings still name its target; if not, a pending message waits until they do."""
-    state: Literal["pending", "delivered", "failed"]
-    """Failed: not accepted in any attempt."""
+    state: DeliveryState
     attempts: int
-    created: float
-    attempted: float | None
+    created: Instant
+    attempted: Instant | None
     """Start of the last attempt."""
-    next_attempt: float | None
+    next_attempt: Instant | None
     """None unless it is pending and configured."""
     status: int | None
     """HTTP status of the last response; None without one."""
     error: str | None
     """Why the last attempt failed."""
-    delivered: float | None
+    delivered: Instant | None
 
 
 class WebhookTarget(Schema):
@@ -41,7 +39,7 @@ class WebhookTarget(Schema):
     id: str
     origin: str
     """Scheme, host and port; the rest of the address may be secret."""
-    since: float | None
+    since: Instant | None
     """Runs that end from then on are reported; None until the service has stored it."""
     pending: int
     delivered: int

@@ -11,6 +11,7 @@ from backend.db.access import Visitor
 from backend.db.engine import insert, now
 from backend.db.tables import WebhookDelivery as Row
 from backend.db.tables import WebhookTarget as TargetRow
+from backend.db.tables_webhooks import DeliveryState
 from backend.http.errors import RefusedError
 from backend.webhooks import outbox
 from backend.webhooks.configured import Configured, Target
@@ -55,7 +56,7 @@ def _target(reader: sa.Connection, target: Target, configured: Configured) -> We
         id=target.id,
         origin=target.origin,
         since=reader.scalar(sa.select(TargetRow.since).where(TargetRow.id == target.id)),
-        **{name: numbers.get(name, 0) for name in ("pending", "delivered", "failed")},
+        **{name: numbers.get(name, 0) for name in DeliveryState},
         last=None if last is None else _delivery(last, configured),
     )
 
@@ -67,5 +68,5 @@ def _delivery(row: Any, configured: Configured) -> WebhookDelivery:
         **{name: row[name] for name in same},
         run=None if row["run_id"] is None else run_name(row["run_id"]),
         configured=known,
-        next_attempt=row["not_before"] if known and row["state"] == "pending" else None,
+        next_attempt=row["not_before"] if known and row["state"] == DeliveryState.PENDING else None,
     )

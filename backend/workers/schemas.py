@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from backend.http.schema import Schema
+from backend.http.schema import Instant, Schema
 from backend.runs.schemas import RunDoing
 
 
@@ -14,9 +14,9 @@ class WorkerOut(Schema):
     name: str
     host: str
     pid: int
-    started: float
+    started: Instant
     """Seconds since 1970."""
-    beat: float
+    beat: Instant
     """The last heartbeat, seconds since 1970."""
     state: Literal["idle", "busy", "silent"]
     """`silent`: no heartbeat for 20 s, ten times the usual interval."""
@@ -33,10 +33,10 @@ class WorkerOut(Schema):
 class Workers(Schema):
     """The workers of this database: the live ones, and those that have become silent within ten minutes."""
 
-    now: float
+    now: Instant
     """The time by the clock of the heartbeats, seconds since 1970."""
     alive: int
-    last_seen: float | None
+    last_seen: Instant | None
     """When any worker was last seen, seconds since 1970; None if none is known."""
     queued: int
     """Number of runs that wait for a worker."""

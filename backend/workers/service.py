@@ -11,7 +11,7 @@ from backend.db.tables import Run, Stage, Worker
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs import waiting
 from backend.workers.schemas import WorkerOut, Workers
-from campaigns.runs import RunState, run_name
+from campaigns.runs import RunState, StageState, run_name
 from campaigns.stages.found import declared
 
 LISTED = 600.0
@@ -57,7 +57,7 @@ def _stages(reader: sa.Connection, run_ids: list[int]) -> dict[int, str]:
     if not run_ids:
         return {}
     running = sa.select(Stage.run_id, Stage.kind, Stage.method).where(
-        Stage.run_id.in_(run_ids), Stage.state == "running"
+        Stage.run_id.in_(run_ids), Stage.state == StageState.RUNNING
     )
     found = {}
     for row in reader.execute(running.order_by(Stage.position.desc())):

@@ -14,7 +14,6 @@ from typing import Any
 import yaml
 
 from campaigns.asked.problem import Problem, shown
-from campaigns.documents import JsonObject
 
 DEEPEST = 16
 """A campaign nests 6 deep; parameters may be written nested."""
@@ -158,7 +157,7 @@ def _is_unicode(text: str) -> bool:
     return True
 
 
-def _distinct(pairs: list[tuple[str, Any]]) -> JsonObject:
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, object]:
     found = dict(pairs)
     if len(found) < len(pairs):
         twice = repeated(name for name, _ in pairs)
@@ -215,7 +214,7 @@ class _Plain(yaml.composer.Composer, yaml.constructor.SafeConstructor):
 class _Loader(_Plain, yaml.SafeLoader):
     """Reads with PyYAML's own scanner and parser."""
 
-    yaml_implicit_resolvers: JsonObject = {}
+    yaml_implicit_resolvers: dict[str, object] = {}
 
 
 _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -224,7 +223,7 @@ _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 class _Fast(_Plain, _Parser):  # type: ignore[misc]
     """Reads with libyaml's scanner and parser, if available; composed in Python, so that values are counted."""
 
-    yaml_implicit_resolvers: JsonObject = {}
+    yaml_implicit_resolvers: dict[str, object] = {}
 
     def __init__(self, text: str) -> None:
         _Parser.__init__(self, text)
@@ -237,7 +236,7 @@ _Writer: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 class Dumper(_Writer):  # type: ignore[misc]
     """Quotes text that `parse` would read as another type; with libyaml if available, in a third of the time."""
 
-    yaml_implicit_resolvers: JsonObject = {}
+    yaml_implicit_resolvers: dict[str, object] = {}
 
 
 _CORE = (

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from campaigns.asked.values import Notes, Strict
-from campaigns.documents import JsonObject
+from campaigns.documented import no_default
 
 MOST = 200
 """Requirements of one criterion."""
@@ -26,10 +26,6 @@ _ASKED = ("scenario", "simulator", "uncertain", "correlations", "criterion")
 
 _STATED = ("requirements", "threshold", "from_centre")
 """Of the criterion; no value of an evaluation depends on them."""
-
-
-def _no_default(schema: JsonObject) -> None:
-    schema.pop("default", None)
 
 
 def _id(text: str) -> str:
@@ -58,7 +54,7 @@ class RequirementRef(Strict):
     """A requirement, by the id that it has where it was written."""
 
     id: RequirementId
-    text: Annotated[Notes, Field(exclude_if=operator.not_, json_schema_extra=_no_default)] = ""
+    text: Annotated[Notes, Field(exclude_if=operator.not_, json_schema_extra=no_default)] = ""
     """Its text when the campaign was written; omitted from the canonical form if not given."""
 
 

@@ -36,6 +36,7 @@ from campaigns.asked.values import (
     Summary,
     Values,
 )
+from campaigns.documented import no_default
 from campaigns.documents import JsonObject
 
 __all__ = [
@@ -57,12 +58,7 @@ def _absent(given: Any) -> bool:
     return given is None or given == ""
 
 
-def _no_default(schema: JsonObject) -> None:
-    """Removes the defaults of fields that the canonical form omits from the JSON Schema as well."""
-    schema.pop("default", None)
-
-
-_LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=_no_default)
+_LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=no_default)
 """Omitted from the canonical form if not given, so campaigns without it keep their digests."""
 
 
@@ -95,7 +91,7 @@ class Simulator(Strict):
     parameters: Values = {}
     repeats: Annotated[Repeats | None, _LEFT_OUT] = None
     """If omitted, an evaluation is one call."""
-    retries: Annotated[int, Field(ge=0, le=10, exclude_if=operator.not_, json_schema_extra=_no_default), AS_WHOLE] = 0
+    retries: Annotated[int, Field(ge=0, le=10, exclude_if=operator.not_, json_schema_extra=no_default), AS_WHOLE] = 0
     """How often a call that failed or timed out is tried again."""
 
     @property
@@ -121,12 +117,12 @@ class Criterion(Strict):
     result: Annotated[Identifier | None, _LEFT_OUT] = None
     """Of a simulator: the name of the result."""
     threshold: Number
-    from_centre: Annotated[bool, Field(exclude_if=operator.not_, json_schema_extra=_no_default)] = False
+    from_centre: Annotated[bool, Field(exclude_if=operator.not_, json_schema_extra=no_default)] = False
     """Confirms that distances to the obstacles' centres are intended although the threshold is within an obstacle.
 
     Omitted from the canonical form if not stated, so campaigns without it keep their digests.
     """
-    requirements: Annotated[Requirements, Field(exclude_if=operator.not_, json_schema_extra=_no_default)] = []
+    requirements: Annotated[Requirements, Field(exclude_if=operator.not_, json_schema_extra=no_default)] = []
     """What this criterion is evidence for; omitted from the canonical form if empty, as above."""
 
     @model_validator(mode="before")
@@ -199,7 +195,7 @@ class Campaign(Strict):
     """Omitted from the canonical form if empty, so campaigns without it keep their digests."""
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []
-    regression: Annotated[Policy, Field(exclude_if=lambda given: given.usual, json_schema_extra=_no_default)] = Policy()
+    regression: Annotated[Policy, Field(exclude_if=lambda given: given.usual, json_schema_extra=no_default)] = Policy()
     """Omitted from the canonical form if usual, so campaigns without it keep their digests."""
     baseline: Annotated[Baseline | None, _LEFT_OUT] = None
     """Added by a launch with a baseline; its findings are evaluated after the nominal case."""

@@ -8,7 +8,7 @@ from pydantic import Field, field_validator
 
 from campaigns import limits
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, MAX_EVALUATIONS, Identifier, Number, Option, Path, Strict
-from campaigns.documents import JsonObject
+from campaigns.documented import no_default
 
 
 class Morris(Strict):
@@ -71,10 +71,6 @@ def _usual(repeats: int) -> bool:
     return repeats == limits.REPEATS
 
 
-def _no_default(schema: JsonObject) -> None:
-    schema.pop("default", None)
-
-
 class Validate(Strict):
     """How the findings are validated: tolerance of the reference integrator and step-halving check, and neighbours."""
 
@@ -84,7 +80,7 @@ class Validate(Strict):
     reach: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 1e-3
     """Fraction of each range that contains the neighbours."""
     repeats: Annotated[
-        int, Field(ge=limits.REPEATS, le=10_000, exclude_if=_usual, json_schema_extra=_no_default), AS_WHOLE
+        int, Field(ge=limits.REPEATS, le=10_000, exclude_if=_usual, json_schema_extra=no_default), AS_WHOLE
     ] = limits.REPEATS
     """Independent calls of a simulator that does not repeat, for every finding and the best of every search; omitted
     from the canonical form if usual, so campaigns without it keep their digests."""

@@ -19,7 +19,6 @@ from campaigns.asked.load import load_document
 from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
-from campaigns.documents import JsonObject
 from campaigns.results import Finding, TraceHead
 from campaigns.results.nominal import Measured
 from campaigns.results.trace import TraceColumn
@@ -63,18 +62,18 @@ class Capsule(Part):
     made_by: str
     """Version of Clearance."""
     origin: Origin
-    campaign: JsonObject
+    campaign: dict[str, object]
     campaign_digest: str
     finding: Finding
     versions: Versions
     modules: dict[str, str]
     """The digest of each module of the code that ran the run; empty if not stored."""
-    components: JsonObject | None
+    components: dict[str, object] | None
     """The descriptions of components and methods as of the run: texts, equations, units, limits; null if not stored."""
     components_digest: str
     measured: Measured | None
     """Whether a simulator repeated."""
-    program: JsonObject | None
+    program: dict[str, object] | None
     """The command of a simulator, if the campaign file gave it: code, which is used only if that is permitted."""
     sources: Annotated[Sources | None, Field(exclude_if=lambda given: given is None)] = None
     """The source of components and methods that are not shipped: code, which is used only if that is permitted."""

@@ -26,7 +26,6 @@ from campaigns.capsules.sources import LARGEST as LARGEST_SOURCE
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import digest_of as described_digest
-from campaigns.documents import JsonObject
 from campaigns.results import Finding
 from campaigns.results.nominal import Measured
 from campaigns.version import VERSION
@@ -65,7 +64,7 @@ class Content:
     """What a capsule is made of, besides what follows from it."""
 
     origin: Origin
-    campaign: JsonObject
+    campaign: dict[str, object]
     campaign_digest: str
     finding: Finding
     versions: Versions
@@ -73,7 +72,7 @@ class Content:
     components: Catalogue | None
     measured: Measured | None
     trajectories: Sequence[tuple[Trajectory, Floats]]
-    program: JsonObject | None = None
+    program: dict[str, object] | None = None
     sources: tuple[Sources, Mapping[str, bytes]] | None = None
     """The source of what is not shipped, and its texts by module."""
     page: str = ""
@@ -88,7 +87,7 @@ def packed(content: Content) -> bytes:
     if content.sources is not None:
         files |= {f"source/{module}.py": text for module, text in content.sources[1].items()}
     components = None if content.components is None else content.components.model_dump(mode="json")
-    document: JsonObject = {
+    document: dict[str, object] = {
         "format": FORMAT,
         "made_by": VERSION,
         "origin": content.origin.model_dump(mode="json"),

@@ -18,7 +18,6 @@ from campaigns import rules
 from campaigns.asked.spec import MAX_EVALUATIONS, Campaign
 from campaigns.asked.stages import Certify, Search
 from campaigns.claims.say import Part, count, listed, method, number, say
-from campaigns.documents import JsonObject
 from campaigns.results.base import Described, Result
 from campaigns.results.search import SearchResult
 from campaigns.results.verdict import Check, Statistics
@@ -78,7 +77,7 @@ def applied(campaign: Campaign, wanted: Sequence[Remedy]) -> Campaign | None:
         return None
 
 
-def _set(document: JsonObject, change: Change) -> None:
+def _set(document: dict[str, object], change: Change) -> None:
     *parents, last = change.at
     place: Any = document
     for step in parents:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from campaigns.documents import JsonObject
 from clearance.cli import WrongInputError
 from clearance.cli._capsule_code import is_inside
 
@@ -63,7 +62,7 @@ def changed(opened: Opened) -> list[str]:
     return [] if then is None else changes(then, catalogue())
 
 
-def described(opened: Opened, apart: list[str]) -> JsonObject:
+def described(opened: Opened, apart: list[str]) -> dict[str, object]:
     """What --json adds for a capsule."""
     capsule = opened.capsule
     origin = capsule.origin.model_dump(mode="json")
@@ -82,7 +81,7 @@ def sentence(opened: Opened, apart: list[str]) -> str:
     return f"{said}. Other than in the capsule: {'; '.join(apart[:MOST])}{rest}."
 
 
-def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program: JsonObject | None) -> None:
+def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program: dict[str, object] | None) -> None:
     """Write capsule-F1.zip for every finding of a run. They have no page: only the service draws."""
     from campaigns.capsules.capsule import Origin, Trajectory
     from campaigns.capsules.packing import Content, packed
@@ -113,7 +112,7 @@ def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program
         (folder / f"capsule-{finding.label}.zip").write_bytes(packed(content))
 
 
-def _install(path: Path, program: JsonObject, allowed: bool) -> None:
+def _install(path: Path, program: dict[str, object], allowed: bool) -> None:
     from worker.running.catalogue.inline import InlineProgram, descriptor_of, install
 
     if not allowed:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from campaigns.documents import JsonObject
 from clearance.cli import WrongInputError
 
 if TYPE_CHECKING:
@@ -118,7 +117,7 @@ def _stated(file: Path) -> dict[str, str]:
         return {}
 
 
-def stated(campaign: Campaign) -> JsonObject:
+def stated(campaign: Campaign) -> dict[str, object]:
     """Where the campaign file was that gave the command, for result.json; empty if none did."""
     known = _inline(campaign)
     return {} if known is None else {GIVEN: {"file": known.file, FOLDER: str(known.folder)}}
@@ -135,7 +134,7 @@ def _inline(campaign: Campaign) -> InlineProgram | None:
     return described if isinstance(described, InlineProgram) else None
 
 
-def program_of(campaign: Campaign) -> JsonObject | None:
+def program_of(campaign: Campaign) -> dict[str, object] | None:
     """The program that the campaign file gave, for a capsule; None if it gave none."""
     known = _inline(campaign)
     if known is None:

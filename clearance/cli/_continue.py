@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypedDict
 
 import sqlalchemy as sa
 
@@ -23,7 +23,6 @@ from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
 from campaigns.checked.snapshot import values_changed
-from campaigns.documents import JsonObject
 from campaigns.results import Verdict
 from campaigns.runs import ENDED, run_name
 from campaigns.stages.plan import plan
@@ -41,13 +40,17 @@ from worker.running.runs.store import MemoryStore
 Execute = Callable[[Campaign, Store, Callable[[], bool]], Verdict]
 
 
+Cited = TypedDict("Cited", {"as": str, "run": str, "digest": str, "code": None}, total=False)
+"""The run that is extended, and the number of the new one in the database; code: its version was not stored."""
+
+
 class Continued(NamedTuple):
     """The new run: its campaign, its stored data, its verdict, and the run that it extends."""
 
     campaign: Campaign
     store: MemoryStore
     verdict: Verdict
-    cites: JsonObject
+    cites: Cited
 
 
 @dataclass(frozen=True)
@@ -64,9 +67,9 @@ class _Earlier:
         return campaign, carried(self.campaign, campaign, self.store)
 
     @property
-    def cited(self) -> JsonObject:
-        unknown = {} if self.versions.code else {"code": None}
-        return {"run": self.run, "digest": self.campaign.digest} | unknown
+    def cited(self) -> Cited:
+        cited: Cited = {"run": self.run, "digest": self.campaign.digest}
+        return cited if self.versions.code else {**cited, "code": None}
 
 
 def execute_continued(run: str, budget: str, data: Path, database: str, execute: Execute) -> Continued:
@@ -98,11 +101,14 @@ def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Con
         earlier = _earlier(engine, run_id)
         onward, columns = earlier.onward(budget)
         planned = [StagePlan(*p) for p in plan(onward)]
-        named: JsonObject = {"worker": "clearance run", "lease": LEASE, "catalogue": catalogue()}
+        known = catalogue()
         versions = earlier.versions if earlier.versions.code else None
 
         def begin(connection: sa.Connection) -> Claim:
-            return stored.begin(connection, run_id, onward, planned, columns, **named, versions=versions)
+            return stored.begin(
+                connection, run_id, onward, planned, columns,
+                worker="clearance run", lease=LEASE, catalogue=known, versions=versions,
+            )  # fmt: skip
 
         claim = write(engine, begin, PATIENCE)
         verdict = _held(engine, claim, onward, execute)

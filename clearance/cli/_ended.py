@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, VIOLATED
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ class EndedRun:
     def code(self) -> int:
         """The exit code."""
         if self.verdict is None:
-            return INTERRUPTED if self.state == "cancelled" else INTERNAL
+            return INTERRUPTED if self.state == RunState.CANCELLED else INTERNAL
         return code(self.verdict)
 
     def command(self, case: FindingChange) -> str:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from campaigns.runs import RunState
 from clearance.cli import WrongInputError
 from clearance.cli._ended import Case, EndedRun, Source, changes, write_files
 
@@ -94,7 +95,7 @@ def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun
 
     document, compared = found.document, found.baseline
     criterion = (document.get("campaign") or {}).get("criterion") or {}
-    stated = document["summary"] if found.state == "done" else None
+    stated = document["summary"] if found.state == RunState.DONE else None
     return EndedRun(
         run=found.id,
         campaign=found.campaign_name,
@@ -180,7 +181,7 @@ def _shown(service: Client, run: str, quiet: bool) -> RunDetail:
 
 def _line(found: Run, figures: bool) -> str:
     stage = found.stage
-    if found.state != "running" or stage is None:
+    if found.state != RunState.RUNNING or stage is None:
         return f"{found.id} {found.state}"
     name = stage.kind if stage.method is None else f"{stage.kind}: {stage.method}"
     if not figures:
@@ -198,9 +199,9 @@ def counts(found: Run) -> str:
 
 
 def _ended(service: Client, found: RunDetail, ended: EndedRun) -> list[str]:
-    if found.state == "done":
+    if found.state == RunState.DONE:
         lines = [(found.verdict or "").capitalize(), found.reason or "", counts(found)]
-    elif found.state == "cancelled":
+    elif found.state == RunState.CANCELLED:
         lines = ["Cancelled: no verdict", *filter(None, [superseded(found)])]
     else:
         lines = ["Failed: no verdict", plain(found.error or "no reason is recorded")]

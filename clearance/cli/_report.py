@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.markup import escape
@@ -14,7 +15,6 @@ from campaigns import Campaign
 from campaigns.claims.numbers import count, number, signed
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
-from campaigns.documents import JsonObject
 from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.verdict import Counts, NominalCost
@@ -24,6 +24,9 @@ from clearance.cli._ended import changes
 from clearance.local.failures import lines as failures
 from clearance.local.progress import named
 from worker.running.runs.store import MemoryStore
+
+if TYPE_CHECKING:
+    from clearance.cli._continue import Cited
 
 VERDICTS = {
     "cleared": ("✓", "Cleared", "green"),
@@ -37,7 +40,7 @@ def print_report(
     store: MemoryStore,
     verdict: Verdict,
     out: Path | None,
-    cites: JsonObject | None = None,
+    cites: Cited | None = None,
     note: str = "",
 ) -> None:
     """Print the stages, the comparison of methods, the findings, the changes since a baseline, and the verdict.

@@ -15,7 +15,6 @@ from urllib.parse import quote
 
 from campaigns.claims.numbers import signed
 from campaigns.codes import CheckCode
-from campaigns.documents import JsonObject
 from campaigns.results.regression import FindingChange, Standing
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.version import VERSION
@@ -45,15 +44,15 @@ def write(file: Path, ended: EndedRun) -> None:
     file.write_text(json.dumps(sarif(ended), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def sarif(ended: EndedRun) -> JsonObject:
+def sarif(ended: EndedRun) -> dict[str, object]:
     """The log, with one run."""
     results = list(_results(ended, {} if ended.source is None else lines(ended.source.text)))
-    rules = list({result["ruleId"]: None for result in results})
+    rules = list({str(result["ruleId"]): None for result in results})
     titles = {_named(check): check.title for check in ended.checks}
     for result in results:
-        result["ruleIndex"] = rules.index(result["ruleId"])
+        result["ruleIndex"] = rules.index(str(result["ruleId"]))
     driver = {"name": "Clearance", "version": VERSION, "rules": [_rule(name, titles) for name in rules]}
-    stated: JsonObject = {
+    stated: dict[str, object] = {
         "tool": {"driver": driver},
         "automationDetails": {"id": f"clearance/{quote(ended.campaign, safe='')}/{quote(ended.run, safe='')}"},
         "columnKind": "unicodeCodePoints",
@@ -64,7 +63,7 @@ def sarif(ended: EndedRun) -> JsonObject:
     return {"$schema": SCHEMA, "version": "2.1.0", "runs": [stated]}
 
 
-def _rule(name: str, titles: Mapping[str, str]) -> JsonObject:
+def _rule(name: str, titles: Mapping[str, str]) -> dict[str, object]:
     title = {
         VIOLATION: "A case within the bounds violates the criterion",
         NO_VERDICT: "The run ended without a verdict",
@@ -79,18 +78,18 @@ def _named(check: DescribedCheck) -> str:
     return f"{CHECK}{str(check.code).replace(' ', '-')}"
 
 
-def _invocation(ended: EndedRun) -> JsonObject:
+def _invocation(ended: EndedRun) -> dict[str, object]:
     """Whether there is a verdict: a run without one is no evidence that anything was fixed."""
-    found: JsonObject = {"executionSuccessful": ended.verdict is not None, "exitCode": ended.code}
+    found: dict[str, object] = {"executionSuccessful": ended.verdict is not None, "exitCode": ended.code}
     if ended.verdict is None:
         message = {"text": f"no verdict: {ended.state}{': ' + ended.error if ended.error else ''}"}
         found["toolExecutionNotifications"] = [{"level": "error", "message": message}]
     return found
 
 
-def _properties(ended: EndedRun) -> JsonObject:
+def _properties(ended: EndedRun) -> dict[str, object]:
     verdict = ended.verdict
-    stated: JsonObject = {
+    stated: dict[str, object] = {
         "run": ended.run,
         "state": ended.state,
         "labels": ended.labels or None,
@@ -102,7 +101,7 @@ def _properties(ended: EndedRun) -> JsonObject:
     return {name: value for name, value in stated.items() if value not in (None, "")}
 
 
-def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[JsonObject]:
+def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, object]]:
     if ended.verdict is None:
         text = f"No verdict: {ended.state}. {ended.error}".strip()
         yield _result(ended, known, NO_VERDICT, "", "error", text, ())
@@ -136,7 +135,7 @@ def _told(ended: EndedRun, case: Case, confirmed: bool) -> str:
     return "\n".join(filter(None, told))
 
 
-def _changed(ended: EndedRun, known: Mapping[str, Place], change: FindingChange) -> JsonObject:
+def _changed(ended: EndedRun, known: Mapping[str, Place], change: FindingChange) -> dict[str, object]:
     text = "\n".join(filter(None, [f"{change.text}.", ended.command(change)]))
     name = f"{CHANGE}{str(change.standing).replace(' ', '-')}"
     result = _result(ended, known, name, change.name, "error", text, ("criterion",))
@@ -148,10 +147,10 @@ def _changed(ended: EndedRun, known: Mapping[str, Place], change: FindingChange)
 
 def _result(
     ended: EndedRun, known: Mapping[str, Place], rule: str, label: str, level: str, text: str, paths: tuple[str, ...]
-) -> JsonObject:
+) -> dict[str, object]:
     """One result; its fingerprint is that of the same rule and finding in the next run of the campaign."""
     of = hashlib.sha256("\0".join((ended.campaign, rule, label)).encode()).hexdigest()
-    found: JsonObject = {"ruleId": rule, "level": level, "message": {"text": text}}
+    found: dict[str, object] = {"ruleId": rule, "level": level, "message": {"text": text}}
     found["partialFingerprints"] = {"clearanceResult/v1": of}
     if ended.source is not None:
         found["locations"] = [_location(ended.source, first(known, *paths))]
@@ -160,11 +159,11 @@ def _result(
     return found
 
 
-def _ranges(ended: EndedRun, known: Mapping[str, Place], parameters: Mapping[str, float]) -> list[JsonObject]:
+def _ranges(ended: EndedRun, known: Mapping[str, Place], parameters: Mapping[str, float]) -> list[dict[str, object]]:
     """The lines of the parameters' ranges, with their values."""
     if ended.source is None:
         return []
-    found: list[JsonObject] = []
+    found: list[dict[str, object]] = []
     for path, value in parameters.items():
         if f"uncertain.{path}" in known:
             location: Any = _location(ended.source, known[f"uncertain.{path}"])
@@ -172,12 +171,12 @@ def _ranges(ended: EndedRun, known: Mapping[str, Place], parameters: Mapping[str
     return found
 
 
-def _location(source: Source, place: Place) -> JsonObject:
+def _location(source: Source, place: Place) -> dict[str, object]:
     region = {"startLine": place[0], "startColumn": place[1]}
     return {"physicalLocation": {"artifactLocation": _artifact(source.address), "region": region}}
 
 
-def _artifact(address: str) -> JsonObject:
+def _artifact(address: str) -> dict[str, object]:
     """A file below the working directory by its path, as code hosts expect it; anything else by its address."""
     if "://" in address:
         return {"uri": address}

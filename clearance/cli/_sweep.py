@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-from campaigns.documents import JsonObject
+from campaigns.runs import RunState
 from clearance.cli import CODES, INTERNAL, INTERRUPTED, WrongInputError
 
 if TYPE_CHECKING:
@@ -38,13 +39,18 @@ def parsed(given: str) -> tuple[str, list[float]]:
 
 
 def sweep(
-    service: Client, campaign: JsonObject, given: str, wait: bool, out: Path | None, as_json: bool, **launch: Any
+    service: Client,
+    launch: Callable[[str, list[float]], Sweep],
+    given: str,
+    wait: bool,
+    out: Path | None,
+    as_json: bool,
 ) -> int:
-    """Launch the sweep; returns the exit code: that of the worst of its runs. launch: as for a run."""
+    """Launch the sweep; returns the exit code: that of the worst of its runs. launch: over a path and its values."""
     from clearance.client import UnreachableError
 
     path, values = parsed(given)
-    found = service.sweep(campaign, path, values, **launch)
+    found = launch(path, values)
     if not wait:
         typer.echo(found.id)
         return 0
@@ -82,7 +88,7 @@ def _line(found: Sweep, point: SweepPoint) -> str:
     start = f"{found.path} = {point.value:.15g} {found.unit}".rstrip() + f"  {point.run}"
     if outcome is None:
         return f"{start}  purged"
-    if outcome.state != "done":
+    if outcome.state != RunState.DONE:
         return f"{start}  {outcome.state}: no verdict{'; ' + outcome.error if outcome.error else ''}"
     margin = "" if outcome.margin is None else f", worst margin {outcome.margin:.6g} {outcome.unit}".rstrip()
     bound = outcome.upper_bound
@@ -93,12 +99,12 @@ def _line(found: Sweep, point: SweepPoint) -> str:
 def _code(found: Sweep) -> int:
     """A violation first, then what is missing a verdict, then inconclusive; cleared only if every run is."""
     outcomes = [point.outcome for point in found.points]
-    verdicts = {outcome.verdict for outcome in outcomes if outcome is not None and outcome.state == "done"}
+    verdicts = {outcome.verdict for outcome in outcomes if outcome is not None and outcome.state == RunState.DONE}
     states = {"purged" if outcome is None else outcome.state for outcome in outcomes}
     if "violated" in verdicts:
         return CODES["violated"]
-    if states - {"done", "cancelled"}:
+    if states - {RunState.DONE, RunState.CANCELLED}:
         return INTERNAL
-    if "cancelled" in states:
+    if RunState.CANCELLED in states:
         return INTERRUPTED
     return CODES["inconclusive" if "inconclusive" in verdicts else "cleared"]

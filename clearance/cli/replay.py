@@ -22,7 +22,6 @@ from clearance.cli._where import DATA, Data, Database, loaded_run
 if TYPE_CHECKING:
     import sqlalchemy as sa
 
-    from campaigns.documents import JsonObject
     from worker.engine.problem.problem import Problem
     from worker.running.runs.replay import Recorded, Replayed
 
@@ -195,7 +194,7 @@ def _noise(recorded: Recorded, problem: Problem) -> str:
     return "" if problem.system.repeatable else "The simulator declares that it does not repeat"
 
 
-def _described(one: Replayed, problem: Problem) -> JsonObject:
+def _described(one: Replayed, problem: Problem) -> dict[str, object]:
     from campaigns.results.base import STATUS
     from worker.running.runs.replay import values
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from campaigns.runs import RunState
 from clearance.cli import UnreachableError, WrongInputError
 from clearance.cli import _code as code
 from clearance.cli import _evaluator as evaluators
@@ -112,7 +113,7 @@ def _ended(
     return EndedRun(
         run="" if out is None else str(out),
         campaign=campaign.name,
-        state="done",
+        state=RunState.DONE,
         verdict=verdict,
         replay="" if out is None else f"clearance replay {shlex.quote(str(out))}",
         labels=given.labels,

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from campaigns.documents import JsonObject
 from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
 
 if TYPE_CHECKING:
@@ -41,7 +40,7 @@ def runs(
     from clearance.cli._service import opened
 
     several = {"label": label, "state": state, "verdict": verdict, "campaign": campaign, "owner": owner, "tag": tag}
-    filters: JsonObject = {name: tuple(given or ()) for name, given in several.items()}
+    filters: dict[str, Any] = {name: tuple(given or ()) for name, given in several.items()}
     with opened(service, token_file, patience) as client:
         found = client.runs(words, **filters)
         listed = list(itertools.islice(found, limit))

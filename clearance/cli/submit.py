@@ -6,12 +6,12 @@ The exit code is that of `clearance run`.
 from __future__ import annotations
 
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from campaigns.documents import JsonObject
 from clearance.cli import WrongInputError
 from clearance.cli import _launch as launch
 from clearance.cli._following import AsJson, Out
@@ -80,14 +80,17 @@ def submit(
     path = found(file)
     text = read_text(path)
     document = load_text(text, str(file)).document()
-    asked: JsonObject = {"name": name or None, "tags": tag or None, "labels": given.labels, "priority": priority}
-    how: JsonObject = {"baseline": given.baseline or None, "reuse": reuse, "group": group or None}
+    called, tags, compared = name or None, tag or None, given.baseline or None
     with opened(service, token_file, patience, str(file)) as client:
         if sweep:
-            raise typer.Exit(launched(client, document, sweep, wait, out, as_json, **asked))
+            made = partial(client.sweep, document, name=called, tags=tags, labels=given.labels, priority=priority)
+            raise typer.Exit(launched(client, made, sweep, wait, out, as_json))
         with terminated() if cancel_on_exit else nullcontext():
             try:
-                queued = client.submit(document, text=text, **asked, **how)
+                queued = client.submit(
+                    document, text=text, name=called, tags=tags, labels=given.labels, priority=priority,
+                    baseline=compared, reuse=reuse, group=group or None,
+                )  # fmt: skip
             except KeyboardInterrupt:
                 typer.echo(
                     "the submission was interrupted, so a run may be queued: `clearance runs` lists them", err=True

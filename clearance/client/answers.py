@@ -1,182 +1,249 @@
 """What the service answers, as types. Times are `datetime` in UTC; costs and margins are in the run's unit.
 
-A field that this version does not describe is ignored, and is still in `document`, the JSON as it was sent; what
-earlier versions did not send has a default. So a client works with services of other versions. A test compares every
-field with the OpenAPI document. Start reading at `Run`.
+Written by tools/client_answers.py from the OpenAPI document. A field that is not described here is ignored, and is
+still in `document`, the JSON as it was sent; what earlier versions did not send has a default. So a client works with
+services of other versions. Start reading at `Run`.
 """
 
 from __future__ import annotations
 
-from typing import Any, Self
+from pydantic import AwareDatetime
 
-from pydantic import AwareDatetime, ConfigDict, ModelWrapValidatorHandler, PrivateAttr, model_validator
-
-from campaigns.documented import Documented
 from campaigns.documents import JsonObject
-from campaigns.runs import ACTIVE
+from clearance.client.answer import Answer, RunAnswer, SweepAnswer
 
 
-class Answer(Documented):
-    """A part of an answer; `document` is its JSON as it was sent."""
+class Health(Answer):
+    """Minimal, because no authentication is required."""
 
-    model_config = ConfigDict(frozen=True, extra="ignore")
-    _document: JsonObject = PrivateAttr(default_factory=dict)
+    status: str
 
-    @model_validator(mode="wrap")
-    @classmethod
-    def _kept(cls, given: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        made = handler(given)
-        if isinstance(given, dict):
-            made._document = given
-        return made
 
-    @property
-    def document(self) -> JsonObject:
-        """The JSON as the service sent it."""
-        return self._document
+class FieldProblem(Answer):
+    """One error in a campaign: the field, the given value, and what is allowed or to be done."""
+
+    field: str
+    given: str
+    message: str
+
+
+class Checked(Answer):
+    """A checked campaign: its parsed form, or its errors."""
+
+    ok: bool
+    problems: list[FieldProblem]
+    digest: str | None
+    yaml: str | None = None
+    """None if it has errors, or more values than a campaign in YAML may have."""
+    evaluations: int | None = None
+    """The sum of the budgets of all stages; `estimate` states what a run usually takes."""
+    seconds: float | None = None
+    """For these, from the speed of earlier runs with the same components; None if there are none."""
+
+
+class ExportFile(Answer):
+    """An export file: its name, its content and its address."""
+
+    name: str
+    """R-0001-unicycle-past-a-pillar-evaluations.csv"""
+    title: str
+    text: str | None = None
+    media_type: str
+    href: str
+    unavailable: str | None
+    """The reason why it is not available now; None if it is."""
 
 
 class StageProgress(Answer):
-    """A stage of a run; started and finished are None until it does."""
+    """The state of a stage; `result` is set once it is done."""
 
     position: int
     kind: str
     method: str | None
     state: str
+    """waiting, running, done"""
     planned: int
     evaluations: int
     failed: int
+    excluded: int | None = None
     best: float | None
+    best_index: int | None = None
     seconds: float
-    started: AwareDatetime | None
-    finished: AwareDatetime | None
+    started: AwareDatetime | None = None
+    finished: AwareDatetime | None = None
+    title: str | None = None
+    """The title of its kind; also for a kind of another version that this installation lacks."""
 
 
 class Baseline(Answer):
-    """The run with which one is compared; `run` is None if there is none with the label."""
+    """The baseline with which a run was launched."""
 
     asked: str
+    """As given: R-0001, or label:branch=main."""
     run: str | None
+    """R-0001; None if no run has the label, and nothing is compared."""
     sentence: str
 
 
 class Check(Answer):
-    """One condition of "cleared": `standing` is "holds", "open" or "fails"."""
+    """A check as displayed: its title, whether it holds, and its limitation."""
 
-    name: str
+    code: str | None = None
+    """What it is about; any string for a check of another package."""
+    ok: bool | None = None
     title: str
     standing: str
+    """`open`: it holds for the evaluations that have a value, but others failed."""
     text: str
+    """The sentence as plain text."""
+    values: dict[str, float] = {}
+    """The numbers from which it follows."""
+    name: str
+    """The code."""
+    but: str | None = None
+    """Its limitation, as plain text."""
 
 
 class VerdictParts(Answer):
-    """The verdict with its evidence; all of it is in `document`."""
+    """The verdict of a run, with its checks."""
 
     verdict: str
-    sentence: str
-    scope: str
+    """cleared, violated, inconclusive"""
     checks: list[Check]
+    quantity: str | None = None
+    unit: str | None = None
+    sentence: str
+    """What may be claimed, as plain text."""
+    scope: str
+    """The scope of the sentence, as plain text."""
+    values: dict[str, float] = {}
+    """The numbers of the sentence by name."""
 
 
-class Run(Answer):
-    """A run: where it stands, and its verdict once it is done."""
+class Run(RunAnswer):
+    """A run as in the list. Costs and margins are in `unit`."""
 
     id: str
     """R-0001"""
     name: str
-    owner: str
     tags: list[str]
     labels: dict[str, str] = {}
+    """Given at launch, in alphabetical order."""
+    owner: str
     state: str
     """queued, running, cancelling, cancelled, failed, done"""
     verdict: str | None
-    """cleared, violated, inconclusive; None until it is done"""
+    """cleared, violated, inconclusive"""
     reason: str | None
-    """The sentence of the verdict."""
+    """The verdict's sentence."""
     error: str | None
-    """Why it failed."""
     campaign_name: str
     campaign_digest: str
     quantity: str
+    """d_min"""
     unit: str
+    """m"""
     threshold: float | None
     nominal_cost: float | None
     worst_cost: float | None
     margin: float | None
-    """Of the worst case to the threshold."""
-    upper_bound: float | None = None
-    """Of P(violation), from the independent sample."""
+    worst_method: str | None = None
     evaluations: int
     planned: int
     failed_evaluations: int
+    """Includes timeouts."""
+    excluded_evaluations: int | None = None
     created: AwareDatetime
     started: AwareDatetime | None
     finished: AwareDatetime | None
     stage: StageProgress | None
+    """The running stage."""
     waits: str | None = None
-    """Why a queued run has not started."""
+    """Why a queued run has not started; None for any other."""
     other_code: str | None = None
-    """What differs from the code that began it, where it waits for that."""
+    """What differs between the code that began it and that of every running worker, as clauses; None if it does not
+    wait for that.
+    """
+    attempts: int | None = None
+    worker: str | None = None
     continues: str | None = None
-    """The run that it continues, R-0001."""
-    pinned: bool = False
+    """The run whose searches this one extends, or whose evaluations it begins with, R-0001."""
+    pinned: bool | None = None
+    best_so_far: list[tuple[int, float]] = []
+    """Convergence history: evaluations and the lowest cost within them, thinned for a sparkline."""
+    upper_bound: float | None = None
+    """Upper bound on P(violation), from the independent sample."""
+    removed: AwareDatetime | None = None
+    """Time of removal from all lists; None if it is listed."""
+    removed_by: str | None = None
+    removed_reason: str | None = None
     group: str | None = None
-    """Its concurrency group; a newer run of the same group and owner cancels it."""
+    """Its concurrency group: a newer run of the same group and owner cancels it."""
     superseded_by: str | None = None
-    """The run of the group that cancelled it."""
-
-    @property
-    def ended(self) -> bool:
-        """Whether it no longer changes."""
-        return self.state not in ACTIVE
-
-    @property
-    def seconds(self) -> float | None:
-        """From start to end [s]; None before the end."""
-        if self.started is None or self.finished is None:
-            return None
-        return (self.finished - self.started).total_seconds()
+    """The run of its group that cancelled it, R-0001."""
 
 
 class Submitted(Run):
-    """The answer to a submission: the run that was queued, or the one that is reused."""
+    """The run that answers a submission."""
 
     reused: str | None = None
     """Why it is an earlier run; None if it was queued."""
     baseline: Baseline | None = None
+    """The baseline that was asked for; None without one."""
     superseded: list[str] = []
-    """The runs of the same group that this one cancelled."""
+    """The runs of the same group that this one cancelled, R-0001."""
 
 
 class RunDetail(Run):
-    """A run with its campaign, its stages and the parts of its verdict."""
+    """A run with its campaign, stages and provenance."""
 
     notes: str
-    campaign: JsonObject
+    """In Markdown."""
     baseline: Baseline | None = None
+    """What it is compared with; None if it was launched without a baseline."""
+    campaign: JsonObject
+    components_digest: str | None = None
+    """Digest of the component descriptions at submission (`/runs/{run}/components`); None if not stored."""
     stages: list[StageProgress]
+    """Empty until a worker has started the run."""
     summary: VerdictParts | None
-    """None until there is a verdict."""
+    """The verdict with its evidence; None until there is one."""
+    rate: float | None = None
+    """Evaluations per second of the running stage."""
     remaining: float | None = None
-    """Estimated time left [s]."""
+    """Estimated time left [s]; None while it cannot be estimated."""
 
 
 class RunPage(Answer):
-    """A page of the list of runs."""
+    """A page of the run list."""
 
     items: list[Run]
     next_cursor: str | None
     counts: dict[str, int]
+    """The numbers of runs by state and by verdict for the same search text, and of removed runs."""
 
 
 class Validation(Answer):
-    """The repeated evaluation of a finding."""
+    """A case simulated again by other means."""
 
+    name: str | None = None
+    step: float | None = None
+    """[s]; None for a system without a step."""
+    cost: float | None = None
+    allowed: float | None = None
+    """The tolerance, in the criterion's unit; None where values are not compared."""
     ok: bool
+    """Validated: it agrees or it violates."""
+    agrees: bool | None = None
+    """Both differences are within tolerance, and all values on the same side of the threshold."""
+    violates: bool | None = None
+    """Every integration violates, however much they differ."""
+    realisation: int | None = None
+    """The noise seed drawn for its evaluation; None if it simulated those of the campaign."""
 
 
 class Finding(Answer):
-    """One distinct worst case: F1 is the worst. Parameters by path, in their units."""
+    """One distinct worst case, with the values of its uncertain parameters and their bounds."""
 
     label: str
     cost: float
@@ -187,20 +254,25 @@ class Finding(Answer):
     high: dict[str, float]
     methods: list[str]
     values: dict[str, float | None]
-    """The value of every criterion."""
+    """{name: value} of every criterion in its own sign, as stored with the trace; empty if it was not stored."""
     at_bounds: dict[str, str]
-    validation: Validation | None
+    validation: Validation | None = None
 
 
 class TraceColumn(Answer):
-    """A quantity over time."""
+    """One column of a trace."""
 
     name: str
+    symbol: str | None = None
     unit: str
+    group: str | None = None
+    """`signal`: any quantity that a simulator returns over time."""
+    text: str | None = None
+    """One line on a signal; omitted if it has none."""
 
 
 class TraceInfo(Answer):
-    """A stored trace: nominal, F1, F2, ..."""
+    """A stored trace without its data."""
 
     name: str
     rows: int
@@ -208,79 +280,77 @@ class TraceInfo(Answer):
 
 
 class TraceData(TraceInfo):
-    """A trace as the service sends it; `Client.trace` returns arrays."""
+    """Columns by name, thinned to at most `max_points` rows; the rows nearest the closest approach are kept."""
 
     data: dict[str, list[float | None]]
 
 
 class Outcome(Answer):
-    """The outcome of one run of a sweep."""
+    """The outcome of a run. Costs and margins are in `unit`.
 
+    Numbers are None unless the run is done: those of a cancelled or failed run would be of an incomplete search.
+    """
+
+    id: str | None = None
+    """R-0001"""
+    name: str | None = None
     state: str
+    """queued, running, cancelling, cancelled, failed, done"""
     verdict: str | None
-    margin: float | None
-    upper_bound: float | None
-    """Of P(violation), with this confidence."""
-    confidence: float | None
-    unit: str
+    """cleared, violated, inconclusive"""
     error: str | None
+    campaign_name: str | None = None
+    campaign_digest: str | None = None
+    seed: int | None = None
+    code: str | None = None
+    """Digest of the code that ran it; None before its first stage, or if it was not stored."""
+    clearance: str | None = None
+    """Version of Clearance that ran it."""
+    quantity: str | None = None
+    unit: str
+    threshold: float | None = None
+    worst_cost: float | None = None
+    margin: float | None
+    """Worst value minus threshold; 0 or less violates the criterion."""
+    upper_bound: float | None
+    """On P(violation), from the independent sample; None without one."""
+    violations: int | None = None
+    samples: int | None = None
+    confidence: float | None
+    """Of the upper bound."""
+    created: AwareDatetime | None = None
+    finished: AwareDatetime | None = None
+    removed: bool | None = None
+    """Whether it is removed from the lists."""
 
 
 class SweepPoint(Answer):
-    """A value and its run; outcome is None if its results were purged."""
+    """One value and its run."""
 
     value: float
     run: str
+    """R-0001"""
     outcome: Outcome | None
+    """None if the results were purged."""
 
 
-class Sweep(Answer):
-    """Runs over the values of one fixed parameter, in ascending order."""
+class Sweep(SweepAnswer):
+    """A sweep with its runs, in ascending order of the values."""
 
     id: str
     """S-0001"""
     name: str
+    campaign_name: str | None = None
     path: str
+    """The parameter that differs between its runs."""
+    title: str | None = None
+    """The description of the parameter."""
     unit: str
     owner: str
     created: AwareDatetime
     runs: int
     states: dict[str, int]
+    """The numbers of its runs by state and by verdict; purged ones are omitted."""
+    nominal: float | None = None
+    """The parameter's value in the campaign."""
     points: list[SweepPoint]
-
-    @property
-    def ended(self) -> bool:
-        """Whether every run of it has ended."""
-        return not set(self.states) & set(ACTIVE)
-
-
-class ExportFile(Answer):
-    """A file of a run; `unavailable` is the reason why it is not available now."""
-
-    name: str
-    title: str
-    media_type: str
-    href: str
-    unavailable: str | None
-
-
-class FieldProblem(Answer):
-    """An invalid field of a campaign."""
-
-    field: str
-    given: str
-    message: str
-
-
-class Checked(Answer):
-    """What the service found in a campaign; it can be run if `ok`."""
-
-    ok: bool
-    digest: str | None
-    problems: list[FieldProblem]
-
-
-class Health(Answer):
-    """That the service responds."""
-
-    status: str

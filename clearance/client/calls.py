@@ -16,7 +16,6 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import TypeAdapter
 
-from campaigns.documents import JsonObject
 from clearance.client import answers
 
 T = TypeVar("T")
@@ -39,7 +38,7 @@ class Call(Generic[T]):
     """The type of the JSON that is answered; `bytes` for a file."""
     place: Mapping[str, str] = field(default_factory=dict)
     query: Query = field(default_factory=dict)
-    body: JsonObject | None = None
+    body: dict[str, object] | None = None
     key: str | None = None
     """The Idempotency-Key: a repeated request with it returns what the first one did."""
     timeout: float | None = None
@@ -73,7 +72,7 @@ def _set(**given: Any) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value not in (None, [], {}, "")}
 
 
-def document(campaign: Given) -> JsonObject:
+def document(campaign: Given) -> dict[str, object]:
     """A campaign as a body has it: the document, and the original text where there is one; raises `CampaignError`."""
     if isinstance(campaign, Mapping):
         return {"campaign": dict(campaign)}
@@ -195,9 +194,9 @@ def check(campaign: Given) -> Call[answers.Checked]:
     return Call("POST", "/campaigns/check", answers.Checked, body=body)
 
 
-def schema() -> Call[JsonObject]:
+def schema() -> Call[dict[str, object]]:
     """The JSON Schema of a campaign, as this service reads it."""
-    return Call("GET", "/campaigns/schema", JsonObject)
+    return Call("GET", "/campaigns/schema", dict[str, object])
 
 
 def health() -> Call[answers.Health]:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import random
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-from campaigns.documents import JsonObject
 from clearance.client.calls import Call
 
 T = TypeVar("T")
@@ -76,11 +75,11 @@ class Reply:
 
     status: int
     phrase: str
-    headers: JsonObject
+    headers: Mapping[str, str]
     content: bytes
 
     @property
-    def problem(self) -> JsonObject:
+    def problem(self) -> Mapping[str, Any]:
         """The problem document; empty if there is none or it is incomplete."""
         if not str(self.headers.get("content-type", "")).startswith("application/problem+json"):
             return {}

@@ -5,10 +5,11 @@ Start reading at `refused`, which chooses the class of a problem document.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from campaigns.asked.problem import Problem
-from campaigns.documents import JsonObject
 
 
 class ClearanceError(Exception):
@@ -91,7 +92,7 @@ _CLASSES: dict[int, type[RefusedError]] = {
 }
 
 
-def refused(status: int, phrase: str, problem: JsonObject, address: str) -> RefusedError:
+def refused(status: int, phrase: str, problem: Mapping[str, Any], address: str) -> RefusedError:
     """The exception of an answer; problem: its problem document, empty if it has none."""
     kind = str(problem.get("type", "")).rpartition(":")[2]
     detail = str(problem.get("detail") or f"it responded with {status} {phrase}".rstrip())

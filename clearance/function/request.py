@@ -28,7 +28,7 @@ from worker.engine.systems.simulators.declared.function import (
 )
 
 if TYPE_CHECKING:
-    from campaigns.documents import JsonObject
+    pass
 
 METHODS = ("direct", "cma_es")
 """Two global methods that search differently: both must find the same worst case before anything is cleared."""
@@ -217,7 +217,7 @@ def _nominal(given: object, usual: Mapping[str, float], limits: Mapping[str, Ran
     return {name: float(given.get(name, value)) for name, value in usual.items()}
 
 
-def _searches(methods: object, budget: int | None, dimension: int) -> list[JsonObject]:
+def _searches(methods: object, budget: int | None, dimension: int) -> list[dict[str, object]]:
     usual = PER_PARAMETER * dimension if budget is None else budget
     if isinstance(methods, str):
         methods = [methods]
@@ -233,8 +233,8 @@ def _searches(methods: object, budget: int | None, dimension: int) -> list[JsonO
 
 
 def _document(
-    asked: Asked, threshold: float | None, name: str, searches: list[JsonObject], certify: int, seed: int
-) -> JsonObject:
+    asked: Asked, threshold: float | None, name: str, searches: list[dict[str, object]], certify: int, seed: int
+) -> dict[str, object]:
     """The campaign as `clearance run` reads one."""
     return {
         "name": _line("name", name, 120) or asked.declaration.title,

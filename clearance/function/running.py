@@ -12,7 +12,6 @@ from worker.running.runs import sources as sources  # first: it records the file
 # isort: split
 from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.asked.load import load_document
-from campaigns.documents import JsonObject
 from clearance.function.request import Asked
 from clearance.function.result import Held, Interrupted, Result, evaluations, of
 from clearance.local.interrupt import deferred
@@ -28,7 +27,7 @@ from worker.running.runs.store import MemoryStore
 Show = Callable[[int, Tally], None]
 
 
-def run(asked: Asked, document: JsonObject, progress: bool) -> Result:
+def run(asked: Asked, document: dict[str, object], progress: bool) -> Result:
     """The result of the campaign; raises ValueError for one that cannot be run, `Interrupted` after Ctrl-C."""
     function = PythonFunction(asked.declaration, dict(asked.place), asked.call)
     known = catalogue().model_copy(update={"simulators": [function.entry]})
@@ -47,7 +46,7 @@ def run(asked: Asked, document: JsonObject, progress: bool) -> Result:
     return of(held, verdict)
 
 
-def _campaign(document: JsonObject, known: Catalogue) -> Campaign:
+def _campaign(document: dict[str, object], known: Catalogue) -> Campaign:
     try:
         campaign = load_document(document, "the search")
         problems = check(campaign, known)

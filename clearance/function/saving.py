@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import sqlalchemy as sa
@@ -10,7 +11,6 @@ import sqlalchemy as sa
 from backend.db import queue
 from backend.db.engine import connect, migrate, now, read, write
 from backend.db.store import PATIENCE, RunStore
-from campaigns.documents import JsonObject
 from clearance.function.result import Held
 from clearance.local.results import write_evidence, write_results
 from clearance.local.summary import summary
@@ -47,8 +47,11 @@ def _page(engine: sa.Engine, held: Held) -> str:
 
     campaign, store = held.campaign, held.store
     planned = sum(record.plan.planned for record in store.stages)
-    asked: JsonObject = {"name": campaign.name, "tags": campaign.tags, "owner": "clearance.search", "planned": planned}
-    run = write(engine, lambda c: queue.submit(c, campaign, **asked, catalogue=held.known), PATIENCE)
+    submitted = partial(
+        queue.submit, campaign=campaign, name=campaign.name, tags=campaign.tags, owner="clearance.search",
+        planned=planned, catalogue=held.known,
+    )  # fmt: skip
+    run = write(engine, submitted, PATIENCE)
     claim = queue.Queue(engine).claim("clearance.search", [s.version for s in held.known.simulators])
     assert claim is not None
     stored = RunStore(engine, claim)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK, STATUS
 from worker.running.runs.store import MemoryStore
 
@@ -29,7 +28,7 @@ class Failure:
     evaluations: int = 0
 
     @property
-    def document(self) -> JsonObject:
+    def document(self) -> dict[str, object]:
         """Its form in result.json."""
         return dict(vars(self))
 

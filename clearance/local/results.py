@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from backend.db.rows import plain
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.cells import Writer
 from campaigns.checked.snapshot import snapshot, values_changed
-from campaigns.documents import JsonObject
 from campaigns.results.base import OK, STATUS
 from campaigns.stages.plan import plan
 from campaigns.unreadable import UNREADABLE
@@ -33,7 +33,7 @@ ARRAYS = "evaluations.npz"
 
 
 def write_results(
-    folder: Path, campaign: Campaign, store: MemoryStore, result: JsonObject, problem: Problem | None = None
+    folder: Path, campaign: Campaign, store: MemoryStore, result: dict[str, object], problem: Problem | None = None
 ) -> None:
     """Write everything into the folder; numbers with all their digits.
 
@@ -53,7 +53,7 @@ def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore, known: 
     (folder / "evidence.json").write_text(text + "\n", encoding="utf-8")
 
 
-def evidence(campaign: Campaign, store: MemoryStore, known: Catalogue | None = None) -> JsonObject:
+def evidence(campaign: Campaign, store: MemoryStore, known: Catalogue | None = None) -> dict[str, object]:
     """The evidence behind the result: every stage's own result, and the description of the campaign's components."""
     return {
         "results": [plain(stage.result) for stage in store.stages],
@@ -108,7 +108,7 @@ def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
 
 
 def _write_bits(path: Path, store: MemoryStore) -> None:
-    arrays: JsonObject = {}
+    arrays: dict[str, Any] = {}
     for position in range(len(store.stages)):
         columns = store.evaluations(position)
         if columns is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from campaigns import Campaign
-from campaigns.documents import JsonObject
 from campaigns.results import CertifyResult, SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from clearance.local.failures import failures
@@ -13,7 +12,7 @@ MOST_FAILURES = 200
 """Distinct reasons of failed evaluations in a result."""
 
 
-def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObject:
+def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[str, object]:
     """The content of `--json` and result.json."""
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
     validated = store.stages[-1].result
@@ -41,7 +40,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObj
     }
 
 
-def _stage(store: MemoryStore, position: int) -> JsonObject:
+def _stage(store: MemoryStore, position: int) -> dict[str, object]:
     record, columns = store.stages[position], store.evaluations(position)
     result = record.result
     status = [] if columns is None else columns.status.tolist()

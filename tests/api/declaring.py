@@ -64,7 +64,8 @@ def declared(
     stages, of which the third one is the search."""
     catalogue = CATALOGUE.model_copy(update={"simulators": [ENTRY]})
     service.publish(catalogue.model_dump(mode="json"))
-    answer = client.post("/api/v1/runs", json={"campaign": CAMPAIGN})
+    asked = {"stages": {"search": [{"method": plan[2].method, "evaluations": 1000}]}}
+    answer = client.post("/api/v1/runs", json={"campaign": CAMPAIGN | asked})
     assert answer.status_code == 201, answer.text
     work = Work(service, plan, [ENTRY.version])
     work.nominal(traces("nominal"))

@@ -9,6 +9,7 @@ from typing import Any
 import httpx
 
 from backend import openapi
+from backend.http.schema import UNIX_TIME
 
 JSON = "application/problem+json"
 
@@ -37,6 +38,9 @@ def conforms(value: Any, schema: dict[str, Any], where: str = "") -> None:
         assert value is None, where
     elif "type" in schema:
         assert isinstance(value, kinds[schema["type"]]), f"{where}: {value!r} is no {schema['type']}"
+    if schema.get("type") == "number":  # 2001 to 2096: no other number of an answer is this large
+        time, marked = 1e9 <= value < 4e9, schema.get("format") == UNIX_TIME
+        assert time == marked or value == 0.0, f"{where}: {value!r}; a time is an Instant, and nothing else is"
     if "enum" in schema:
         assert value in schema["enum"], where
     if isinstance(value, dict):

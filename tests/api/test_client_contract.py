@@ -13,6 +13,7 @@ from clearance.client import AsyncClient, Client, calls
 from clearance.client.calls import Call
 from tests.api.catalogue import campaign
 from tests.api.document import DOCUMENT
+from tools import client_answers
 
 LAUNCH = {"name": "n", "tags": ["t"], "labels": {"a": "b"}, "priority": 3}
 SOME = ["x"]
@@ -81,7 +82,8 @@ def _unfit(given: dict[str, Any], wanted: dict[str, Any], own: dict[str, Any], w
     if kind != expected and (kind, expected) != ("integer", "number"):
         return [f"{where} may be {kind}, and is read as {expected}"]
     if kind == "array":
-        return refused(given["items"], wanted["items"], own, f"{where}[]")
+        pairs = zip(*(one.get("prefixItems") or [one["items"]] for one in (given, wanted)), strict=True)
+        return [problem for one, other in pairs for problem in refused(one, other, own, f"{where}[]")]
     if kind != "object":
         return []
     fields, there = wanted.get("properties", {}), given.get("properties", {})
@@ -181,6 +183,15 @@ def test_an_unread_field_is_noticed() -> None:
     ours["properties"]["margin"] = {"type": "number"}
     found = refused(theirs, ours, ours["$defs"], "run")
     assert sorted(found) == ["run.margin may be null, and is read as number", "run.nothing is not described"]
+
+
+def test_the_types_of_the_answers_are_up_to_date(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = client_answers.FILE.read_text(encoding="utf-8")
+    assert kept == client_answers.text(DOCUMENT), "run `PYTHONPATH=. python tools/client_answers.py`"
+    for name, change in (("required", "id nothing"), ("schema", "Nothing")):
+        monkeypatch.setattr(client_answers, "CLASSES", [client_answers.CLASSES[0]._replace(**{name: change})])
+        with pytest.raises(KeyError, match="othing"):
+            client_answers.text(DOCUMENT)
 
 
 def test_both_clients_have_the_same_methods() -> None:

@@ -10,7 +10,8 @@ import httpx
 import pytest
 from starlette.datastructures import Headers
 
-from backend.middleware.preferred import LISTS, NAMES, TIMES, preferences, rfc3339, with_times
+from backend.http.schema import UNIX_TIME, Instant, Schema
+from backend.middleware.preferred import LISTS, TIMES, preferences, rfc3339, with_times
 from clearance import Client
 from tests.api.document import DOCUMENT
 from tests.api.finished import finish
@@ -20,44 +21,38 @@ from tests.api.submitting import submit
 BOTH = {"Prefer": f"{TIMES}, {LISTS}"}
 
 
-QUANTITIES = frozenset(
-    (
-        "agreement", "allowed", "alpha", "angle", "band", "barrier", "best", "beta", "bound", "call_seconds",
-        "change", "confidence", "cost", "default", "deviation", "difference", "distance", "elapsed",
-        "excluded_fraction", "first", "first_confidence", "free_radius", "gap", "height", "high", "highest",
-        "horizon", "largest", "low", "lower_bound", "lower_by", "lowest", "margin", "margin_again",
-        "margin_before", "mean", "median", "mode", "moved", "mu", "mu_star", "mu_star_confidence", "nominal",
-        "nominal_cost", "obstacle_x", "obstacle_y", "outside", "period", "plus_minus", "quantile", "radius",
-        "rate", "reach", "reference", "remaining", "seconds", "seconds_least", "seconds_most", "share",
-        "sigma", "speed", "spread",
-        "start_seconds", "step", "target_probability", "threshold", "time", "times", "tolerance", "total",
-        "total_confidence", "upper_bound", "value", "way", "worst_cost", "x", "y",
-    )
-)  # fmt: skip
-"""Numbers of answers that are no times."""
+class Renamed(Schema):
+    """A field of any name is a time by its type."""
+
+    whenever: Instant
+    perhaps: Instant | None
+    several: list[Instant]
+    since: float
 
 
-def numbers() -> Iterator[tuple[str, str, str]]:
-    """Model, field and description of every number in an answer."""
+def numbers() -> Iterator[tuple[str, str, bool, str]]:
+    """Model, field, whether it is marked as a time, and description of every number in an answer."""
     for model, schema in DOCUMENT["components"]["schemas"].items():
         for field, described in schema.get("properties", {}).items():
-            kinds = [option.get("type") for option in [described, *described.get("anyOf", ())]]
-            if "number" in kinds:
-                yield model, field, described.get("description", "")
+            for option in (described, *described.get("anyOf", ())):
+                if option.get("type") == "number":
+                    yield model, field, option.get("format") == UNIX_TIME, described.get("description", "")
 
 
-def test_every_number_that_is_a_time_is_known_by_its_name() -> None:
-    said = {(model, field) for model, field, text in numbers() if "since 1970" in text}
+def test_every_number_that_is_described_as_a_time_is_marked() -> None:
+    said = {(model, field) for model, field, _, text in numbers() if "since 1970" in text}
+    marked = {(model, field) for model, field, is_marked, _ in numbers() if is_marked}
     assert said
-    assert {field for _, field in said} <= NAMES
-    new = {field for _, field, _ in numbers()} - NAMES - QUANTITIES
-    assert not new, f"{sorted(new)}: add what is a time to NAMES, anything else to QUANTITIES"
-    assert not NAMES & QUANTITIES
-    named = {(model, field) for model, field, _ in numbers() if field in NAMES}
-    assert named.isdisjoint({("Curve", "at"), ("Trend", "since")})
-    assert {field for _, field in named} == NAMES, "each name is one of a field"
-    lengths = {field for _, field in named} & {"seconds", "remaining", "rate", "time", "horizon"}
-    assert lengths == set()
+    assert said <= marked
+    assert {("RunSummary", "created"), ("Workers", "now"), ("StageProgress", "finished")} <= marked
+    assert marked.isdisjoint({("RunSummary", "margin"), ("StageProgress", "seconds"), ("RunDetail", "remaining")})
+
+
+def test_a_time_of_any_name_is_rewritten_and_a_number_of_any_name_is_not() -> None:
+    values = {"whenever": 0.0, "perhaps": None, "several": [1.5], "since": 5.0}
+    found = with_times(values, Renamed.model_json_schema(), {})
+    texts = {"whenever": "1970-01-01T00:00:00.000000Z", "several": ["1970-01-01T00:00:01.500000Z"]}
+    assert found == values | texts
 
 
 def test_answers_have_the_preferred_form(service: Service, client: httpx.Client) -> None:

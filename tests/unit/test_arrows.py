@@ -66,7 +66,7 @@ MAY: dict[str, tuple[str, ...]] = {
     ),
     "backend.scenes": (*SHARED, "backend.catalog", "backend.runs", "backend.results"),
     "backend.scenes.base": (*SHARED, "backend.catalog", "backend.runs", "backend.results"),
-    "backend.scenes.live": ("backend.scenes.base", "campaigns.documents"),
+    "backend.scenes.live": ("backend.scenes.base", "campaigns.stored.replies"),
     "backend.scenes.drawing": ("backend.scenes.base",),
     # What may change a number. It knows nothing of what is installed, of claims, or of runs.
     "worker.engine.kernels": (),

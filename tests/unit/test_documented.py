@@ -55,3 +55,14 @@ def test_the_schema_is_that_of_pydantic(k: int, by_alias: bool) -> None:
     made = schema(Documented)
     assert made == schema(Eager)
     assert "description" in str(made)
+
+
+class Answered(Documented):
+    always: int = 0
+    sometimes: Annotated[int, Field(exclude_if=lambda given: not given)] = 0
+
+
+def test_an_answer_has_every_field_but_those_that_it_may_omit() -> None:
+    assert Answered.model_json_schema(mode="serialization")["required"] == ["always"]
+    assert "required" not in Answered.model_json_schema(mode="validation")
+    assert Answered().model_dump() == {"always": 0}

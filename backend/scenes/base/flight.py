@@ -20,6 +20,7 @@ from campaigns.results import TraceHead
 from campaigns.results.scene import Scene
 from campaigns.results.trace import Closest as StoredClosest
 from campaigns.results.trace import TraceColumn
+from campaigns.stored.replies import FlightReply
 
 Floats = NDArray[np.float64]
 
@@ -145,7 +146,7 @@ def from_stored(row: Any, most: int = ROWS) -> Flight | None:
     return _flight(described, columns, head)
 
 
-def from_live(answer: Mapping[str, Any]) -> Flight | None:
+def from_live(answer: FlightReply) -> Flight | None:
     """The flight of a response of the simulation process; None if it has no motion."""
     columns = {name: np.array(values, dtype=np.float64) for name, values in answer["data"].items()}
     described = [TraceColumn.model_validate(column) for column in answer["columns"]]

@@ -12,7 +12,6 @@ from backend.results.improvements import Improvements
 from backend.results.noise import seeds
 from backend.scenes.base.flight import Flight, from_stored
 from backend.scenes.base.setting import NOMINAL, WORST, Setting
-from campaigns.documents import JsonObject
 from campaigns.runs import ENDED
 
 
@@ -29,7 +28,7 @@ class Progress:
         """Noise seeds of the findings that drew their own realisation."""
         self.curves = {position: Improvements() for position, _, _ in setting.methods}
         self.over = False
-        self._seen: JsonObject = {}
+        self._seen: dict[str, object] = {}
 
     @property
     def choices(self) -> list[str]:

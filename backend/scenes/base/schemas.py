@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from backend.http.schema import Given, Schema
+from backend.http.schema import Given, Instant, Schema
 from backend.scenes.base.address import FLIGHT, Camera
 from campaigns.asked.spec import MAX_SEED
 
@@ -110,7 +110,7 @@ class ViewChange(Given):
 class ViewState(Schema):
     """What an open view shows: `camera` is null once the visitor has moved it, `time` is [s] since the start."""
 
-    opened: float
+    opened: Instant
     """Time at which this view was opened [s since 1970]; after a lost connection it is reopened from its address."""
     revision: int
     """Increases with every change of the display, and from one view of a key to the next."""

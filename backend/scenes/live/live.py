@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from campaigns.documents import JsonObject
+from campaigns.stored.replies import FieldReply, FlightReply
 
 ROOT = Path(__file__).parents[3]
 COMMAND = (sys.executable, "-P", "-m", "worker.running.processes.live")
@@ -58,7 +58,7 @@ class _Asked:
     campaign: str
     limit: float
     sent: float = field(default_factory=time.monotonic)
-    answer: Future[JsonObject] = field(default_factory=Future)
+    answer: Future[Any] = field(default_factory=Future)
 
 
 class Live:
@@ -81,13 +81,15 @@ class Live:
         parameters: Mapping[str, float],
         rows: int,
         seed: int | None = None,
-    ) -> JsonObject:
+    ) -> FlightReply:
         """Simulate with these parameters, the others nominal: status, cost, columns, data, meta. Raises `LiveError`.
 
         digest: of the campaign, to recognise its first simulation. seed: of one noise realisation; None for those of
         the campaign.
         """
-        return self._answered(digest, {"campaign": campaign, "parameters": parameters, "rows": rows} | _noise(seed))
+        request = {"campaign": campaign, "parameters": parameters, "rows": rows} | _noise(seed)
+        found: FlightReply = self._answered(digest, request)
+        return found
 
     def field(
         self,
@@ -97,19 +99,20 @@ class Live:
         time: float,
         places: Sequence[tuple[float, float]],
         seed: int | None = None,
-    ) -> JsonObject:
+    ) -> FieldReply:
         """The avoider's demand at positions in the plane at the vehicle's height, at a time [s] of that flight.
 
         All in the flight's axes; the response is described in `worker/running/processes/live.py`. Raises `LiveError`.
         """
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
-        return self._answered(digest, asked | _noise(seed))
+        found: FieldReply = self._answered(digest, asked | _noise(seed))
+        return found
 
-    def ask(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
+    def ask(self, digest: str, request: Mapping[str, Any]) -> Any:
         """The response to another request of the command, on the campaign of that digest. Raises `LiveError`."""
         return self._answered(digest, request)
 
-    def _answered(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
+    def _answered(self, digest: str, request: Mapping[str, Any]) -> Any:
         for _ in range(MOST_STARTS):
             try:
                 return self._asked_once(digest, request)
@@ -117,7 +120,7 @@ class Live:
                 _log.info("the code has changed: a new simulation process loads it")
         raise LiveError("the code of this installation keeps changing; ask again once it is installed")
 
-    def _asked_once(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
+    def _asked_once(self, digest: str, request: Mapping[str, Any]) -> Any:
         with self._lock:
             if self._closed:
                 raise LiveError("the service is stopping")
@@ -184,7 +187,7 @@ class _Child:
             self.end(_ENDED)
         return asked
 
-    def wait(self, asked: _Asked) -> JsonObject:
+    def wait(self, asked: _Asked) -> Any:
         """The response; ends the child if the current request exceeds its time limit."""
         while True:
             remaining = self._remaining()

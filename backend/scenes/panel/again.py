@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol, cast
 
 import sqlalchemy as sa
 
@@ -18,7 +18,7 @@ from backend.db.tables import Run
 from backend.runs.service import number
 from backend.scenes.base.setting import Setting
 from backend.scenes.live.live import Live
-from campaigns.documents import JsonObject
+from campaigns.stored.replies import CaseReply, FlightReply
 
 ROWS = 200
 """Maximum number of points of a line."""
@@ -34,7 +34,7 @@ ONE = "1 result differs from the stored one."
 class Tally(Protocol):
     """Counts what was drawn, for a sentence."""
 
-    def count(self, answer: Mapping[str, Any], stored: float | None, drawn: bool) -> None:
+    def count(self, answer: FlightReply, stored: float | None, drawn: bool) -> None:
         """One answer, the stored cost, and whether there is a line of it."""
 
     def words(self) -> str:
@@ -49,7 +49,7 @@ class Again(Protocol):
     @property
     def patience(self) -> float: ...
 
-    def answer(self, values: Mapping[str, float], seed: int | None) -> JsonObject:
+    def answer(self, values: Mapping[str, float], seed: int | None) -> FlightReply:
         """The response of the process; raises `LiveError`."""
 
     def tally(self, stage: str, size: int) -> Tally:
@@ -72,7 +72,7 @@ class _OfScenario:
     together: int = TOGETHER
     patience: float = math.inf
 
-    def answer(self, values: Mapping[str, float], seed: int | None) -> JsonObject:
+    def answer(self, values: Mapping[str, float], seed: int | None) -> FlightReply:
         return self.live.simulate(self.setting.document, self.setting.digest, values, ROWS, seed)
 
     def tally(self, stage: str, size: int) -> Tally:
@@ -85,7 +85,7 @@ class _Flights:
     size: int
     failed: int = 0
 
-    def count(self, answer: Mapping[str, Any], stored: float | None, drawn: bool) -> None:
+    def count(self, answer: FlightReply, stored: float | None, drawn: bool) -> None:
         self.failed += answer["status"] != "ok"
 
     def words(self) -> str:
@@ -104,9 +104,10 @@ class _OfSimulator:
     together: int = 1
     patience: float = PATIENCE
 
-    def answer(self, values: Mapping[str, float], seed: int | None) -> JsonObject:
+    def answer(self, values: Mapping[str, float], seed: int | None) -> CaseReply:
         request = {"campaign": self.setting.document, "simulator": self.needs, "parameters": dict(values)}
-        return self.live.ask(self.setting.digest, request | {"rows": ROWS})
+        found: CaseReply = self.live.ask(self.setting.digest, request | {"rows": ROWS})
+        return found
 
     def tally(self, stage: str, size: int) -> Tally:
         return _Cases(stage, size, self.digest)
@@ -124,13 +125,14 @@ class _Cases:
     """The first reason why one of them could not be drawn."""
     changed: bool = False
 
-    def count(self, answer: Mapping[str, Any], stored: float | None, drawn: bool) -> None:
+    def count(self, answer: FlightReply, stored: float | None, drawn: bool) -> None:
+        called = cast(CaseReply, answer)
         self.evaluated += 1
         self.drawn += drawn
-        self.same += answer["cost"] == stored
+        self.same += called["cost"] == stored
         if not drawn:
-            self.why = self.why or answer["reason"] or answer["untraced"] or "its trace has no positions"
-        self.changed |= self.digest is not None and answer["digest"] != self.digest
+            self.why = self.why or called["reason"] or called["untraced"] or "its trace has no positions"
+        self.changed |= self.digest is not None and called["digest"] != self.digest
 
     def words(self) -> str:
         return " ".join(self._sentences())

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +13,7 @@ from backend.scenes.base.setting import Setting
 from backend.scenes.drawing.colours import colours, gradient
 from backend.scenes.drawing.world import Frame
 from backend.scenes.panel import tables
+from campaigns.stored.replies import FieldReply
 
 Floats = NDArray[np.float64]
 
@@ -100,14 +99,13 @@ class Slice:
         return np.nan_to_num(np.clip(found, 0.0, 1.0))
 
 
-def read(answer: Mapping[str, Any], grid: Grid, axes: Axes) -> Slice:
+def read(answer: FieldReply, grid: Grid, axes: Axes) -> Slice:
     """Convert the simulation process's response to scene coordinates."""
     rows = [row or (np.nan,) * 3 for row in answer["demand"]]
     demand = axes.drawn(np.array(rows, dtype=np.float64)).reshape(grid.rows, grid.columns, 3)
     own = None if answer["own"] is None else axes.drawn(np.array(answer["own"], dtype=np.float64))
     height = float(axes.drawn(np.array(answer["place"], dtype=np.float64))[2])
-    told = (answer[name] for name in ("time", "kind", "unit", "memory"))
-    return Slice(grid, demand, own, height, *told)
+    return Slice(grid, demand, own, height, answer["time"], answer["kind"], answer["unit"], answer["memory"])
 
 
 def picture(found: Slice, dark: bool) -> NDArray[np.uint8]:

@@ -14,6 +14,7 @@ import numpy as np
 import sqlalchemy as sa
 import viser
 
+from backend.catalog.service import described
 from backend.db.engine import read
 from backend.db.tables import Stage
 from backend.results import evaluations
@@ -131,12 +132,14 @@ def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, 
     """The stage with a random sample, certify preferred to a search, and its first flights."""
     query = sa.select(Stage.position, Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.evaluations > 0)
     stages = reader.execute(query.order_by(Stage.position)).all()
+    catalogue = described(reader, run_id)
+    titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods if m.kind == "random"}
     certified = (setting.document.get("stages", {}).get("certify") or {}).get("samples", MOST)
     asked = itertools.chain(
         ((stage, min(MOST, certified)) for stage in stages if stage.kind == "certify"),
-        ((stage, MOST) for stage in stages if stage.method == "monte_carlo"),
+        ((stage, MOST) for stage in stages if stage.method in titles),
     )
     for stage, most in asked:
-        name = "the certify stage" if stage.kind == "certify" else "Monte Carlo"
+        name = "the certify stage" if stage.kind == "certify" else titles[stage.method]
         return name, evaluations.drawn_first(reader, run_id, stage.position, most)
     return "", []

@@ -13,61 +13,65 @@ import type {
 } from '../client'
 import { words } from '../format/said'
 
-export const head = (more: Partial<TraceHead> = {}): TraceHead => ({
+// Without a spread: so a field that the API no longer has is an error, as is a missing one.
+const like = <T>(usual: T) => (more: Partial<T> = {}): T => ({ ...usual, ...more })
+
+export const head = like<TraceHead>({
   frame: 'enu', vehicle: 'unicycle', obstacles: [], start: [0, 0, 0], goal: [10, 0, 0], threshold: 1, parameters: {},
-  closest: null, status: 'ok', reason: '', cost: null, values: {}, realisation: null, ...more,
+  closest: null, status: 'ok', reason: '', cost: null, values: {}, realisation: null,
 })
 
-export const flight = (more: Partial<TraceData> = {}): TraceData => ({
-  name: 'F1', rows: 0, columns: [], meta: head(), data: {}, ...more,
+export const flight = like<TraceData>({
+  name: 'F1', rows: 0, columns: [], meta: head(), data: {},
 })
 
-export const progress = (more: Partial<StageProgress> = {}): StageProgress => ({
+export const progress = like<StageProgress>({
   position: 0, kind: 'search', title: 'Search', method: null, state: 'done', planned: 1, evaluations: 1, failed: 0, excluded: 0, best: null,
-  best_index: null, seconds: 1, started: 0, finished: 1, ...more,
+  best_index: null, seconds: 1, started: 0, finished: 1,
 })
 
 export const stage = (result: StageDetail['result'], more: Partial<StageDetail> = {}): StageDetail => ({
   ...progress(), ...(result && { kind: result.stage }), result, ...more,
 })
 
-export const search = (more: Partial<SearchResult> = {}): SearchResult => ({
+export const search = like<SearchResult>({
   stage: 'search', method: 'direct', title: 'DIRECT', kind: 'global', best: null, evaluations: 1, failed: 0, excluded: 0,
   seconds: 1, stop: null, minima: [], sample: null, gap: null, members: [], criteria: [], front: null, front_size: null,
-  ...more,
 })
 
-export const validation = (more: Partial<Validation> = {}): Validation => ({
+export const validation = like<Validation>({
   name: 'nominal', step: 0.01, cost: 2, half_step: { step: 0.005, cost: 2, difference: 0 },
   integrator: { name: 'DOP853', cost: 2, difference: 0, reason: '' }, allowed: 0.002, ok: true, agrees: true,
-  violates: false, realisation: null, neighbours: null, ...more,
+  violates: false, realisation: null, neighbours: null,
 })
 
 const AGREE = 'the step-halving check and DOP853 agree for nominal'
 
-export const validated = (more: Partial<ValidateResult> = {}): ValidateResult => ({
+export const validated = like<ValidateResult>({
   stage: 'validate', ok: true, text: AGREE, said: [words(AGREE)], tolerance: 1e-3, nominal: validation(),
-  findings: null, comparison: [], violations: null, spot_checks: null, encounter: null, ...more,
+  findings: null, comparison: [], violations: null, spot_checks: null, encounter: null,
 })
 
-export const finding = (label: string, more: Partial<FindingDetail> = {}): FindingDetail => ({
-  label, cost: 0.5, margin: -0.5, parameters: {}, nominal: {}, low: {}, high: {}, methods: [], found: [], values: {},
-  at_bounds: {}, validation: validation({ name: label }), slices: null, boundary: null, closest: null, ...more,
+const anyFinding = like<FindingDetail>({
+  label: '', cost: 0.5, margin: -0.5, parameters: {}, nominal: {}, low: {}, high: {}, methods: [], found: [], values: {},
+  at_bounds: {}, validation: null, slices: null, boundary: null, closest: null,
 })
 
-export const verdict = (more: Partial<RunVerdict> = {}): RunVerdict => ({
+export const finding = (label: string, more: Partial<FindingDetail> = {}): FindingDetail =>
+  anyFinding({ label, validation: validation({ name: label }), ...more })
+
+export const verdict = like<RunVerdict>({
   verdict: 'inconclusive', said: [], holds_for: [], values: {}, sentence: '', scope: '', checks: [], statistics: null, nominal: null, worst: null,
   evaluations: null, quantity: 'd_min', unit: 'm',
   provenance: {
     code: null, loop: null, packages: {}, clearance: null, python: null, system: null, cpu: null, lanes: null, step: null, simulator: null, evaluator: null,
     integrator: null, digest: null, seed: null,
   },
-  ...more,
 })
 
 const part = (component: string) => ({ component, parameters: {} })
 
-export const run = (more: Partial<RunDetail> = {}): RunDetail => ({
+export const run = like<RunDetail>({
   id: 'R-0001', name: '', tags: [], labels: {}, baseline: null, owner: 'Ada', state: 'done', verdict: null, reason: null, error: null,
   campaign_name: 'a campaign', campaign_digest: '00', quantity: 'd_min', unit: 'm', threshold: 1, nominal_cost: null,
   worst_cost: null, margin: null, worst_method: null, evaluations: 0, planned: 0, failed_evaluations: 0,
@@ -89,5 +93,5 @@ export const run = (more: Partial<RunDetail> = {}): RunDetail => ({
     },
     agreement: 0.05, target_probability: null, confidence: 0.95, seed: 1, published: [],
   },
-  criteria: [], components_digest: null, flown: null, plan: [], stages: [], summary: null, rate: null, remaining: null, waits: null, other_code: null, doing: null, ...more,
+  criteria: [], components_digest: null, flown: null, plan: [], stages: [], summary: null, rate: null, remaining: null, waits: null, other_code: null, doing: null,
 })

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, is_dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,6 +102,31 @@ Parallel = Generator[Floats | Several, Batch, str]
 
 
 @dataclass(frozen=True)
+class Sampling:
+    """What the points of a random method support: as an independent sample, a bound on P(violation)."""
+
+    points: str = "samples drawn from the stated distributions"
+    barred: str = ""
+    """Why they give no bound; empty if they do."""
+    looks: int = 0
+    """Interim analyses up to now, after each of which the sample could have ended."""
+    level: float | None = None
+    """The confidence that each needs for all of them to hold together; None without any."""
+
+
+class Boxes(Protocol):
+    """The rectangles into which a method has divided the cube."""
+
+    count: int
+    depth: NDArray[np.int64]
+    """Divisions of each side into three (count or more, n)."""
+    value: Floats
+    """At the centre."""
+    lost: NDArray[np.bool_]
+    """Whether the centre has no value."""
+
+
+@dataclass(frozen=True)
 class MethodLook:
     """Its colour token, its marker and its name in narrow tables: see `campaigns.looks.MethodLook`."""
 
@@ -124,6 +149,8 @@ class Method:
     `costly`: it takes milliseconds of its own per evaluation, for evaluations that take longer; tests and benchmarks
     give it smaller budgets.
     `look`: its colour and marker in charts; grey with a ring without one.
+    `sampling`: of a random method, what so many points with these options support at a confidence.
+    `divide`: of a method that divides the cube, its rectangles, and the search with these options that fills them.
     """
 
     name: str
@@ -140,6 +167,8 @@ class Method:
     compiles: bool = False
     costly: bool = False
     look: MethodLook | None = None
+    sampling: Callable[[Any, int, float], Sampling] = lambda options, drawn, confidence: Sampling()
+    divide: Callable[[int, Any], tuple[Boxes, Search]] | None = None
 
     def __post_init__(self) -> None:
         if not is_dataclass(self.options):

@@ -10,11 +10,10 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from campaigns.documents import JsonObject
 from worker.running.catalogue.installed import methods
 
 
-def shipped() -> list[JsonObject]:
+def shipped() -> list[dict[str, object]]:
     """Name, title and look of every method that is part of this package."""
     own = [m for m in methods().values() if m.search.__module__.startswith("worker.")]
     return [{"name": m.name, "title": m.title, "look": asdict(m.look)} for m in own if m.look is not None]

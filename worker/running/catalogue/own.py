@@ -150,8 +150,7 @@ def examine(file: Path) -> OwnFile:
     if stored is None:
         stored = _examined(file, vehicles)
         _store(key, stored)
-    known = OwnFile.__dataclass_fields__
-    return OwnFile(file, **{name: value for name, value in stored.items() if name in known})
+    return OwnFile(file, **{name: value for name, value in stored.items() if name != "until"})
 
 
 def _examined(file: Path, vehicles: dict[str, str]) -> dict[str, Any]:

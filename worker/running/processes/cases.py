@@ -14,6 +14,7 @@ The simulator evaluates in one slot, which ends when nothing was requested for a
 
 from __future__ import annotations
 
+from campaigns.stored.replies import CaseReply
 from worker.running.runs import sources  # first: it records the files before they are loaded
 
 # isort: split
@@ -39,7 +40,6 @@ from typing import Any
 from campaigns import Campaign, CampaignError, thin
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
-from campaigns.documents import JsonObject
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from worker.engine.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace, slotted
@@ -109,7 +109,7 @@ def _place() -> Path:
     return Path(tempfile.mkdtemp(prefix=f"{PLACE}{os.getpid()}-"))
 
 
-def answer(line: str | bytes, systems: Systems) -> JsonObject:
+def answer(line: str | bytes, systems: Systems) -> dict[str, object]:
     """The response to one request; an invalid request gets a response with an error message."""
     number = None
     try:
@@ -123,7 +123,7 @@ def answer(line: str | bytes, systems: Systems) -> JsonObject:
             return {"id": number, "missing": "" if there else missing(campaign, request["simulator"])}
         case = _opened(campaign, request["simulator"], systems)
         values = {path: _value(case.system, path, value) for path, value in request.get("parameters", {}).items()}
-        return {"id": number} | _evaluated(case, values, min(request.get("rows", 0), MOST_ROWS))
+        return {"id": number, **_evaluated(case, values, min(request.get("rows", 0), MOST_ROWS))}
     except (CampaignError, CampaignUnusable) as error:
         return {"id": number, "error": str(error)}
     except MemoryError:
@@ -193,7 +193,7 @@ def missing(campaign: Campaign, version: str) -> str:
     return ""
 
 
-def _evaluated(case: Opened, values: Mapping[str, float], rows: int) -> JsonObject:
+def _evaluated(case: Opened, values: Mapping[str, float], rows: int) -> CaseReply:
     """One call, whose time is that of a process that had been started before."""
     seconds, found = _timed(case.system, values)
     if not case.evaluated and seconds < QUICK:

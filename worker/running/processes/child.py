@@ -20,7 +20,7 @@ import json
 import os
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from typing import Any, TextIO
@@ -32,7 +32,6 @@ from backend.db.engine import connect, write
 from backend.db.queue import Claim, LostLease
 from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError, Catalogue
-from campaigns.documents import JsonObject
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
 
@@ -151,7 +150,7 @@ def _private_streams() -> tuple[TextIO, TextIO]:
     return requests, answers
 
 
-def _send(answers: TextIO, message: JsonObject) -> None:
+def _send(answers: TextIO, message: Mapping[str, object]) -> None:
     answers.write(json.dumps(message) + "\n")
     answers.flush()
 

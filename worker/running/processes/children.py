@@ -11,10 +11,21 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
+from typing import TypedDict
 
-from campaigns.documents import JsonObject
 from worker.running.processes import lifeline
 from worker.running.processes.lifeline import Wakeup
+
+
+class Message(TypedDict, total=False):
+    """What a child sends: when it has started, its code, simulators and installation; then how each claim ended."""
+
+    fresh: bool
+    simulators: list[str]
+    installation: str
+    outcome: str
+    text: str
 
 
 class ChildEndedError(RuntimeError):
@@ -24,7 +35,7 @@ class ChildEndedError(RuntimeError):
 class Child:
     """A running `worker.running.processes.child` in its own process group; it is killed when this process ends."""
 
-    def __init__(self, setup: JsonObject, wakeup: Wakeup) -> None:
+    def __init__(self, setup: Mapping[str, object], wakeup: Wakeup) -> None:
         command = [sys.executable, "-P", "-m", "worker.running.processes.child"]
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0}
         self._process = lifeline.start(command, when_orphaned=signal.SIGKILL, **pipes)
@@ -35,7 +46,7 @@ class Child:
         """Whether it is still running."""
         return self._process.poll() is None
 
-    def send(self, message: JsonObject) -> None:
+    def send(self, message: Mapping[str, object]) -> None:
         """Send one message; raises `ChildEndedError`."""
         assert self._process.stdin is not None
         data = memoryview(json.dumps(message).encode() + b"\n")
@@ -45,7 +56,7 @@ class Child:
         except BrokenPipeError:
             raise self._ended() from None
 
-    def receive(self, seconds: float) -> JsonObject | None:
+    def receive(self, seconds: float) -> Message | None:
         """The next message; None after the timeout [s] or a signal. Raises `ChildEndedError`."""
         assert self._process.stdout is not None
         deadline = time.monotonic() + seconds
@@ -57,7 +68,7 @@ class Child:
                 raise self._ended()
             self._received += data
         line, _, self._received = self._received.partition(b"\n")
-        message: JsonObject = json.loads(line)
+        message: Message = json.loads(line)
         return message
 
     def kill(self) -> None:

@@ -12,6 +12,9 @@ Run as `python -m worker.running.processes.live`; it ends when its input is clos
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from campaigns.stored.replies import FieldReply, FlightReply
 from worker.running.runs import sources  # first: it records the files before they are loaded
 
 # isort: split
@@ -32,7 +35,6 @@ import numpy as np
 from campaigns import CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import MAX_SEED
-from campaigns.documents import JsonObject
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.closed_loop.field import MOST, UNITS, field
 from worker.engine.systems.closed_loop.flights import Flights
@@ -63,7 +65,7 @@ def main() -> None:
         send(answers, answer(line, problems))
 
 
-def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> JsonObject:
+def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> dict[str, object]:
     """The response to one request; an invalid request gets a response with an error message."""
     number = None
     try:
@@ -76,10 +78,10 @@ def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> JsonObject
         values = {path: _value(flights, path, value) for path, value in parameters.items()}
         kind = request.get("kind", "flight")
         if kind == "field":
-            return {"id": number} | _field(flights, values, request["time"], request["places"])
+            return {"id": number, **_field(flights, values, request["time"], request["places"])}
         if kind != "flight":
             raise ValueError(f"kind must be 'flight' or 'field', given {kind!r}")
-        return {"id": number} | _flight(flights, values, request.get("rows", ROWS))
+        return {"id": number, **_flight(flights, values, request.get("rows", ROWS))}
     except (CampaignError, CampaignUnusable) as error:
         return {"id": number, "error": str(error)}
     except MemoryError:
@@ -100,7 +102,7 @@ def _flights(document: Any, problems: OrderedDict[str, Flights]) -> Flights:
     return flights
 
 
-def _realised(flights: Flights, request: JsonObject) -> Flights:
+def _realised(flights: Flights, request: Mapping[str, object]) -> Flights:
     """The flights under the requested noise realisation, by default under those of the campaign."""
     seed = request.get("seed")
     if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < MAX_SEED):
@@ -108,7 +110,7 @@ def _realised(flights: Flights, request: JsonObject) -> Flights:
     return flights.under(seed)
 
 
-def _flight(flights: Flights, values: dict[str, float], rows: int) -> JsonObject:
+def _flight(flights: Flights, values: dict[str, float], rows: int) -> FlightReply:
     simulated = trace(flights, "live", values, rows)
     head = simulated.meta
     return {
@@ -122,7 +124,7 @@ def _flight(flights: Flights, values: dict[str, float], rows: int) -> JsonObject
     }
 
 
-def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -> JsonObject:
+def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -> FieldReply:
     if isinstance(time, bool) or not isinstance(time, int | float) or not np.isfinite(time):
         raise TypeError(f"time must be a number of seconds, given {time!r}")
     wanted = np.asarray(places, dtype=np.float64)
@@ -166,7 +168,7 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def send(answers: TextIO, message: JsonObject) -> None:
+def send(answers: TextIO, message: Mapping[str, object]) -> None:
     answers.write(json.dumps(message, allow_nan=False) + "\n")
     answers.flush()
 

@@ -14,7 +14,6 @@ from rich.table import Table
 from rich.text import Text
 
 from campaigns.claims.numbers import count, number
-from campaigns.documents import JsonObject
 from worker.running.reproduce.compare import Reproduction, Row, Value
 from worker.running.reproduce.published import D_MIN
 
@@ -49,7 +48,7 @@ INTRODUCTION = (
 )
 
 
-def document(made: Reproduction) -> JsonObject:
+def document(made: Reproduction) -> dict[str, object]:
     """Everything as plain JSON values; times in seconds."""
     return {
         "rows": [asdict(row) | {"difference": row.difference} for row in made.rows],

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Mapping
 from typing import Protocol
 
 from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
-from campaigns.documents import JsonObject
 from campaigns.stored.records import Begun
 from campaigns.versions import OtherCode, Versions, differences, differing
 from worker.running.runs import identity
@@ -20,7 +20,7 @@ class OfRun(Protocol):
         """None if nothing has been evaluated."""
 
 
-def readable(document: JsonObject, source: str, run: OfRun) -> Campaign:
+def readable(document: Mapping[str, object], source: str, run: OfRun) -> Campaign:
     """The campaign of a run that this installation may execute; raises `OtherCode` if other code began it, and
     `CampaignError` if it cannot be read."""
     begun = run.begun()

@@ -18,7 +18,6 @@ from campaigns.asked.spec import MAX_EVALUATIONS, Search
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
-from campaigns.documents import JsonObject
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions, differences, differing, other_code
 from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
@@ -74,7 +73,7 @@ def continued(campaign: Campaign, budget: Budget) -> Campaign:
     return larger
 
 
-def _raised(search: Search, budget: Budget) -> JsonObject | None:
+def _raised(search: Search, budget: Budget) -> dict[str, object] | None:
     method = methods()[search.method]
     evaluations = budget.after(search.evaluations)
     if method.extend is None or evaluations <= search.evaluations:

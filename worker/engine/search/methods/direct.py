@@ -126,7 +126,13 @@ def _slope(size: list[float], lowest: list[float], a: int, b: int) -> float:
 
 
 def search(space: Space, options: Options) -> Search:
-    return divided(Boxes(space.dimension), options)
+    return divide(space.dimension, options)[1]
+
+
+def divide(dimension: int, options: Options, biased: bool = False) -> tuple[Boxes, Search]:
+    """The rectangles, none at first, and the search that adds them. biased: as in `promising`."""
+    boxes = Boxes(dimension)
+    return boxes, divided(boxes, options, biased)
 
 
 def divided(boxes: Boxes, options: Options, biased: bool = False) -> Search:
@@ -248,4 +254,5 @@ method = Method(
     search=search,
     extend=extend,
     look=MethodLook(colour="direct", marker="square"),
+    divide=divide,
 )

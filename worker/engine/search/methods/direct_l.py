@@ -7,13 +7,18 @@ there are few local minima; otherwise as `direct`, on which it is based.
 
 from __future__ import annotations
 
+from functools import partial
+
 from worker.engine.search.base import Method, MethodLook, Search, Space
-from worker.engine.search.methods.direct import Boxes, Options, divided, extend
+from worker.engine.search.methods import direct
+from worker.engine.search.methods.direct import Options, extend
+
+divide = partial(direct.divide, biased=True)
 
 
 def search(space: Space, options: Options) -> Search:
     """One iteration is one request, as in `direct`."""
-    return divided(Boxes(space.dimension), options, biased=True)
+    return divide(space.dimension, options)[1]
 
 
 method = Method(
@@ -27,4 +32,5 @@ method = Method(
     search=search,
     extend=extend,
     look=MethodLook(colour="direct-l", marker="box"),
+    divide=divide,
 )

@@ -21,10 +21,16 @@ import numpy as np
 from pydantic import Field
 
 from campaigns.results.base import EXCLUDED, OK
-from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
+from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Sampling, Search, Space
 
 BLOCK = 4096
 FIRST_LOOK, GROWTH = 100, 1.5
+POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol points"}
+NO_SAMPLE = "they are not an independent sample, so they give no bound on P(violation)"
+EXTENDED = (
+    "the sample was extended after its first result had been seen, so it gives no bound on P(violation); the certify "
+    "stage draws its own sample"
+)
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,18 @@ def search(space: Space, options: Options) -> Search:
                     draws=drawn,
                 )
     return Ended("drawn", "drew all {samples} samples", samples=drawn)
+
+
+def sampling(options: Options, drawn: int, confidence: float) -> Sampling:
+    """Only plain points of a sample that was not extended give a bound, with early stopping at a stricter level."""
+    if options.sampling != "plain":
+        return Sampling(POINTS[options.sampling], NO_SAMPLE)
+    if options.continued:
+        return Sampling(barred=EXTENDED)
+    if options.interval == 0.0:
+        return Sampling()
+    looks, level = interim_analyses(drawn, confidence)
+    return Sampling(looks=looks, level=level)
 
 
 def interim_analyses(drawn: int, confidence: float) -> tuple[int, float]:
@@ -136,4 +154,5 @@ method = Method(
     search=search,
     extend=extend,
     look=MethodLook(colour="mc", marker="cross", short="MC"),
+    sampling=sampling,
 )

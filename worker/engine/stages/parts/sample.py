@@ -18,7 +18,7 @@ from campaigns.results.sample import Distribution, Histogram, QuantileBound
 from campaigns.results.sample import Noise as NoiseKind
 from campaigns.results.sample import Sample as Statement
 from worker.engine.problem.problem import Problem
-from worker.engine.search.methods import monte_carlo
+from worker.engine.search.base import Method
 from worker.engine.stages.parts import claims, noise
 from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.store import Columns
@@ -26,13 +26,6 @@ from worker.engine.systems.base import Floats, Realised
 
 STEPS = 400
 """Points of the distribution function in a chart."""
-
-NO_SAMPLE = "they are not an independent sample, so they give no bound on P(violation)"
-WENT_ON = (
-    "the sample was extended after its first result had been seen, so it gives no bound on P(violation); the certify "
-    "stage draws its own sample"
-)
-POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol points"}
 
 
 @dataclass(frozen=True)
@@ -210,25 +203,23 @@ class Sample:
         return say(", of which ", percent(self.outside, name="outside"), beyond)
 
 
-def of_search(context: Context, options: Any, columns: Columns) -> Statement:
+def of_search(context: Context, method: Method, options: Any, columns: Columns) -> Statement:
     """The statement of a random search: a bound only if its points are independent; with early stopping, one that
     allows for the interim analyses."""
     confidence = context.campaign.confidence
     sample = Sample.of(columns, context.problem, confidence, Noise.of_calls(context, single=False))
-    if isinstance(options, monte_carlo.Options) and options.sampling != "plain":
-        return sample.unclaimed(POINTS[options.sampling], NO_SAMPLE)
-    if isinstance(options, monte_carlo.Options) and options.continued:
-        return sample.unclaimed("samples drawn from the stated distributions", WENT_ON)
-    if not isinstance(options, monte_carlo.Options) or options.interval == 0.0:
-        return sample.statement()
-    looks, level = monte_carlo.interim_analyses(len(columns.status), confidence)
-    statement = sample.statement(level)
+    drawn = method.sampling(options, len(columns.status), confidence)
+    if drawn.barred:
+        return sample.unclaimed(drawn.points, drawn.barred)
+    statement = sample.statement(drawn.level)
+    if drawn.level is None:
+        return statement
     how = say(
         "; early stopping spends the error over interim analyses (alpha spending), so all their bounds hold together; "
         "this is interim analysis ",
-        *(count(looks, "looks"), ", at ", percent(level, 6, "level")),
+        *(count(drawn.looks, "looks"), ", at ", percent(drawn.level, 6, "level")),
     )
-    return statement.model_copy(update={"looks": looks, "said": say(statement.said, how)})
+    return statement.model_copy(update={"looks": drawn.looks, "said": say(statement.said, how)})
 
 
 def _ordinal(r: int) -> str:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
-from campaigns.documents import JsonObject
 from campaigns.results.scene import Scene
 from worker.engine.systems.simulators.declared.columns import TIME, Column
 from worker.engine.systems.simulators.declared.described import Described
@@ -93,7 +92,7 @@ class DescribedFmu(Described):
         )
 
 
-def read(folder: Path, document: JsonObject) -> DescribedFmu:
+def read(folder: Path, document: dict[str, object]) -> DescribedFmu:
     """The described FMU of a folder; raises ValidationError and Unusable."""
     if "command" in document:
         raise Unusable("command: not together with fmu; give one of the two")

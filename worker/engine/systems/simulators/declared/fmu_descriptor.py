@@ -7,7 +7,6 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from campaigns.asked.values import Identifier, Strict
-from campaigns.documents import JsonObject
 from worker.engine.systems.simulators.declared.columns import MOST
 from worker.engine.systems.simulators.declared.described import Basics, Finite
 
@@ -82,4 +81,4 @@ class FmuDescriptor(Basics):
         dict[Identifier, Annotated[FmuColumn, BeforeValidator(lambda given: {} if given is None else given)]],
         Field(max_length=MOST - 1),
     ] = Field(default_factory=dict)
-    scene: JsonObject | None = None
+    scene: dict[str, object] | None = None

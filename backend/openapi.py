@@ -54,7 +54,7 @@ _LEFT_OUT = {
     "Validate": ("repeats",),
     "SimulatorEntry": ("step",),
     "ComponentEntry": ("look",),
-    "MethodEntry": ("look",),
+    "MethodEntry": ("family", "whole_budget", "effort", "parallel", "at_once", "suits", "proposed", "look"),
 }
 """Models whose defaults are omitted in responses."""
 _PARTIAL = frozenset(

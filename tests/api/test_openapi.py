@@ -10,17 +10,12 @@ import httpx
 import pytest
 
 from campaigns.version import VERSION
-from tests.api.document import DOCUMENT, OPERATIONS, TEXT, conforms
+from tests.api.document import DOCUMENT, OPERATIONS, conforms
 from tests.api.finished import finish
 from tests.api.server import Service
 from tests.api.submitting import submit
 
 ROOT = Path(__file__).parents[2]
-
-
-def test_the_copy_for_the_front_end_is_up_to_date() -> None:
-    kept = (ROOT / "frontend" / "openapi.json").read_text(encoding="utf-8")
-    assert kept == TEXT, "run `python -m backend.openapi frontend/openapi.json`"
 
 
 def test_the_version_is_that_of_the_package() -> None:

@@ -73,7 +73,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.engine.physics": ("worker.engine.kernels",),
     # Entries of components follow below: none imports another kind.
     # How an evaluation ended has one home.
-    "worker.engine.search": ("campaigns.results.base",),
+    "worker.engine.search": ("campaigns.results.base", "campaigns.effort"),
     # The interface: modules above it do not depend on the closed loop or any other system.
     "worker.engine.systems": ("worker.engine.search.base", "campaigns"),
     "worker.engine.systems.closed_loop": (

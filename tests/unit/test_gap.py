@@ -9,7 +9,7 @@ from tests.unit.cases import case1
 from tests.unit.sampled import asked, context, evaluate
 from tests.unit.searching import Function, batch, run
 from worker.engine.search.base import Floats, Method
-from worker.engine.search.methods import direct, direct_l
+from worker.engine.search.methods import direct, direct_l, sqp
 from worker.engine.stages import search
 from worker.engine.stages.parts import gap
 from worker.engine.stages.parts.store import Columns
@@ -32,7 +32,7 @@ def plane(x: Floats) -> Floats:
 def test_of_a_plane_it_is_exact(method: Method) -> None:
     # Slopes 2 and 0.5 along the sides: the estimate is the true minimum, at the corner (0, 1).
     for budget in (5, 40, 700):
-        found = gap.estimate(case1(), method.name, direct.Options(), stored(plane, budget, method=method))
+        found = gap.estimate(case1(), method, direct.Options(), stored(plane, budget, method=method))
         assert found is not None
         assert found.slopes == {"vehicle.m": pytest.approx(2.0 / 2), "vehicle.J": pytest.approx(0.5 / 0.02)}
         assert found.lower_bound == pytest.approx(0.5)
@@ -44,7 +44,9 @@ def test_of_a_bowl_it_is_below_the_minimum_and_approaches_it() -> None:
 
     gaps = []
     for budget in (21, 201, 2001):
-        found = gap.estimate(case1(), "direct", direct.Options(epsilon=0.0), stored(bowl, budget, {"epsilon": 0.0}))
+        found = gap.estimate(
+            case1(), direct.method, direct.Options(epsilon=0.0), stored(bowl, budget, {"epsilon": 0.0})
+        )
         assert found is not None
         assert found.lower_bound <= 0.0
         gaps.append(found.gap)
@@ -53,7 +55,8 @@ def test_of_a_bowl_it_is_below_the_minimum_and_approaches_it() -> None:
 
 def test_the_rectangles_are_those_of_the_search() -> None:
     columns = stored(plane, 400)
-    boxes, _ = gap._replayed(direct.divided, direct.Options(), columns)
+    boxes, repeated = direct.rectangles(2, direct.Options())
+    gap._replayed(repeated, columns)
     whole = boxes.count
     assert 350 < whole <= 400
     # The centres are the evaluated points, and their sides fill the unit square.
@@ -63,7 +66,7 @@ def test_the_rectangles_are_those_of_the_search() -> None:
 
 def test_rectangles_without_a_value_are_ignored_and_reported() -> None:
     columns = stored(lambda x: np.where(x[:, 0] > 0.6, np.nan, plane(x)), 300)
-    found = gap.estimate(case1(), "direct", direct.Options(), columns)
+    found = gap.estimate(case1(), direct.method, direct.Options(), columns)
     assert found is not None
     assert found.without_value > 0
     assert f"{found.without_value} rectangles whose centre has no value are ignored" in found.text
@@ -71,10 +74,10 @@ def test_rectangles_without_a_value_are_ignored_and_reported() -> None:
 
 
 def test_where_there_is_nothing_to_estimate() -> None:
-    assert gap.estimate(case1(), "sqp", direct.Options(), stored(plane, 50)) is None
+    assert gap.estimate(case1(), sqp.method, direct.Options(), stored(plane, 50)) is None
     nothing = stored(lambda x: np.full(len(x), np.nan), 50)
-    assert gap.estimate(case1(), "direct", direct.Options(), nothing) is None
-    one = gap.estimate(case1(), "direct", direct.Options(), stored(plane, 1))
+    assert gap.estimate(case1(), direct.method, direct.Options(), nothing) is None
+    one = gap.estimate(case1(), direct.method, direct.Options(), stored(plane, 1))
     assert one is not None
     assert one.gap == 0.0
 

@@ -144,10 +144,11 @@ def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, 
     certified = (setting.document.get("stages", {}).get("certify") or {}).get("samples", MOST)
     asked = itertools.chain(
         ((stage, min(MOST, certified)) for stage in stages if stage.kind == "certify"),
-        ((stage, MOST) for stage in stages if stage.method == "monte_carlo"),
+        ((stage, MOST) for stage in stages if stage.method and setting.drawn.random(stage.method)),
     )
+    titles = {position: title for position, _, title in setting.methods}
     for stage, most in asked:
-        name = "the certify stage" if stage.kind == "certify" else "Monte Carlo"
+        name = titles.get(stage.position, "the certify stage")
         first = evaluations.drawn_first(reader, run_id, stage.position, most)
         drew = own.get(stage.position, 0)
         return name, [

@@ -6,13 +6,14 @@ Start reading at `Method`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
-from dataclasses import dataclass, is_dataclass
-from typing import Any, Literal, NamedTuple
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass, field, is_dataclass
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.effort import Descents, Iterations, Situation
 from campaigns.results.base import OK
 
 Floats = NDArray[np.float64]
@@ -103,11 +104,28 @@ Parallel = Generator[Floats | Several, Batch, str]
 
 @dataclass(frozen=True)
 class MethodLook:
-    """Its colour token, its marker and its name in narrow tables: see `campaigns.looks.MethodLook`."""
+    """Its colour #rrggbb, its marker, its name in narrow tables, and its colour in the dark theme if that differs.
+
+    See `campaigns.looks.MethodLook`, which also has named pairs of colours.
+    """
 
     colour: str
     marker: str
     short: str = ""
+    dark: str = ""
+
+
+class Rectangles(Protocol):
+    """The division of the box that a search leaves: `count` rectangles, the first rows of each array.
+
+    Centre (n,), number of divisions of each side by three (n,), value at the centre, whether it has none.
+    """
+
+    count: int
+    centre: Floats
+    depth: NDArray[np.int64]
+    value: Floats
+    lost: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -123,7 +141,15 @@ class Method:
     `compiles`: it compiles parts of itself when it first runs; the driver does this before it measures time.
     `costly`: it takes milliseconds of its own per evaluation, for evaluations that take longer; tests and benchmarks
     give it smaller budgets.
-    `look`: its colour and marker in charts; grey with a ring without one.
+    `family`: the principle by which it searches; methods of one family do not confirm each other.
+    `whole_budget`: it uses its whole budget; others may end by their own rule, after their `effort` if it is known.
+    `parallel`, `at_once`: how many points it requests at a time, in a few words; the option that states this number.
+    `suits`: what it is for, in a few words.
+    `proposed`: its rank among the methods that are proposed, by situation.
+    `rectangles`: for a given dimension and options, a division of the box that grows with the search beside it; from it
+    the possible improvement is estimated.
+    `earlier`: its names in earlier versions.
+    `look`: its colours and marker in charts; grey with a ring without one.
     """
 
     name: str
@@ -139,6 +165,15 @@ class Method:
     extend: Callable[[Any, int], Any] | None = None
     compiles: bool = False
     costly: bool = False
+    family: str = ""
+    whole_budget: bool = False
+    effort: Iterations | Descents | None = None
+    parallel: str = ""
+    at_once: str = ""
+    suits: str = ""
+    proposed: Mapping[Situation, int] = field(default_factory=dict)
+    rectangles: Callable[[int, Any], tuple[Rectangles, Search]] | None = None
+    earlier: tuple[str, ...] = ()
     look: MethodLook | None = None
 
     def __post_init__(self) -> None:

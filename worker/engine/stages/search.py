@@ -109,7 +109,7 @@ def _result(context: Context, method: Method, options: Any, driven: Driven, mini
             for m in minima
         ],
         sample=sample.of_search(context, options, columns) if method.kind == "random" and columns else None,
-        gap=gap.estimate(problem, method.name, options, columns) if columns else None,
+        gap=gap.estimate(problem, method, options, columns) if columns else None,
         criteria=criteria(problem),
         front=front_points,
         front_size=front_size,

@@ -13,7 +13,13 @@ from worker.engine.search.methods.direct import Boxes, Options, divided, extend
 
 def search(space: Space, options: Options) -> Search:
     """One iteration is one request, as in `direct`."""
-    return divided(Boxes(space.dimension), options, biased=True)
+    return rectangles(space.dimension, options)[1]
+
+
+def rectangles(dimension: int, options: Options) -> tuple[Boxes, Search]:
+    """A search and the division of the box that it leaves."""
+    boxes = Boxes(dimension)
+    return boxes, divided(boxes, options, biased=True)
 
 
 method = Method(
@@ -26,5 +32,10 @@ method = Method(
     options=Options,
     search=search,
     extend=extend,
-    look=MethodLook(colour="direct-l", marker="box"),
+    family="division of the box",
+    whole_budget=True,
+    parallel="an iteration",
+    suits="few valleys, few parameters",
+    rectangles=rectangles,
+    look=MethodLook(colour="#003e6b", dark="#6f8fb4", marker="box"),
 )

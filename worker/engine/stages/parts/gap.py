@@ -7,7 +7,6 @@ unknown; the largest slopes between neighbouring centres are used instead.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,22 +14,19 @@ import numpy as np
 from campaigns.claims.say import count, number, say, symbol
 from campaigns.results.search import Gap
 from worker.engine.problem.problem import Problem
-from worker.engine.search.base import Batch, Floats
-from worker.engine.search.methods import direct
+from worker.engine.search.base import Batch, Floats, Method, Search
 from worker.engine.stages.parts.store import Columns
-
-DIVIDE = {"direct": direct.divided, "direct_l": partial(direct.divided, biased=True)}
-"""The methods that keep rectangles."""
 
 DIGITS = 12
 """Decimals by which centres are distinguished, enough for sides of 3^-24."""
 
 
-def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> Gap | None:
+def estimate(problem: Problem, method: Method, options: Any, columns: Columns) -> Gap | None:
     """The estimate from these stored evaluations; None if the method has no rectangles or none has a value."""
-    if method not in DIVIDE:
+    if method.rectangles is None:
         return None
-    boxes, slopes = _replayed(DIVIDE[method], options, columns)
+    boxes, search = method.rectangles(columns.points.shape[1], options)
+    slopes = _replayed(search, columns)
     kept = ~boxes.lost[: boxes.count]
     if not kept.any():
         return None
@@ -57,13 +53,10 @@ def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> G
     )
 
 
-def _replayed(divided: Any, options: Any, columns: Columns) -> tuple[direct.Boxes, Floats]:
-    """The rectangles after the last complete iteration, and the largest slope observed along each side of the cube."""
-    dimension = columns.points.shape[1]
-    boxes = direct.Boxes(dimension)
+def _replayed(search: Search, columns: Columns) -> Floats:
+    """Repeats the search until its last complete iteration; the largest slope along each side of the cube."""
     known: dict[bytes, float] = {}
-    slopes = np.zeros(dimension)
-    search = divided(boxes, options)
+    slopes = np.zeros(columns.points.shape[1])
     points, done = next(search), 0
     try:
         while done + len(points) <= len(columns.status):
@@ -78,7 +71,7 @@ def _replayed(divided: Any, options: Any, columns: Columns) -> tuple[direct.Boxe
         pass
     finally:
         search.close()
-    return boxes, slopes
+    return slopes
 
 
 def _keys(points: Floats) -> Floats:

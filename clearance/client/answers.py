@@ -254,6 +254,7 @@ class ExportFile(Answer):
     """A file of a run; `unavailable` is the reason why it is not available now."""
 
     name: str
+    file: str
     title: str
     media_type: str
     href: str

@@ -77,6 +77,7 @@ def test_answers_are_as_described(service: Service, client: httpx.Client) -> Non
             continue
         address = path.replace("{run}", "R-0001").replace("{draft}", "D-0001").replace("{user}", "local")
         address = address.replace("{name}", "F1" if "traces" in path else "unicycle_static")
+        address = address.replace("{file}", "run.json")
         # The code of a run is compared with that of another one.
         answer = client.get(address, params={"against": "R-0002"} if path.endswith("/code") else None)
         assert answer.status_code == 200, address

@@ -16,6 +16,7 @@ from backend.db.purge import purge
 from backend.scenes.live.live import Live
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
+from clearance.testing.problems import Problem
 from tests import results
 from tests.api.answers import problem
 from tests.api.catalogue import CATALOGUE, campaign, component
@@ -26,7 +27,6 @@ from tests.api.server import Service, until
 from tests.api.shipped import shipped
 from tests.api.submitting import submit
 from tests.api.viewing import KEY, frames_until, steer, viewing
-from tests.problems import Problem
 from worker.engine.stages.parts.seeds import of_draws
 
 OTHER = "ffffffff-ffff-4fff-bfff-ffffffffffff"

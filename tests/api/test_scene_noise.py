@@ -14,11 +14,11 @@ from backend.scenes.cloud.evaluations import load as cloud_of
 from backend.scenes.panel.sampled import _sample
 from campaigns import library, load_file
 from campaigns.stored.records import Columns, StagePlan
+from clearance.testing.problems import Problem
 from tests import results
 from tests.api.finished import Work
 from tests.api.server import Service
 from tests.api.shipped import shipped
-from tests.problems import Problem
 from worker.engine.stages.parts.seeds import of_draws
 
 PLAN = [StagePlan("nominal", None, 1), StagePlan("certify", None, 3)]

@@ -20,6 +20,7 @@ from backend.scenes.drawing.world import ROOTS, World
 from campaigns import library, load_file
 from campaigns.results.base import FAILED, OK
 from campaigns.stored.records import Columns
+from clearance.testing.problems import Problem
 from tests.api.declaring import declared
 from tests.api.finished import Work, encounter, finish, straight
 from tests.api.lost import lose
@@ -27,7 +28,6 @@ from tests.api.server import Service
 from tests.api.shipped import shipped
 from tests.api.submitting import submit
 from tests.api.viewing import KEY, Panel, frames, frames_until, steer, viewing
-from tests.problems import Problem
 
 NOMINAL = np.array([[0.5, 0.5]])
 

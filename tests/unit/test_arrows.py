@@ -127,6 +127,8 @@ MAY: dict[str, tuple[str, ...]] = {
     "clearance.function.saving": (
         *("clearance.function", "clearance.local", "worker", "backend.db", "backend.reports", "campaigns"),
     ),
+    # The contracts, for the tests of packages.
+    "clearance.testing": ("worker", "campaigns"),
     # It talks to a service: nothing of ours but the vocabulary, so that a script starts quickly.
     "clearance.client": ("campaigns",),
     # The door of the package leads to all of them.

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from campaigns import library, load_file
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import CASE1, document
 from tests.unit.living import Live
 from worker.engine.stages.parts.seeds import of_draws

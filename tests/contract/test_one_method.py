@@ -114,6 +114,10 @@ def test_no_other_file_of_the_product_names_a_method() -> None:
     assert {str(path.relative_to(REPOSITORY)): found for path in files if (found := named(path))} == {}
 
 
+def test_a_method_can_be_a_key() -> None:
+    assert len(set(methods().values())) == len(methods())
+
+
 @pytest.mark.parametrize("line", ['A = ("sqp",)', "from worker.engine.search.methods import sqp"])
 def test_the_scan_sees_a_name(line: str, tmp_path: Path) -> None:
     (tmp_path / "a.py").write_text(line, encoding="utf-8")

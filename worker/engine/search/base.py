@@ -171,7 +171,7 @@ class Method:
     parallel: str = ""
     at_once: str = ""
     suits: str = ""
-    proposed: Mapping[Situation, int] = field(default_factory=dict)
+    proposed: Mapping[Situation, int] = field(default_factory=dict, hash=False)
     rectangles: Callable[[int, Any], tuple[Rectangles, Search]] | None = None
     earlier: tuple[str, ...] = ()
     look: MethodLook | None = None

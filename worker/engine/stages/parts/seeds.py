@@ -1,6 +1,6 @@
 """The noise realisation of each evaluation, if a stage draws one per evaluation.
 
-It is that of the baseline's finding, or computed from the campaign's seed and the evaluation's index, so it is never
+It is stated by the stage's result, or computed from the campaign's seed and the evaluation's index, so it is never
 stored with the evaluation: the highest bits of
 SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
 """
@@ -13,8 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.asked.spec import MAX_SEED
-from campaigns.results import CertifyResult
-from campaigns.results.baseline import BaselineResult
 from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.store import Columns
 from worker.engine.systems.base import Seeds
@@ -45,9 +43,9 @@ def drawn(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns
 
 
 def _seeds(context: Context, position: int, drawn: int) -> Seeds:
-    """The seeds of a stage's first evaluations: those of the baseline's findings, or drawn."""
+    """The seeds of a stage's first evaluations: its own ones, or drawn."""
     result = context.results.get(position)
-    if isinstance(result, BaselineResult):
+    if result is not None and result.seeds is not None:
         return np.array(result.seeds, dtype=np.int64)
     return of_draws(context.campaign.seed, 0, drawn)
 
@@ -55,7 +53,7 @@ def _seeds(context: Context, position: int, drawn: int) -> Seeds:
 def _drawn(context: Context, position: int) -> int:
     """The number of a stage's first evaluations that drew their own realisation."""
     result = context.results.get(position)
-    return result.drawn_realisations if isinstance(result, BaselineResult | CertifyResult) else 0
+    return 0 if result is None else result.drawn
 
 
 def _rows(columns: Columns, first: int, last: int | None) -> Columns:

@@ -217,7 +217,7 @@ def _side_by_side(method: MethodEntry, slots: int) -> dict[str, int]:
     """The option that makes a method request as many points as run side by side, within its limit."""
     if not method.at_once:
         return {}
-    return {method.at_once: min(slots, method.options["properties"][method.at_once]["maximum"])}
+    return {method.at_once: min(slots, method.options["properties"][method.at_once].get("maximum", slots))}
 
 
 def _possible(cost: float, parameters: int, slots: int, patience: float, start: float) -> None:

@@ -74,6 +74,7 @@ class TestComponent(ComponentContract):
 
 class TestBrokenComponent(ComponentContract):
     component = hidden.component
+    test_compiled_it_is_as_in_plain_python = None  # takes seconds
 
 class TestSimulator(SystemContract):
     campaign = package.campaign()

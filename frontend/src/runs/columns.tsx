@@ -113,7 +113,7 @@ function plain(key: ColumnKey): Column['cell'] {
     const value = field === undefined ? null : run[field]
     if (kind === 'count') return <span className={value ? 'b' : 'sec'}>{count(Number(value))}</span>
     if (kind === 'time') return <span className="sec nw"><Time at={value as number | null} now={now} /></span>
-    const text = String(value ?? NONE)
+    const text = typeof value === 'string' || typeof value === 'number' ? String(value) : NONE
     return (
       <span className={clsx(layout.cut, 'sec')} title={text}>
         {text}

@@ -9,11 +9,12 @@ from __future__ import annotations
 import hashlib
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Field
 
 from campaigns.documented import Documented, no_default
 from campaigns.documents import JsonObject
-from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
+from campaigns.effort import Descents, Iterations, Situation
+from campaigns.looks import MethodLook, ObstacleLook, VehicleLook, readable
 from campaigns.versions import CodeParts
 
 Kind = Literal["component", "method", "simulator"]
@@ -28,6 +29,8 @@ def _absent(look: Any) -> bool:
 
 _LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=no_default)
 """Omitted if not declared, so that older snapshots keep their digests."""
+_NOT_STATED = Field(exclude_if=lambda value: not value, json_schema_extra=no_default)
+"""Omitted if empty, for the same reason."""
 
 
 class Entry(Documented):
@@ -122,9 +125,23 @@ class MethodEntry(Entry):
     """The usual budget."""
     starts: bool = False
     """Whether it starts from points given in the campaign."""
+    family: Annotated[str, _NOT_STATED] = ""
+    """The principle by which it searches. Methods of one family do not confirm each other; omitted if not declared."""
+    whole_budget: Annotated[bool, _NOT_STATED] = False
+    """Whether it uses its whole budget; omitted if it may end by its own rule."""
+    effort: Annotated[Iterations | Descents | None, _LEFT_OUT] = None
+    """How many evaluations it takes until its own rule ends it; omitted if not declared."""
+    parallel: Annotated[str, _NOT_STATED] = ""
+    """How many points it requests at a time, in a few words; omitted if not declared."""
+    at_once: Annotated[str, _NOT_STATED] = ""
+    """The option that states that number; omitted if it has none."""
+    suits: Annotated[str, _NOT_STATED] = ""
+    """What it is for, in a few words; omitted if not declared."""
+    proposed: Annotated[dict[Situation, int], _NOT_STATED] = {}
+    """Its rank among the methods that are proposed, by situation; omitted if it is never proposed."""
     options: JsonObject
-    look: Annotated[MethodLook | None, _LEFT_OUT] = None
-    """Its colour and marker; omitted if not declared."""
+    look: Annotated[MethodLook | None, BeforeValidator(readable), _LEFT_OUT] = None
+    """Its colours and marker; omitted if not declared."""
 
 
 class ResultEntry(Entry):

@@ -1,4 +1,4 @@
-"""The appearance of components and methods: colour tokens, markers, shapes, and the parameters that give sizes.
+"""The appearance of components and methods: colours, markers, shapes, and the parameters that give sizes.
 
 A component or method declares its look, the catalogue contains it, and pages, scenes and reports use it, independent of
 its name. Start reading at `MethodLook`.
@@ -6,17 +6,18 @@ its name. Start reading at `MethodLook`.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field, model_validator
 
 from campaigns.documented import Documented
 
-Colour = Literal[
-    "direct", "hybrid", "sqp", "ga", "global", "mc", "racing", "portfolio", "cma", "de", "mlsl", "nlopt", "direct-l",
-    "nsga2", "lq", "turbo", "extra-1", "extra-2", "extra-3",
-]  # fmt: skip
-"""The token `--m-...` of the pages' theme. The extra ones are for methods of other packages."""
+EXTRA = {
+    "extra-1": ("#6b4f00", "#b59a4d"),
+    "extra-2": ("#2e8b3d", "#6fcf7f"),
+    "extra-3": ("#7d5a8c", "#b79ac4"),
+}
+"""Named pairs of colours, in the light and the dark theme, that no shipped method has."""
 
 Marker = Literal[
     "square", "box", "diamond", "triangle", "down", "right", "circle", "hexagon", "pentagon", "star", "plus", "bow",
@@ -31,14 +32,31 @@ class Look(Documented):
 
 
 class MethodLook(Look):
-    """How a search method is drawn; each method should have its own pair of colour and marker."""
+    """How a search method is drawn; each method should have its own colours and marker."""
 
-    colour: Colour
-    """The token of its colour in both themes."""
+    colour: Annotated[str, Field(pattern="^#[0-9a-f]{6}$")]
+    """Its colour in the light theme and in reports, as #rrggbb."""
+    dark: Annotated[str, Field(pattern="^#[0-9a-f]{6}$")]
+    """Its colour in the dark theme."""
     marker: Marker
     """The shape of its marker; the ring is for stages that do not search."""
     short: str = ""
     """Its name in narrow tables; empty: its title."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _named(cls, document: Any) -> Any:
+        """The name of a pair in place of a colour stands for both; without a dark colour, both are the same."""
+        if not isinstance(document, dict):
+            return document
+        light, dark = EXTRA.get(document.get("colour", ""), (document.get("colour"), document.get("colour")))
+        return {**document, "colour": light, "dark": document.get("dark") or dark}
+
+
+def readable(look: Any) -> Any:
+    """A stored look; None for one of earlier versions, whose colour was the name of a shipped method's."""
+    named = isinstance(look, dict) and str(look.get("colour", "")) not in EXTRA and "#" not in str(look.get("colour"))
+    return None if named else look
 
 
 class ObstacleLook(Look):

@@ -10,6 +10,7 @@ source tools/beside.sh
 SLOW=(
     tests/contract/test_compiled.py
     tests/contract/test_frames.py
+    tests/contract/test_guests.py
     tests/contract/test_method_options.py
     tests/contract/test_method_table.py
     tests/contract/test_methods.py

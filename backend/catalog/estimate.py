@@ -53,7 +53,7 @@ def estimate(
         had, seconds_had = sum(stage.evaluations for stage in earlier.stages), earlier.seconds
         time = _Time(seconds_had, seconds_had, seconds_had, f"The time is that of {earlier.run}.")
         return _estimate(earlier.stages, Total(had, had, had), said, time, earlier.run)
-    found = expected(campaign)
+    found = expected(campaign, catalogue)
     stages, evaluations = [EstimatedStage(**stage._asdict()) for stage in found], total(found)
     if campaign.simulator is None:
         time = _scaled(seconds, evaluations)
@@ -117,7 +117,7 @@ def _simulated(reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, 
     if cost is None:
         measure = f"`clearance check-simulator {name} --data DIR` measures an evaluation for the service of that folder"
         return _Time(None, None, None, f"The time is not known yet: {measure}, and so does the first stage of a run.")
-    again = made_again(campaign, cost.noisy, entry is not None and entry.step is not None)
+    again = made_again(campaign, catalogue, cost.noisy, entry is not None and entry.step is not None)
     usual, said = cost.lasts(evaluations.usual, calls, again)
     least, most = (cost.lasts(end, calls, again)[0] for end in (evaluations.least, evaluations.most))
     return _Time(usual, least, most, said)

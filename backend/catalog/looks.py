@@ -9,7 +9,7 @@ import sqlalchemy as sa
 from backend.catalog.service import published
 from backend.db import snapshots
 from campaigns import Catalogue
-from campaigns.catalogue import ComponentEntry, Role
+from campaigns.catalogue import ComponentEntry, MethodEntry, Role
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 
 
@@ -26,8 +26,11 @@ class Looks:
 
     def method(self, name: str) -> MethodLook | None:
         """The look of a search method; None if it is not declared."""
-        entries = [known.method(name) for known in (self.installed, self.kept) if known is not None]
-        return next((entry.look for entry in entries if entry is not None and entry.look is not None), None)
+        return next((entry.look for entry in self._methods(name) if entry.look is not None), None)
+
+    def random(self, name: str) -> bool:
+        """Whether a search method draws from the distributions."""
+        return any(entry.kind == "random" for entry in self._methods(name))
 
     def obstacle(self, name: str) -> ObstacleLook | None:
         """The look of an obstacle; None if it is not declared."""
@@ -36,6 +39,10 @@ class Looks:
     def vehicle(self, name: str) -> VehicleLook | None:
         """The look of a vehicle; None if it is not declared."""
         return next((e.look for e in self._entries("vehicle", name) if isinstance(e.look, VehicleLook)), None)
+
+    def _methods(self, name: str) -> list[MethodEntry]:
+        found = [known.method(name) for known in (self.installed, self.kept) if known is not None]
+        return [entry for entry in found if entry is not None]
 
     def _entries(self, role: Role, name: str) -> list[ComponentEntry]:
         found = [known.component(role, name) for known in (self.kept, self.installed) if known is not None]

@@ -1,1 +1,1 @@
-"""Export of a run: JSON, evaluations and flights as CSV, flights as a MAT-file."""
+"""The files of a run: a format is one file in `formats`. Start reading at `format.Format`."""

@@ -10,6 +10,8 @@ class ExportFile(Schema):
 
     name: str
     """R-0001-unicycle-past-a-pillar-evaluations.csv"""
+    file: str
+    """Its name without that of the run: evaluations.csv"""
     title: str
     text: str
     media_type: str

@@ -29,7 +29,7 @@ def proposal(reader: sa.Connection, name: str, parameters: int, patience: float,
     if cost is None:
         known = UNKNOWN.format(name=name) + (f". {_others(others)}" if others else "")
         return Proposal(measured=None, known=f"{known}.", sentence="", searches=[], seconds=None)
-    found = cost.proposed(parameters, patience, calls)
+    found = cost.proposed(catalogue.methods, parameters, patience, calls)
     return Proposal(
         measured=_measured(cost),
         known=f"{cost.sentence(calls)}.",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
-from backend.catalog.colours import METHODS
 from backend.reports import figures, plan_view, plot, words
 from backend.reports.held import Held
 from campaigns.claims import numbers
@@ -71,7 +70,7 @@ def _series(held: Held) -> list[tuple[str, str, list[plot.Point]]]:
 def _colour(held: Held, method: str | None) -> str:
     """The colour of a method; grey if it declares none."""
     look = held.looks.method(method or "")
-    return plot.NOMINAL if look is None else METHODS[look.colour]
+    return plot.NOMINAL if look is None else look.colour
 
 
 def _convergence(held: Held) -> Markup | None:

@@ -13,6 +13,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import Run, Stage
 
+NAMES = ("evaluations", "failed_evaluations", "excluded_evaluations")
 _TOLD = ("stored", "failed", "excluded")
 COLUMNS = (
     Run.evaluations,
@@ -27,7 +28,7 @@ def of(row: Any, excluded: int) -> dict[str, int]:
     told = [getattr(row, f"verdict_{key}") for key in _TOLD]
     counted = [row.evaluations, row.failed_evaluations, excluded]
     chosen = counted if any(number is None for number in told) else told
-    return dict(zip(("evaluations", "failed_evaluations", "excluded_evaluations"), chosen, strict=True))
+    return dict(zip(NAMES, chosen, strict=True))
 
 
 def excluded(reader: sa.Connection, ids: Sequence[int]) -> dict[int, int]:

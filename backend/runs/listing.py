@@ -21,11 +21,8 @@ from backend.runs.schemas import RunPage, RunSummary, StageProgress
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import HELD, RunState, StageState, run_name
 
-_PLAIN = (
-    "id", "name", "tags", "owner", "state", "verdict", "reason", "error", "campaign_digest", "threshold",
-    "nominal_cost", "worst_cost", "worst_method", "planned", "created", "started", "finished", "attempts", "worker",
-    "continues", "pinned", "best_so_far", "upper_bound", "removed", "removed_by", "removed_reason",
-)  # fmt: skip
+_PLAIN = tuple(name for name in RunSummary.model_fields if name in Run.__table__.columns and name not in counts.NAMES)
+"""The fields of a summary that are columns of the run."""
 
 Units = dict[tuple[str | None, str], tuple[str, str]]
 

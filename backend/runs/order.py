@@ -11,7 +11,7 @@ import binascii
 import json
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import sqlalchemy as sa
 
@@ -20,13 +20,6 @@ from backend.db.tables import Run
 from backend.http.errors import RefusedError
 from backend.http.schema import LARGEST_WHOLE, unstorable_text
 from campaigns import Problem
-
-Sort = Literal[
-    "created", "-created", "started", "-started", "finished", "-finished", "name", "-name", "campaign", "-campaign",
-    "state", "-state", "verdict", "-verdict", "margin", "-margin", "worst", "-worst", "nominal", "-nominal",
-    "criterion", "-criterion", "method", "-method", "bound", "-bound", "evaluations", "-evaluations", "failed",
-    "-failed", "duration", "-duration", "owner", "-owner", "tags", "-tags",
-]  # fmt: skip
 
 _CAMPAIGN = sa.select(CampaignRow.name).where(CampaignRow.digest == Run.campaign_digest).scalar_subquery()
 _VALUES: dict[str, sa.ColumnElement[Any]] = {
@@ -49,6 +42,11 @@ _VALUES: dict[str, sa.ColumnElement[Any]] = {
     "evaluations": sa.type_coerce(Run.evaluations, sa.Integer),
     "failed": sa.type_coerce(Run.failed_evaluations, sa.Integer),
 }
+if TYPE_CHECKING:
+    Sort = str
+else:
+    Sort = Literal[tuple(f"{down}{name}" for name in _VALUES for down in ("", "-"))]
+    """One of `_VALUES`; with a minus, downwards."""
 
 
 @dataclass(frozen=True)

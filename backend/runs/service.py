@@ -122,8 +122,7 @@ def _ran(reader: sa.Connection, run_id: int, asked: Campaign, verdict: Verdict) 
         return None
     searches = [result for result in found if isinstance(result, SearchResult)]
     installed = published(reader)
-    methods = [] if installed is None else [method.name for method in installed.methods]
-    return Ran(asked, searches, verdict.statistics, methods)
+    return Ran(asked, searches, verdict.statistics, [] if installed is None else installed.methods)
 
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
+from campaigns.catalogue import MethodEntry
+from campaigns.effort import Situation
 from campaigns.rules import GLOBAL_LEAST
 
 SEVERAL, MANY = 100, 500
@@ -23,13 +25,6 @@ USUAL = 5000
 
 NOTABLE = 0.1
 """Fraction of the time of a call above which a sentence names that of starting a process."""
-
-MODELS = ("lq_cma_es", "turbo")
-"""Methods that model the cost, of different kinds."""
-PLAIN = ("direct", "cma_es")
-TITLES = {"lq_cma_es": "lq-CMA-ES", "turbo": "TuRBO", "direct": "DIRECT", "cma_es": "CMA-ES"}
-SIDE_BY_SIDE = {"lq_cma_es": ("at_once", 1000), "turbo": ("batch", 100)}
-"""The option that makes a method request as many points as run side by side, and its limit."""
 
 
 @dataclass(frozen=True)
@@ -135,27 +130,41 @@ class Cost:
     def _on(self) -> str:
         return "1 slot" if self.slots == 1 else f"{self.slots} slots"
 
-    def proposed(self, parameters: int, patience: float, calls: int = 1) -> Proposal:
+    def proposed(self, methods: Iterable[MethodEntry], parameters: int, patience: float, calls: int = 1) -> Proposal:
         """What to search with within `patience` [s] on its slots; raises ValueError as `proposed` does."""
         if calls < 1:
             raise ValueError(f"invalid number of calls {calls}: give at least 1")
         seconds, at_once = self.of(calls)
-        found = proposed(seconds, parameters, at_once, patience, self.start)
+        methods = list(methods)
+        found = proposed(methods, seconds, parameters, at_once, patience, self.start)
         if not found.searches:
             return found
         room = _two(math.floor((patience - self.start) / seconds) * at_once)
-        names = _listed([search.method for search in found.searches])
+        named = {method.name: method for method in methods}
+        names = _listed([named[search.method] for search in found.searches])
         each = f"{found.searches[0].evaluations:,}{' each' if len(found.searches) > 1 else ''}"
         text = f"In {lasting(patience)} on {self._on}: about {room} evaluations. Proposed: {names} with {each}, "
         return replace(found, sentence=f"{text}about {lasting(found.seconds)} in all{found.note}")
 
 
-def proposed(cost: float, parameters: int, slots: int = 1, patience: float = 3600.0, start: float = 0.0) -> Proposal:
-    """What to search with if an evaluation takes `cost` [s], `slots` run side by side, and there are `patience` [s].
+def proposed(
+    methods: Iterable[MethodEntry],
+    cost: float,
+    parameters: int,
+    slots: int = 1,
+    patience: float = 3600.0,
+    start: float = 0.0,
+) -> Proposal:
+    """Which of the methods to search with, and how long.
 
-    start: until they are ready, once [s]. Raises ValueError for a value that is not possible.
+    cost: time of an evaluation [s], of which `slots` run side by side; patience: time for all searches [s]; start:
+    until the slots are ready, once [s]. Raises ValueError for a value that is not possible.
     """
     _possible(cost, parameters, slots, patience, start)
+    methods = list(methods)
+    plain, models = ranked(methods, "cheap")[:2], ranked(methods, "costly")[:2]
+    if not (plain and models):
+        return Proposal((), 0.0, "No installed method states when it is proposed: start a worker of this version")
     rounds = int(min((patience - start) / cost, 1e12))
     if rounds <= 0:
         first = f" and the start of its process {lasting(start)}" if start > NOTABLE * cost else ""
@@ -167,16 +176,22 @@ def proposed(cost: float, parameters: int, slots: int = 1, patience: float = 360
         # One method gets them all: for two, and so for a verdict of "cleared", there are too few in any case.
         more = lasting(start + needed * cost)
         note = f"; a second method, without which nothing is cleared, fits if you allow {more}"
-        return _proposal(("direct" if cost < CHEAP else "turbo",), rounds, most, (cost, start), slots, note)
+        one = plain if cost < CHEAP else ranked(methods, "alone") or models
+        return _proposal(one[:1], rounds, most, (cost, start), slots, note)
     if cost < CHEAP:
-        return _proposal(PLAIN, rounds, most, (cost, start), slots)
+        return _proposal(plain, rounds, most, (cost, start), slots)
     if rounds // 2 * slots <= SEVERAL * parameters or rounds < 3:
-        return _proposal(MODELS, rounds, most, (cost, start), slots)
-    return _proposal((MODELS[0], *PLAIN), rounds, most, (cost, start), slots)
+        return _proposal(models, rounds, most, (cost, start), slots)
+    return _proposal([models[0], *plain], rounds, most, (cost, start), slots)
+
+
+def ranked(methods: Iterable[MethodEntry], situation: Situation) -> list[MethodEntry]:
+    """The methods that are proposed in this situation, the preferred ones first."""
+    return sorted((m for m in methods if situation in m.proposed), key=lambda m: m.proposed[situation])
 
 
 def _proposal(
-    methods: tuple[str, ...], rounds: int, most: int, times: tuple[float, float], slots: int, note: str = ""
+    methods: Sequence[MethodEntry], rounds: int, most: int, times: tuple[float, float], slots: int, note: str = ""
 ) -> Proposal:
     """Every method gets the same number of rounds, in each of which all slots evaluate, and at most `most` points.
 
@@ -184,7 +199,7 @@ def _proposal(
     """
     (cost, start), methods = times, methods[:rounds]
     own = min(rounds // len(methods), max(most // slots, 1))
-    searches = tuple(Budget(m, own * slots, _side_by_side(m, slots)) for m in methods)
+    searches = tuple(Budget(m.name, own * slots, _side_by_side(m, slots)) for m in methods)
     count, seconds = own * slots * len(methods), start + own * len(methods) * cost
     places = f" on {slots} slots" if slots > 1 else ""
     taken = "1 evaluation takes" if count == 1 else f"{count:,} evaluations take"
@@ -194,16 +209,16 @@ def _proposal(
     return Proposal(searches, seconds, text + note, note)
 
 
-def _listed(methods: Sequence[str]) -> str:
-    *names, last = [TITLES[m] for m in methods]
+def _listed(methods: Sequence[MethodEntry]) -> str:
+    *names, last = [method.title for method in methods]
     return f"{', '.join(names)} and {last}" if names else last
 
 
-def _side_by_side(method: str, slots: int) -> dict[str, int]:
-    if method not in SIDE_BY_SIDE:
+def _side_by_side(method: MethodEntry, slots: int) -> dict[str, int]:
+    """The option that makes a method request as many points as run side by side, within its limit."""
+    if not method.at_once:
         return {}
-    name, most = SIDE_BY_SIDE[method]
-    return {name: min(slots, most)}
+    return {method.at_once: min(slots, method.options["properties"][method.at_once].get("maximum", slots))}
 
 
 def _possible(cost: float, parameters: int, slots: int, patience: float, start: float) -> None:

@@ -14,31 +14,15 @@ from typing import NamedTuple
 from campaigns.asked.proposal import Cost, lasting
 from campaigns.asked.spec import Campaign
 from campaigns.asked.stages import Search
+from campaigns.catalogue import Catalogue, MethodEntry
+from campaigns.effort import Descents, Iterations
 from campaigns.limits import SPOT_CHECKS
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 
-DIRECT_ITERATION, DIRECT_GROWTH = 5.6, 0.25
-"""Evaluations of an iteration of DIRECT per parameter, of 100 iterations, and how that grows with their number."""
-DIRECT_SPREAD = (0.55, 1.6)
-"""Least and largest multiple of these; 0.60 to 1.47 in the library's runs."""
-
-DESCENT = 10
-"""Gradients of one descent of SQP until it ends, usually."""
-DESCENT_LEAST, DESCENT_GROWTH = 1, 5.5
-"""The fewest; the most per square of the number of parameters: up to 9 with two, 83 with four, 77 with six."""
-
-SQP_STARTS = 8
-"""Starts of SQP if the campaign gives none."""
-
-WHOLE = (
-    *("cma_es", "contrast_racing", "direct", "direct_l", "lq_cma_es", "mlsl", "monte_carlo", "nlopt_global", "nsga2"),
-    *("portfolio", "turbo"),
-)
-"""Methods that use their whole budget; DIRECT unless it has a number of iterations."""
 FEWEST = 10
-"""Evaluations per parameter, and as many more, after which others may end by their own rule: differential evolution
-after 60, GLOBAL after 200 and the genetic algorithm after 219 of 4000 on two parameters."""
+"""Evaluations per parameter, and as many more, after which a method may end by its own rule: 60, 200 and 219
+evaluations of 4000 were observed on two parameters."""
 
 STARTS = (17, 40, 60)
 """Points that validation descends from: the fewest, usually, the most."""
@@ -86,14 +70,17 @@ Range = tuple[int, int, int]
 """At least, usually, at most."""
 
 
-def expected(campaign: Campaign) -> list[Expected]:
-    """The number of evaluations of every kind of stage, in the order of a run."""
+def expected(campaign: Campaign, catalogue: Catalogue) -> list[Expected]:
+    """The number of evaluations of every kind of stage, in the order of a run.
+
+    A search whose method the catalogue lacks may end by its own rule.
+    """
     totals: dict[str, Range] = {}
     searches = iter(campaign.stages.search)
     for stage in plan(campaign):
         found = (stage.planned, stage.planned, stage.planned)
         if stage.kind == "search":
-            found = _search(campaign, next(searches))
+            found = _search(campaign, next(searches), catalogue)
         elif stage.kind == "validate":
             found = _validate(campaign)
         least, usual, most = totals.get(stage.kind, (0, 0, 0))
@@ -120,14 +107,14 @@ def _rounded(value: int, towards: Callable[[float], int]) -> int:
     return towards(value / step) * step
 
 
-def again(campaign: Campaign, noisy: bool, halved: bool) -> int:
+def again(campaign: Campaign, catalogue: Catalogue, noisy: bool, halved: bool) -> int:
     """How many evaluations of a simulator are usually made again to confirm results, each in a fresh process; they are
     not counted as evaluations. Up to `campaigns.limits.VIOLATIONS` more are, if so many violate.
 
     noisy: its results do not repeat; halved: it has a step, which is halved too.
     """
     assert campaign.simulator is not None
-    random = min(SPOT_CHECKS, sum(stage.evaluations for stage in expected(campaign)))
+    random = min(SPOT_CHECKS, sum(stage.evaluations for stage in expected(campaign, catalogue)))
     cases = 1 + round(_cases(campaign)[1])
     if not noisy and campaign.simulator.calls == 1:
         return random + cases * (1 + halved)
@@ -148,25 +135,42 @@ def boundary(campaign: Campaign) -> int:
     return 1 + RAY * (RAYS * len(campaign.uncertain) + 1)
 
 
-def _search(campaign: Campaign, asked: Search) -> Range:
-    dimension = len(campaign.uncertain)
-    least, usual, most = asked.evaluations, asked.evaluations, asked.evaluations
-    iterations = asked.options.get("iterations")
-    if asked.method == "direct" and isinstance(iterations, int | float) and iterations > 0:
-        stated = min(iterations, 1e9)
-        usual = round(DIRECT_ITERATION * dimension * stated * (stated / 100) ** DIRECT_GROWTH)
-        least, most = (round(usual * end) for end in DIRECT_SPREAD)
-    elif asked.method == "sqp":
-        given = asked.options.get("starts", SQP_STARTS)
-        starts = len(asked.starts) or (given if isinstance(given, int) else SQP_STARTS)
-        gradient = (2 * dimension + 1) * starts
-        least, usual = DESCENT_LEAST * gradient, DESCENT * gradient
-        most = math.ceil(max(DESCENT, DESCENT_GROWTH * dimension**2) * gradient)
-    elif asked.method not in WHOLE:
-        least = FEWEST * (dimension + 1)
-        usual = round(math.sqrt(min(least, usual) * usual))
-    limit = asked.evaluations
-    return max(1, min(limit, least)), max(1, min(limit, usual)), max(1, min(limit, most))
+def _search(campaign: Campaign, search: Search, catalogue: Catalogue) -> Range:
+    entry = catalogue.method(search.method)
+    limit, effort = search.evaluations, entry and entry.effort
+    ends = (limit, limit, limit)
+    if isinstance(effort, Iterations) and (stated := search.options.get(effort.option)):
+        ends = _iterations(effort, stated, len(campaign.uncertain)) or ends
+    elif isinstance(effort, Descents):
+        ends = _descents(effort, _starts(search, effort.option, entry), len(campaign.uncertain))
+    elif entry is None or not entry.whole_budget:
+        least = FEWEST * (len(campaign.uncertain) + 1)
+        ends = least, round(math.sqrt(min(least, limit) * limit)), limit
+    least, usual, most = (max(1, min(limit, end)) for end in ends)
+    return least, usual, most
+
+
+def _iterations(effort: Iterations, stated: object, dimension: int) -> Range | None:
+    """None if the option is not a number."""
+    if not isinstance(stated, int | float) or stated <= 0:
+        return None
+    count = min(stated, 1e9)
+    usual = round(effort.each * dimension * count * (count / 100) ** effort.growth)
+    least, most = (round(usual * end) for end in effort.spread)
+    return least, usual, most
+
+
+def _starts(search: Search, option: str, entry: MethodEntry | None) -> int:
+    """The points that the campaign gives, else their number, as stated or by default."""
+    default = entry.options["properties"][option]["default"] if entry else 1
+    stated = search.options.get(option, default)
+    return len(search.starts) or (stated if isinstance(stated, int) else default)
+
+
+def _descents(effort: Descents, starts: int, dimension: int) -> Range:
+    gradient = (2 * dimension + 1) * starts
+    most = math.ceil(max(effort.usual, effort.growth * dimension**2) * gradient)
+    return effort.least * gradient, effort.usual * gradient, most
 
 
 def _validate(campaign: Campaign) -> Range:

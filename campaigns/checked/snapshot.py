@@ -38,7 +38,10 @@ _WORDS = {
     "how": "short description of the search",
     "starts": "use of start points",
     "evaluations": "usual budget",
+    "family": "family",
 }
+_ADVICE = ("whole_budget", "effort", "parallel", "at_once", "suits", "proposed")
+"""What a method states for its choice and for estimates; it changes no result."""
 _GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}
 
 
@@ -132,7 +135,7 @@ def _method(called: str, then: MethodEntry, now: MethodEntry | None) -> Iterator
     if now is None:
         yield _gone(called)
         return
-    yield from _fields(called, then, now, ("name", "options", "look"))
+    yield from _fields(called, then, now, ("name", "options", "look", *_ADVICE))
     before, after = _options(then), _options(now)
     for name in {**before, **after}:
         if name not in after or name not in before:

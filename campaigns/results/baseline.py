@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from campaigns.results.base import Described, Result, StageResult, Status, Values
 
@@ -31,6 +31,8 @@ class Reevaluated(Result):
 class BaselineResult(StageResult, Described):
     """The findings of the baseline on this model."""
 
+    followed: ClassVar[bool] = True
+
     stage: Literal["baseline"] = "baseline"
     run: str
     """The baseline, as the campaign names it."""
@@ -39,7 +41,11 @@ class BaselineResult(StageResult, Described):
     """How many of the first evaluations each simulated a noise seed of the baseline."""
 
     @property
+    def drawn(self) -> int:
+        return self.drawn_realisations
+
+    @property
     def seeds(self) -> list[int]:
-        """The noise seeds of these first evaluations, in their order."""
+        """Those of the baseline's findings."""
         drawn = [(c.index, c.realisation) for c in self.cases if c.index is not None and c.realisation is not None]
         return [seed for _, seed in sorted(drawn)]

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from pydantic import JsonValue, ValidationError
 
 from campaigns import rules
+from campaigns.asked.proposal import ranked
 from campaigns.asked.spec import MAX_EVALUATIONS, Campaign
 from campaigns.asked.stages import Certify, Search
+from campaigns.catalogue import MethodEntry
 from campaigns.claims.say import Part, count, listed, method, number, say
 from campaigns.results.base import Described, Result
 from campaigns.results.search import SearchResult
@@ -27,8 +29,6 @@ MORE = 4
 """Factor on a budget that was used up."""
 LONGER = 1.5
 """Factor on a horizon that ends before the encounter does."""
-SECONDS = {"direct": "DIRECT", "cma_es": "CMA-ES", "genetic": "the genetic algorithm"}
-"""Global methods that are added, in this order, if the campaign lacks them."""
 
 
 class Change(Result):
@@ -54,7 +54,7 @@ class Ran:
     campaign: Campaign
     searches: Sequence[SearchResult]
     statistics: Statistics | None = None
-    methods: Collection[str] = frozenset(SECONDS)
+    methods: Sequence[MethodEntry] = ()
 
 
 def remedies(check: Check, ran: Ran) -> list[Remedy]:
@@ -151,13 +151,13 @@ def _more(more: Sequence[tuple[int, Search, int]], titles: Sequence[str]) -> Rem
 def _further(ran: Ran, globally: Sequence[Search]) -> Iterator[Remedy]:
     searches = ran.campaign.stages.search
     used = {search.method for search in searches}
-    name = next((name for name in SECONDS if name in ran.methods and name not in used), None)
-    if name is None:
+    another = next((m for m in ranked(ran.methods, "cheap") if m.name not in used), None)
+    if another is None:
         return
     least = rules.GLOBAL_LEAST.value * len(ran.campaign.uncertain)
     budget = max([least, *(search.evaluations for search in globally or searches)])
-    value: JsonValue = {"method": name, "evaluations": budget}
-    said = ("with ", method(name, SECONDS[name]), " as a further method")
+    value: JsonValue = {"method": another.name, "evaluations": budget}
+    said = ("with ", method(another.name, another.title), " as a further method")
     yield _remedy(RemedyKind.METHOD, said, (("stages", "search", len(searches)), value))
 
 

@@ -103,3 +103,7 @@ class CertifyResult(StageResult, Described):
     excluded: int = 0
     seconds: float = 0.0
     stop: Stop | None = None
+
+    @property
+    def drawn(self) -> int:
+        return self.drawn_realisations

@@ -10,7 +10,7 @@ import typer
 from clearance.cli._where import existing_url_of
 
 if TYPE_CHECKING:
-    from campaigns import Campaign
+    from campaigns import Campaign, Catalogue
     from campaigns.asked.proposal import Cost
 
 PATIENCE = "2"
@@ -28,8 +28,9 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
     found = _measured(campaign, data, database)
     if found is None or campaign.simulator is None:
         return
-    cost, halved = found
-    evaluations, calls, more = total(expected(campaign)), campaign.simulator.calls, again(campaign, cost.noisy, halved)
+    cost, halved, installed = found
+    evaluations, calls = total(expected(campaign, installed)), campaign.simulator.calls
+    more = again(campaign, installed, cost.noisy, halved)
     seconds, known = cost.lasts(evaluations.usual, calls, more)
     taken = lasting(seconds)
     if not evaluations.near:
@@ -37,8 +38,9 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
     typer.echo(f"{evaluations.text} evaluations, {taken}; an estimate. {known}", err=True)
 
 
-def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool] | None:
-    """What was measured of its simulator, and whether that has a step, which is halved to confirm results."""
+def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool, Catalogue] | None:
+    """What was measured of its simulator, whether that has a step, which is halved to confirm results, and what is
+    installed."""
     import sqlalchemy as sa
 
     from backend.db import costs
@@ -61,7 +63,7 @@ def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool
     try:
         with read(engine) as reader:
             cost = costs.newest(reader, entry, known.digests.get(name))[0]
-            return None if cost is None else (cost, entry.step is not None)
+            return None if cost is None else (cost, entry.step is not None, known)
     except sa.exc.SQLAlchemyError:  # such as a database of another version, which a run does not migrate
         return None
     finally:

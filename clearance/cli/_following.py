@@ -70,9 +70,11 @@ def follow_to_the_end(
 
 
 def save(service: Client, run: str, out: Path, names: tuple[str, ...]) -> list[Path]:
-    """Download files of a run into a folder; `WrongInputError` if one cannot be written."""
+    """Download files of a run into a folder; `WrongInputError` if one cannot be written or has a name that is none."""
     try:
         return service.export(run, out, names)
+    except ValueError as error:
+        raise WrongInputError(str(error)) from None
     except OSError as error:
         raise WrongInputError(f"{error.filename or out} cannot be written: {error.strerror}") from None
 

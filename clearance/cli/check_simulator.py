@@ -111,6 +111,7 @@ def _campaign(entry: SimulatorEntry, result: str) -> Campaign:
     """All of its parameters over their limits."""
     from campaigns.asked.load import load_document
     from campaigns.asked.values import LARGEST
+    from worker.running.catalogue.installed import methods
 
     ranges = {
         f"simulator.{p.name}": {"low": p.low, "high": p.high}
@@ -125,7 +126,7 @@ def _campaign(entry: SimulatorEntry, result: str) -> Campaign:
             "simulator": {"name": entry.name},
             "uncertain": dict(list(ranges.items())[:MOST_UNCERTAIN]),
             "criterion": {"result": result, "threshold": 0.0},
-            "stages": {"sensitivity": None, "search": [{"method": "direct", "evaluations": 1}]},
+            "stages": {"sensitivity": None, "search": [{"method": next(iter(methods())), "evaluations": 1}]},
         }
     )
 

@@ -18,24 +18,24 @@ def export(
         list[str] | None,
         typer.Option(help=f"A file, may be repeated; by default {', '.join(FILES)}.", show_default=False),
     ] = None,
+    list_: Annotated[bool, typer.Option("--list", help="Print which files the run has, and save none.")] = False,
     service: Service = SERVICE,
     token_file: Token = "",
     patience: Patience = PATIENCE,
 ) -> None:  # fmt: skip
     """Save the files of a run of a service: campaign, tables, traces, report, picture."""
-    from clearance.cli import WrongInputError
     from clearance.cli._following import save
     from clearance.cli._out import writable
     from clearance.cli._service import numbered, opened
-    from clearance.client.calls import FILES as KNOWN
 
     numbered(run)
-    wanted = tuple(dict.fromkeys(file or FILES))
-    unknown = [name for name in wanted if name not in KNOWN]
-    if unknown:
-        raise WrongInputError(f"there is no file {unknown[0]!r} of a run; there are {', '.join(KNOWN)}")
     folder = out if out != Path() else Path(run)
-    writable(folder)
+    if not list_:
+        writable(folder)
     with opened(service, token_file, patience) as client:
-        for path in save(client, run, folder, wanted):
+        if list_:
+            lines = [f"{one.file:28} {one.unavailable or one.title}" for one in client.exports(run)]
+            typer.echo("\n".join(["campaign.yaml                Campaign", *lines]))
+            return
+        for path in save(client, run, folder, tuple(dict.fromkeys(file or FILES))):
             typer.echo(str(path))

@@ -21,9 +21,11 @@ def propose(
     from campaigns.asked.proposal import Cost, proposed
     from campaigns.checked.expected import confirmation
     from clearance.cli import WrongInputError
+    from worker.running.catalogue.installed import catalogue
 
+    each = cost + (start / recycle if recycle else 0.0)
     try:
-        found = proposed(cost + (start / recycle if recycle else 0.0), parameters, slots, patience, start)
+        found = proposed(catalogue().methods, each, parameters, slots, patience, start)
     except ValueError as error:
         raise WrongInputError(f"{error}") from None
     if not found.searches:

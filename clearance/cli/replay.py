@@ -20,8 +20,11 @@ from clearance.cli._capsule_code import permits, refuse_unused, replayed_with_it
 from clearance.cli._where import DATA, Data, Database, loaded_run
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import sqlalchemy as sa
 
+    from campaigns.results import StageResult
     from worker.engine.problem.problem import Problem
     from worker.running.runs.replay import Recorded, Replayed
 
@@ -94,8 +97,8 @@ def replay(
 def of_folder(folder: Path) -> Recorded:
     """The run that `clearance run --out` wrote."""
     from campaigns.results import Finding, earlier
-    from campaigns.results.baseline import BaselineResult
     from campaigns.results.nominal import Measured
+    from campaigns.stages.found import stage_result
     from clearance.local.results import read_folder, versions_of
     from worker.running.runs.replay import Recorded
 
@@ -107,17 +110,22 @@ def of_folder(folder: Path) -> Recorded:
         kinds = [stage.plan.kind for stage in store.stages]
         results, findings = earlier.brought_up(kinds, results, stated["findings"])
         typed = [Finding.model_validate(found) for found in findings]
-        certified = {at: result or {} for at, result in enumerate(results) if (result or {}).get("stage") != "baseline"}
-        drawn = {at: int(result.get("drawn_realisations") or 0) for at, result in certified.items()}
-        baselines = {at: BaselineResult.model_validate(r) for at, r in enumerate(results) if at not in certified}
+        drew = {at: stage_result(r) for at, r in enumerate(results) if (r or {}).get("drawn_realisations")}
         measured = (results[0] or {}).get("measured") if results else None
         noise = None if measured is None else Measured.model_validate(measured)
     except UNREADABLE as error:
         raise WrongInputError(f"{folder} cannot be replayed: {error}") from None
     chunks = {at: columns for at in store.chunks if (columns := store.evaluations(at)) is not None}
     plans = [stage.plan for stage in store.stages]
-    seeds = {at: result.seeds for at, result in baselines.items()}
+    drawn, seeds = _drawn(drew)
     return Recorded(campaign, plans, chunks, typed, versions_of(folder), drawn=drawn, measured=noise, seeds=seeds)
+
+
+def _drawn(results: Mapping[int, StageResult | None]) -> tuple[dict[int, int], dict[int, list[int]]]:
+    """By stage: how many evaluations drew noise from the campaign's seed, and the seeds of those that had their own."""
+    known = {at: result for at, result in results.items() if result is not None}
+    drawn = {at: result.drawn for at, result in known.items() if result.seeds is None}
+    return drawn, {at: result.seeds for at, result in known.items() if result.seeds is not None}
 
 
 def of_database(connection: sa.Connection, run_id: int) -> Recorded:
@@ -126,8 +134,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
     from backend.db import continuation as stored
     from campaigns import CampaignError
     from campaigns.asked.load import load_document
-    from campaigns.results import CertifyResult, NominalResult
-    from campaigns.results.baseline import BaselineResult
+    from campaigns.results import NominalResult
     from campaigns.runs import run_name
     from worker.running.runs.replay import Recorded
 
@@ -139,7 +146,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
     except CampaignError as error:
         raise WrongInputError(f"the campaign of {name} is one of another version of Clearance: {error}") from None
     stages, versions = stored.stages(connection, run_id), stored.versions(connection, run_id)
-    drawn = {at: s.result.drawn_realisations for at, s in enumerate(stages) if isinstance(s.result, CertifyResult)}
+    drawn, seeds = _drawn({at: stage.result for at, stage in enumerate(stages)})
     return Recorded(
         campaign,
         [stage.plan for stage in stages],
@@ -149,7 +156,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
         codes.modules(connection, versions.code),
         drawn,
         next((s.result.measured for s in stages if isinstance(s.result, NominalResult)), None),
-        {at: s.result.seeds for at, s in enumerate(stages) if isinstance(s.result, BaselineResult)},
+        seeds,
     )
 
 

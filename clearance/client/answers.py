@@ -46,6 +46,8 @@ class ExportFile(Answer):
 
     name: str
     """R-0001-unicycle-past-a-pillar-evaluations.csv"""
+    file: str | None = None
+    """Its name without that of the run: evaluations.csv"""
     title: str
     text: str | None = None
     media_type: str

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import uuid
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -242,34 +243,9 @@ def campaign_file(run: Named) -> Call[bytes]:
     return Call("GET", "/runs/{run}/campaign.yaml", bytes, _of(run))
 
 
-def run_json(run: Named) -> Call[bytes]:
-    """Everything about a run as JSON."""
-    return Call("GET", "/runs/{run}/exports/run.json", bytes, _of(run), timeout=LONGEST)
-
-
-def evaluations_csv(run: Named) -> Call[bytes]:
-    """Every evaluation as CSV, at full precision."""
-    return Call("GET", "/runs/{run}/exports/evaluations.csv", bytes, _of(run), timeout=LONGEST)
-
-
-def findings_csv(run: Named) -> Call[bytes]:
-    """The nominal case and every finding as CSV."""
-    return Call("GET", "/runs/{run}/exports/findings.csv", bytes, _of(run), timeout=LONGEST)
-
-
-def traces_csv(run: Named) -> Call[bytes]:
-    """The stored traces as CSV."""
-    return Call("GET", "/runs/{run}/exports/traces.csv", bytes, _of(run), timeout=LONGEST)
-
-
-def traces_mat(run: Named) -> Call[bytes]:
-    """The stored traces as a MAT-file."""
-    return Call("GET", "/runs/{run}/exports/traces.mat", bytes, _of(run), timeout=LONGEST)
-
-
-def picture(run: Named) -> Call[bytes]:
-    """The worst case as a picture, SVG."""
-    return Call("GET", "/runs/{run}/exports/worst-case.svg", bytes, _of(run), timeout=LONGEST)
+def export_file(run: Named, file: str) -> Call[bytes]:
+    """An export file of a run by the name that the list has: evaluations.csv, worst-case.svg."""
+    return Call("GET", "/runs/{run}/exports/{file}", bytes, _of(run) | {"file": file}, timeout=LONGEST)
 
 
 def report_html(run: Named) -> Call[bytes]:
@@ -282,24 +258,18 @@ def report_pdf(run: Named) -> Call[bytes]:
     return Call("GET", "/runs/{run}/report.pdf", bytes, _of(run), timeout=LONGEST)
 
 
-FILES: Mapping[str, Callable[[Named], Call[bytes]]] = {
+ELSEWHERE: Mapping[str, Callable[[Named], Call[bytes]]] = {
     "campaign.yaml": campaign_file,
-    "run.json": run_json,
-    "evaluations.csv": evaluations_csv,
-    "findings.csv": findings_csv,
     "report.html": report_html,
     "report.pdf": report_pdf,
-    "traces.csv": traces_csv,
-    "traces.mat": traces_mat,
-    "worst-case.svg": picture,
 }
-"""The files of a run by name."""
+"""The files of a run that are not among its exports."""
 USUAL = ("campaign.yaml", "run.json", "evaluations.csv", "findings.csv", "report.html")
 """The files that every run has."""
 
 
 def file(run: Named, name: str) -> Call[bytes]:
-    """A file of a run; ValueError for a name that is none."""
-    if name not in FILES:
-        raise ValueError(f"there is no file {name!r} of a run; there are {', '.join(FILES)}")
-    return FILES[name](run)
+    """A file of a run: campaign.yaml, report.html, report.pdf or one that its list of exports has."""
+    if not re.fullmatch(r"\w[\w-]*(\.[\w-]+)+", name, re.ASCII):
+        raise ValueError(f"there is no file {name!r} of a run; there are {', '.join(USUAL)} and others")
+    return ELSEWHERE[name](run) if name in ELSEWHERE else export_file(run, name)

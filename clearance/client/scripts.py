@@ -232,7 +232,7 @@ def evaluations(session: Session, run: Named) -> Script[Evaluations]:
     from clearance.client.arrays import Evaluations
 
     asked = yield from ask(session, calls.run(run))
-    content = yield from ask(session, calls.evaluations_csv(run))
+    content = yield from ask(session, calls.export_file(run, "evaluations.csv"))
     return Evaluations.of(content, asked)
 
 
@@ -252,8 +252,7 @@ def download(session: Session, call: Call[bytes], file: Path) -> Script[Path]:
 def export(session: Session, run: Named, folder: str | Path, files: Iterable[str] = calls.USUAL) -> Script[list[Path]]:
     """Write files of a run into a folder, which is made if there is none; returns their paths.
 
-    files: of campaign.yaml, run.json, evaluations.csv, findings.csv, report.html, report.pdf, traces.csv, traces.mat
-    and worst-case.svg.
+    files: campaign.yaml, report.html, report.pdf, and those that `exports` lists: the `file` of each.
     """
     asked = [(name, calls.file(run, name)) for name in files]
     Path(folder).mkdir(parents=True, exist_ok=True)
@@ -265,7 +264,7 @@ def export(session: Session, run: Named, folder: str | Path, files: Iterable[str
 
 def picture(session: Session, run: Named, file: str | Path) -> Script[Path]:
     """Write the worst case from above as SVG; returns the file's path. `NotFoundError` if no flight is stored."""
-    return (yield from download(session, calls.picture(run), Path(file)))
+    return (yield from download(session, calls.export_file(run, "worst-case.svg"), Path(file)))
 
 
 def campaign_text(session: Session, run: Named) -> Script[str]:

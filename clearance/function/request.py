@@ -30,8 +30,6 @@ from worker.engine.systems.simulators.declared.function import (
 if TYPE_CHECKING:
     pass
 
-METHODS = ("direct", "cma_es")
-"""Two global methods that search differently: both must find the same worst case before anything is cleared."""
 PER_PARAMETER = 500
 """Evaluations of each search, for each parameter."""
 MAX_SEED = 2**53
@@ -57,7 +55,7 @@ def search(
     threshold: float | None = None,
     *,
     nominal: Mapping[str, float] | None = None,
-    methods: Sequence[str] | Mapping[str, int] = METHODS,
+    methods: Sequence[str] | Mapping[str, int] | None = None,
     budget: int | None = None,
     certify: int = 300,
     seed: int = 1,
@@ -77,7 +75,8 @@ def search(
     by default those that it declares.
     threshold: the value [unit] above which an evaluation is clear; at or below it, it is a violation.
     nominal: the nominal case; the middle of its range for a parameter that is not named.
-    methods: search methods by name, or by name with the evaluations of each.
+    methods: search methods by name, or by name with the evaluations of each; None: the two that are proposed where
+        evaluations are cheap.
     budget: evaluations of each search whose method has none of its own; 500 for each parameter if not given.
     certify: size of the independent random sample that bounds the probability of a violation; 0 for none.
     seed: of everything random. progress: show bars in a terminal. name: of the campaign.
@@ -218,11 +217,17 @@ def _nominal(given: object, usual: Mapping[str, float], limits: Mapping[str, Ran
 
 
 def _searches(methods: object, budget: int | None, dimension: int) -> list[dict[str, object]]:
+    from campaigns.asked.proposal import ranked
+    from worker.running.catalogue.installed import catalogue
+
     usual = PER_PARAMETER * dimension if budget is None else budget
+    plain = [method.name for method in ranked(catalogue().methods, "cheap")]
+    if methods is None:
+        methods = plain[:2]
     if isinstance(methods, str):
         methods = [methods]
     if not isinstance(methods, (Mapping, Sequence)) or not methods:
-        raise TypeError(f"methods must be names such as ['direct', 'cma_es'], given {methods!r:.60}")
+        raise TypeError(f"methods must be names such as {plain[:2]}, given {methods!r:.60}")
     spent = dict(methods) if isinstance(methods, Mapping) else dict.fromkeys(methods, usual)
     if len(spent) < len(methods):
         raise ValueError("methods: the same method is given twice; list each once")

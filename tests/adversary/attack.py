@@ -9,9 +9,9 @@ import numpy as np
 from campaigns import check
 from campaigns.asked.load import CampaignError, load_document
 from campaigns.results.base import OK
+from clearance.testing.problems import Problem
 from tests.adversary.classes import CLASSES, Attack
 from tests.audited import audited
-from tests.problems import Problem
 from worker.engine.systems.base import CampaignUnusable
 from worker.running.catalogue.installed import catalogue
 from worker.running.runs.runner import execute

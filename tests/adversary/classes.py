@@ -16,7 +16,7 @@ import numpy as np
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import document
 
 NOT_CLEARED = frozenset({"violated", "inconclusive", "refused"})

@@ -15,11 +15,11 @@ from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from campaigns.results.search import Best
 from campaigns.stored.records import Columns
+from clearance.testing.problems import Problem
 from tests import results
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
 from tests.api.server import Service
-from tests.problems import Problem
 
 UNCERTAIN = {
     "obstacles.0.position.x": {"low": 0.1, "high": 4.1},

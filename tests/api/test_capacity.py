@@ -13,7 +13,7 @@ import httpx
 import pytest
 
 from backend.catalog import service as catalog
-from backend.exports import service as exports
+from backend.exports.formats import evaluations_csv, findings_csv, run_json, traces_mat
 from backend.http import bodies
 from backend.http.capacity import Capacity
 from backend.reports import pdf
@@ -103,10 +103,10 @@ def answers_at_once(service: Service, client: httpx.Client) -> None:
         # One of each kind by day, and the export that is streamed.
         ("/api/v1/runs/R-0001/report.pdf", "pdf", pdf, "printed", b"%PDF"),
         ("/api/v1/runs/R-0001/report.html", "files", reports, "report_html", None),
-        at_night("/api/v1/runs/R-0001/exports/findings.csv", "files", exports, "findings_csv", None),
-        at_night("/api/v1/runs/R-0001/exports/traces.mat", "files", exports, "traces_mat", None),
-        at_night("/api/v1/runs/R-0001/exports/run.json", "files", exports, "run_json", None),
-        ("/api/v1/runs/R-0001/exports/evaluations.csv", "files", exports, "evaluations_csv", None),
+        at_night("/api/v1/runs/R-0001/exports/findings.csv", "files", findings_csv, "findings_csv", None),
+        at_night("/api/v1/runs/R-0001/exports/traces.mat", "files", traces_mat, "traces_mat", None),
+        at_night("/api/v1/runs/R-0001/exports/run.json", "files", run_json, "run_json", None),
+        ("/api/v1/runs/R-0001/exports/evaluations.csv", "files", evaluations_csv, "evaluations_csv", None),
         at_night("/api/v1/runs/R-0001/exports/flight-F1.html", "recordings", recordings, "record", None),
         ("/view/R-0001/F1/recorded/", "recordings", recordings, "record", None),
     ],

@@ -39,12 +39,7 @@ REQUESTS: dict[str, Call[Any]] = {
     "cancel_sweep": calls.cancel_sweep("S-0001"),
     "get_sweep_table": calls.sweep_table("S-0001"),
     "get_run_campaign": calls.campaign_file("R-0001"),
-    "export_run": calls.run_json("R-0001"),
-    "export_evaluations": calls.evaluations_csv("R-0001"),
-    "export_findings": calls.findings_csv("R-0001"),
-    "export_traces": calls.traces_csv("R-0001"),
-    "export_mat": calls.traces_mat("R-0001"),
-    "export_picture": calls.picture("R-0001"),
+    "export_file": calls.export_file("R-0001", "run.json"),
     "get_report": calls.report_html("R-0001"),
     "get_report_pdf": calls.report_pdf("R-0001"),
 }
@@ -140,7 +135,7 @@ def test_every_request_is_compared() -> None:
         if inspect.isfunction(function) and str(function.__annotations__.get("return", "")).startswith("Call[")
     } - {"file"}  # one of the others  # fmt: skip
     assert len(made) == len(REQUESTS)
-    assert {(call.method, call.path) for call in map(calls.file, ["R-0001"] * len(calls.FILES), calls.FILES)} <= {
+    assert {(call.method, call.path) for call in map(calls.file, ["R-0001"] * 4, [*calls.ELSEWHERE, "run.json"])} <= {
         (call.method, call.path) for call in REQUESTS.values()
     }
 

@@ -21,6 +21,7 @@ from hypothesis import HealthCheck, given, settings
 from backend.access.rules import OPEN, READ, RULES
 from backend.db.engine import read
 from backend.db.tables import Run
+from backend.exports.format import known
 from backend.http.errors import KINDS
 from backend.http.schema import Given
 from tests.api.answers import problem
@@ -201,14 +202,17 @@ def test_models_are_described_by_what_stands_below_their_fields() -> None:
     assert sum("description" in field for field in fields) > 100
 
 
+EXPORTS = [one.file.replace("{label}", "F1") for one in known() if not one.address]
+
+
 def test_headers_that_are_given_are_documented(client: httpx.Client) -> None:
     queued = client.post("/api/v1/runs", json={"campaign": campaign(seed=9)})
     assert queued.headers["location"].endswith(queued.json()["id"])
     for path, method, operation in OPERATIONS:
-        if "/exports/" in path:
-            answer = client.request(
-                method, path.replace("{run}", "R-0001").replace("{flight}", "F1").replace("{finding}", "F1")
-            )
+        if "/exports/" not in path:
+            continue
+        for file in EXPORTS:
+            answer = client.request(method, path.replace("{run}", "R-0001").replace("{file}", file))
             assert answer.status_code == 200
             assert answer.headers["etag"]
             held(answer, operation)

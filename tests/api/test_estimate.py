@@ -9,7 +9,7 @@ import pytest
 
 from campaigns.asked.load import load_document
 from campaigns.checked.expected import expected, total
-from tests.api.catalogue import campaign
+from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.document import conforms
 from tests.api.finished import finish
 from tests.api.server import Service
@@ -27,7 +27,7 @@ def estimate(client: httpx.Client, document: dict[str, Any]) -> dict[str, Any]:
 
 def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: httpx.Client) -> None:
     told = estimate(client, campaign())
-    found = expected(load_document(campaign()))
+    found = expected(load_document(campaign()), CATALOGUE)
     assert told["stages"] == [stage._asdict() for stage in found]
     assert (told["least"], told["evaluations"], told["most"]) == total(found)
     assert told["least"] < told["evaluations"] < told["most"]

@@ -21,7 +21,7 @@ from backend.db import queue
 from backend.db import sources as stored
 from backend.db.engine import read as read_of
 from backend.db.store import RunStore
-from backend.exports import mcap, parquet
+from backend.exports.formats import evaluations_parquet, traces_mcap
 from backend.scenes.recordings import recording as recorder
 from campaigns.capsules.packing import read, read_sources
 from campaigns.capsules.sources import SourceFile, Sources
@@ -186,7 +186,10 @@ def test_a_capsule_of_what_is_not_there_is_a_problem(guest: httpx.Client, run: s
 def test_without_the_packages_the_menu_and_the_files_say_so(
     guest: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module, file, package in ((mcap, "traces.mcap", "mcap"), (parquet, "evaluations.parquet", "pyarrow")):
+    for module, file, package in (
+        (traces_mcap, "traces.mcap", "mcap"),
+        (evaluations_parquet, "evaluations.parquet", "pyarrow"),
+    ):
         monkeypatch.setattr(module, "find_spec", lambda _: None)
         (listed,) = [one for one in guest.get(f"/api/v1/runs/{run}/exports").json() if one["name"].endswith(file)]
         assert listed["unavailable"] == module.MISSING

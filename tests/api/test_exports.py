@@ -15,7 +15,8 @@ import sqlalchemy as sa
 from scipy.io import loadmat
 
 from backend.db.tables import CatalogueDocument, Run
-from backend.exports import service as exports
+from backend.exports.formats.evaluations_csv import evaluations_csv
+from backend.http.naming import named
 from backend.scenes.recordings import recording
 from campaigns.stored.records import Columns
 from tests.api.answers import problem
@@ -72,9 +73,9 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str, mo
 
 
 def test_no_name_of_a_run_leaves_the_header() -> None:
-    assert exports.named("R-0001", '../a"; x\r\nSet-Cookie: y', "run.json") == "R-0001-a-x-set-cookie-y-run.json"
-    assert exports.named("R-0001", "\u6a5f", "run.json") == "R-0001-run.json"
-    assert len(exports.named("R-0001", "long " * 40, "run.json")) < 70
+    assert named("R-0001", '../a"; x\r\nSet-Cookie: y', "run.json") == "R-0001-a-x-set-cookie-y-run.json"
+    assert named("R-0001", "\u6a5f", "run.json") == "R-0001-run.json"
+    assert len(named("R-0001", "long " * 40, "run.json")) < 70
 
 
 @pytest.fixture(scope="module", params=[KINDS[0], pytest.param(KINDS[1], marks=pytest.mark.nightly)])
@@ -129,7 +130,7 @@ def test_fifty_thousand_evaluations_are_streamed(service: Service, client: httpx
         work.store.append(2, first, Columns(points, costs, np.zeros(count, np.uint8), 0.001 * np.ones(count), {}))
     tracemalloc.start()
     size = lines = most = 0
-    for piece in exports.evaluations_csv(service.engine, 1):
+    for piece in evaluations_csv(service.engine, 1):
         size, lines, most = size + len(piece), lines + piece.count(b"\n"), max(most, len(piece))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()

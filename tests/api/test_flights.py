@@ -17,6 +17,7 @@ from backend.scenes.live.live import Live
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.draws import of_draws
+from clearance.testing.problems import Problem
 from tests import results
 from tests.api.answers import problem
 from tests.api.catalogue import CATALOGUE, campaign, component
@@ -27,7 +28,6 @@ from tests.api.server import Service, until
 from tests.api.shipped import shipped
 from tests.api.submitting import submit
 from tests.api.viewing import KEY, frames_until, steer, viewing
-from tests.problems import Problem
 
 OTHER = "ffffffff-ffff-4fff-bfff-ffffffffffff"
 STAND_IN = """

@@ -15,6 +15,7 @@ import pytest
 import websockets
 from websockets.sync.client import connect
 
+from backend.exports.format import known
 from clearance.cli import invoke
 from tests.api.viewing import PROTOCOL
 from tests.faults.serving import serving
@@ -168,7 +169,7 @@ def test_the_stored_run_is_audited_and_replayed(visit: Visit, clearance: Command
 KEY = "0b6c1e0e-4f5a-4a3b-9d1c-2f8e7a6b5c4d"
 WITHOUT_A_TRACE = {
     "/api/v1/runs/{run}/traces/{name}": "no stored flight",
-    "/api/v1/runs/{run}/exports/flight-{flight}.html": "no stored flight",
+    "/api/v1/runs/{run}/exports/flight-F1.html": "no stored flight",
     "/api/v1/runs/{run}/exports/worst-case.svg": "no flight of it is stored",
     "/api/v1/runs/{run}/views/{key}": "it has no 3D view",
     "/view/{run}/": "it has no 3D view",
@@ -185,8 +186,10 @@ class TestEveryRoute:
         described = client.get("/api/v1/openapi.json").json()["paths"]
         paths = [path for path, asked in described.items() if "{run}" in path and "get" in asked]
         assert len(paths) > 15
-        for path in {*paths, *WITHOUT_A_TRACE}:
-            place = path.format(run=run, name="F1", flight="F1", finding="F1", key=KEY)
+        served = [one.file.replace("{label}", "F1") for one in known() if not one.address]
+        exports = {f"/api/v1/runs/{{run}}/exports/{file}" for file in served}
+        for path in {*paths, *exports, *WITHOUT_A_TRACE}:
+            place = path.format(run=run, name="F1", file="run.json", key=KEY)
             asked = {"evaluations": {"stage": "2"}, "code": {"against": run}}.get(path.rpartition("/")[2])
             answer = client.get(place, params=asked)
             if path in WITHOUT_A_TRACE:

@@ -15,16 +15,18 @@ from campaigns.versions import Code, Versions
 from tests import results
 from tests.api.server import Service
 from tests.simulators import package, two_basins
+from worker.running.catalogue.installed import catalogue
 
 ENTRY = two_basins.ENTRY
+METHODS = catalogue().methods
 
 
 def publish(service: Service, digest: str | None = "aa", entry: Any = ENTRY) -> None:
     """A worker that has the simulator, with files of this digest."""
     digests = {} if digest is None else {ENTRY.name: digest}
-    catalogue = Catalogue(version="1", components=[], methods=[], simulators=[entry], digests=digests)
+    offered = Catalogue(version="1", components=[], methods=METHODS, simulators=[entry], digests=digests)
     with service.engine.begin() as connection:
-        workers.publish(connection, catalogue)
+        workers.publish(connection, offered)
 
 
 def measured(**values: Any) -> Measured:
@@ -36,9 +38,9 @@ def measured(**values: Any) -> Measured:
 def run(service: Service, digest: str, told: Measured | None) -> None:
     """A run whose first stage has ended."""
     with service.engine.begin() as connection:
-        catalogue = Catalogue(version="1", components=[], methods=[], simulators=[ENTRY])
+        used = Catalogue(version="1", components=[], methods=[], simulators=[ENTRY])
         asked = load_document(package.campaign())
-        queue.submit(connection, asked, name="a", tags=[], owner="ada", planned=1, catalogue=catalogue)
+        queue.submit(connection, asked, name="a", tags=[], owner="ada", planned=1, catalogue=used)
     claim = Queue(service.engine).claim("w1", [ENTRY.version])
     assert claim is not None
     store = RunStore(service.engine, claim)

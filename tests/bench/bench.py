@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 
 from campaigns import library, load_file
+from clearance.testing.problems import Problem
 from tests.bench import functions, methods, reference_pioneer, reference_uav, slots
-from tests.problems import Problem
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
 from worker.running.runs.provenance import versions
@@ -35,7 +35,7 @@ FIRST_EVALUATION = """
 import time
 began = time.perf_counter()
 from campaigns import library, load_file
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 problem = Problem(load_file(library()["unicycle_static"]))
 problem.evaluate(problem.nominal_point[None])
 print(time.perf_counter() - began)

@@ -17,8 +17,8 @@ import numpy as np
 
 from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
+from clearance.testing.problems import Problem
 from tests.bench.bench import BUILD, interleaved
-from tests.problems import Problem
 from worker.engine.kernels.component import Environment, Fault
 from worker.running.catalogue.installed import components
 

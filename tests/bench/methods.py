@@ -16,9 +16,9 @@ import numpy as np
 from scipy import optimize
 
 from campaigns import library, load_file
-from tests.problems import Problem
+from clearance.testing.problems import Problem
+from clearance.testing.searching import batch, run, space
 from tests.unit.functions import PUBLISHED, OnUnitCube, on_unit_cube
-from tests.unit.searching import batch, run, space
 from worker.engine.search.base import Floats, Method
 from worker.engine.search.methods import direct
 from worker.engine.systems.closed_loop.assemble import Loop

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from worker.engine.systems.base import Floats
 
 NAMES = (

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from worker.engine.components.controllers.autopilot_wings_level import WingsLevel
 from worker.engine.physics.aerodynamics import Airframe
 from worker.engine.systems.base import Floats

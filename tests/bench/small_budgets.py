@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns.results.base import FAILED
-from tests.unit.searching import batch, space
+from clearance.testing.searching import batch, space
 from tests.unit.small_budgets import JUDGED, Judged
 from tests.unit.small_budgets_tuning import TUNING
 from tests.unit.small_budgets_valleys import VALLEYS, Landscape

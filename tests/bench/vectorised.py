@@ -20,7 +20,7 @@ from worker.engine.systems.closed_loop.assemble import LANES
 COUNT = """
 import json, re, sys
 from campaigns import library, load_file
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 loop = Problem(load_file(library()[sys.argv[1]])).system.loop
 loop.warm()
 code = loop.assembly()

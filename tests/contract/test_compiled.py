@@ -11,8 +11,9 @@ import pytest
 from campaigns import check
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
-from tests.contract.flights import as_in_plain_python, in_any_order, no_number_shows, unbreakable
-from tests.contract.scenes import own, problem, published, scene, together
+from clearance.testing.flights import as_in_plain_python, in_any_order, no_number_shows, unbreakable
+from clearance.testing.scenes import own, problem, scene
+from tests.contract.hands import published, together
 from worker.engine.kernels.component import Component
 from worker.running.catalogue.installed import catalogue, components
 

@@ -5,26 +5,18 @@ On the plain form, which needs no compiler; `test_compiled` holds the compiled f
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
-from campaigns import check
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
-from tests.contract.flights import no_number_shows, unbreakable
-from tests.contract.scenes import around, entry, own, problem
-from tests.problems import Problem
+from clearance.testing import components as contract
+from clearance.testing.problems import Problem
+from clearance.testing.scenes import entry, problem
 from worker.engine.kernels.component import Component, Criterion, Vehicle, declared
-from worker.running.catalogue.installed import catalogue, components, source_of
+from worker.running.catalogue.installed import catalogue, components
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
-
-PURE = {"", "-", "N m^(3-n)"}
-"""Units of numbers without a dimension, and one whose power is a parameter itself."""
-
-UNIT = re.compile(r"(1/)?(\(?[A-Za-zµ%°]+[0-9]*( [A-Za-z]+[0-9]*)*\)?)(/(\(.+\)|[A-Za-z]+[0-9]*))?")
 
 
 def test_there_are_components_of_every_kind() -> None:
@@ -34,35 +26,17 @@ def test_there_are_components_of_every_kind() -> None:
 
 @EACH
 def test_it_is_documented(component: Component) -> None:
-    described = entry(component)
-    assert described.title[0].isupper()
-    assert len(described.text.splitlines()) >= 2, "the file's docstring tells what it is and where it comes from"
-    assert described.text.splitlines()[0].endswith((".", ":"))
-    assert (source_of(component).__doc__ or "").strip() == described.text
-    if component.role in ("vehicle", "controller", "avoider", "criterion"):
-        assert "Source: " in described.text
+    contract.it_is_documented(component)
 
 
 @EACH
 def test_its_names_can_be_written_in_a_campaign(component: Component) -> None:
-    described = entry(component)
-    assert re.fullmatch(r"[a-z][a-z0-9_]*", described.name)
-    assert source_of(component).__name__.rpartition(".")[2] == described.name
-    for entries in (described.parameters, described.starts, described.goals):
-        names = [p.name for p in entries]
-        assert len(set(names)) == len(names)
-        assert all(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*", name) for name in names)
+    contract.its_names_can_be_written_in_a_campaign(component)
 
 
 @EACH
 def test_its_parameters_have_unit_text_and_limits(component: Component) -> None:
-    for path, p in own(component).items():
-        assert p.unit in PURE or UNIT.fullmatch(p.unit), f"{path}: what is the unit {p.unit!r}?"
-        assert p.text[0].isupper(), path
-        assert not p.text.endswith("."), path
-        assert p.symbol, path
-        assert -1e12 <= p.low < p.high <= 1e12, path
-        assert p.default is None or p.low <= p.default <= p.high, path
+    contract.its_parameters_have_unit_text_and_limits(component)
 
 
 VEHICLES = [c for (role, _), c in components().items() if role == "vehicle"]
@@ -108,20 +82,17 @@ def test_a_vehicle_declares_its_states_and_limits(vehicle: Vehicle) -> None:
 
 @EACH
 def test_it_can_be_simulated_with_the_first_other_components_that_fit(component: Component) -> None:
-    made = load_document(around(component))
-    assert check(made, catalogue()) == []
-    batch, reasons = problem(component, compiled=False).evaluate(np.array([[0.0], [0.5], [1.0]]))
-    assert batch.status.tolist() == [OK] * 3, reasons
+    contract.it_can_be_simulated_with_the_first_other_components_that_fit(component)
 
 
 @EACH
 def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(component: Component) -> None:
-    unbreakable(problem(component, compiled=False), own(component), 6)
+    contract.within_its_limits_nothing_crashes_and_nothing_is_hidden(component)
 
 
 @EACH
 def test_a_nan_fails_the_simulation_or_changes_nothing(component: Component) -> None:
-    no_number_shows(problem(component, compiled=False), own(component))
+    contract.a_nan_fails_the_simulation_or_changes_nothing(component)
 
 
 def test_a_far_obstacle_does_not_fail_a_flight() -> None:

@@ -18,7 +18,7 @@ import pytest
 from campaigns import Catalogue, check
 from campaigns.asked.load import load_document
 from campaigns.checked.check import simulation_problems
-from tests.contract.scenes import around, entry, own
+from clearance.testing.scenes import around, entry, own
 from worker.engine.kernels.component import Component, Controller, Parameter, Signal, Vehicle
 from worker.engine.kernels.layout import Parts, Placed
 from worker.engine.systems.closed_loop.assemble import Loop

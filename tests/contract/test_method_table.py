@@ -10,10 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from campaigns.results.base import EXCLUDED, FAILED, OK
-from tests.contract.searches import BUDGET, EACH, Answer, answering, at_most, driven, rough
+from clearance.testing.searching import BUDGET, Answer, answering, at_most, batch, driven, rough
+from tests.contract.searches import EACH
 from tests.unit.functions import FUNCTIONS as TABLE
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import batch
 from worker.engine.search.base import Batch, Floats, Method, Minimum
 from worker.running.catalogue.installed import methods
 

@@ -13,8 +13,8 @@ import pytest
 from campaigns import check
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
-from tests.contract.scenes import around
-from tests.problems import Problem
+from clearance.testing.problems import Problem
+from clearance.testing.scenes import around
 from worker.engine.kernels.component import Avoider, Controller, Vehicle
 from worker.running.catalogue.installed import catalogue, components
 

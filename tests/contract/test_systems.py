@@ -1,9 +1,7 @@
-"""The contract of all systems, tested on the closed loop, a simulator and functions. Start reading at `TestSystem`."""
+"""The contract of all systems, on the closed loop, a simulator and functions; and campaigns of a simulator."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -13,16 +11,13 @@ from campaigns import Catalogue, check, library, load_file
 from campaigns.asked.load import CampaignError, load_document
 from campaigns.asked.spec import Repeats, Simulator
 from campaigns.checked.snapshot import changes, snapshot
-from campaigns.claims.spans import words
-from campaigns.results.base import FAILED, OK
+from clearance.testing import SystemContract
 from tests.simulators import functions, isolated, package, two_basins
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
-from worker.engine.systems.base import Slotted, System
-from worker.engine.systems.closed_loop.system import ClosedLoop
+from worker.engine.systems.base import Slotted
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.declared.simulator import Opening
-from worker.evidence.scopes.terms import terms
 from worker.running.catalogue.files import PythonFunction
 from worker.running.catalogue.installed import catalogue
 from worker.running.opening import opened
@@ -30,90 +25,34 @@ from worker.running.opening import opened
 BASINS = Opening({"simulator.x": 0.5, "simulator.y": 0.45}, "separation")
 
 
-@pytest.fixture(scope="module", params=["closed loop", "simulator", "function", "isolated function"])
-def problem(request: pytest.FixtureRequest) -> Iterator[Problem]:
-    if request.param == "closed loop":
-        yield opened.problem(load_file(library()["unicycle_static"]))
-    elif request.param == "simulator":
-        yield Problem(load_document(package.campaign()), two_basins.TwoBasins(two_basins.ENTRY, BASINS))
-    else:
-        function = functions.together if request.param == "function" else isolated.alone
-        place = {"module": function.__module__, "name": function.__name__}
-        declared = PythonFunction(function.declaration, place, function.call)
-        campaign = load_document(package.campaign(simulator={"name": function.declaration.name}))
+class TestClosedLoop(SystemContract):
+    campaign = load_file(library()["unicycle_static"]).document()
+    failing = float("nan")
+
+
+class TestSimulator(SystemContract):
+    failing = 0.99
+
+    @classmethod
+    def open(cls) -> Problem:
+        return Problem(load_document(package.campaign()), two_basins.TwoBasins(two_basins.ENTRY, BASINS))
+
+
+class TestFunction(SystemContract):
+    failing = 0.99
+    function: Any = functions.together
+
+    @classmethod
+    def open(cls) -> Problem:
+        place = {"module": cls.function.__module__, "name": cls.function.__name__}
+        declared = PythonFunction(cls.function.declaration, place, cls.function.call)
+        campaign = load_document(package.campaign(simulator={"name": cls.function.declaration.name}))
         known = catalogue().model_copy(update={"simulators": [declared.entry]})
-        found = Problem(campaign, opened.simulated(campaign, declared, known))
-        yield found
-        found.system.close()
+        return Problem(campaign, opened.simulated(campaign, declared, known))
 
 
-@pytest.fixture(scope="module")
-def system(problem: Problem) -> System:
-    return problem.system
-
-
-@pytest.fixture(scope="module")
-def vectors(problem: Problem) -> Any:
-    return problem.vectors(np.random.default_rng(1).random((40, problem.dimension)))
-
-
-class TestSystem:
-    def test_parameters_are_the_columns_of_its_vectors(self, system: System) -> None:
-        paths = [p.path for p in system.parameters]
-        assert len(set(paths)) == len(paths) <= len(system.nominal)
-        assert [p.nominal for p in system.parameters] == system.nominal[: len(paths)].tolist()
-        assert all(p.low <= p.nominal <= p.high and p.text for p in system.parameters)
-        assert list(system.names) == paths
-
-    def test_the_first_result_decides_and_is_worse_when_low(self, system: System, vectors: Any) -> None:
-        batch, _ = system.evaluate(vectors)
-        assert batch.costs.shape == (len(vectors), len(system.results))
-        assert system.results[0].worse == "low"
-
-    def test_what_is_not_ok_has_no_cost_and_a_reason(self, system: System, vectors: Any) -> None:
-        broken = vectors.copy()
-        broken[::3] = np.nan if system.settings.integrator else 0.99
-        batch, reasons = system.evaluate(broken)
-        lost = np.flatnonzero(batch.status != OK)
-        assert lost.tolist() == list(range(0, len(vectors), 3)) == sorted(reasons)
-        assert (batch.status[lost] == FAILED).all()
-        assert np.isnan(batch.costs[lost]).all()
-        assert all(reasons.values())
-
-    def test_bits_depend_on_the_vector_alone(self, system: System, vectors: Any) -> None:
-        assert system.repeatable
-        together, _ = system.evaluate(vectors)
-        alone = [system.evaluate(v[None])[0].costs[0] for v in vectors[:5]]
-        assert np.array(alone).tobytes() == together.costs[:5].tobytes()
-
-    def test_it_confirms_by_means_of_its_own(self, system: System, vectors: Any) -> None:
-        batch, _ = system.evaluate(vectors[:2])
-        confirmed = system.confirm(vectors[:2], [None, None])
-        assert [c.cost for c in confirmed] == batch.costs[:, 0].tolist()
-        kinds = {"half_step", "integrator"} if system.settings.integrator else {"again"}
-        for case, other in zip(confirmed, system.compare(vectors[:2], [None, None]), strict=True):
-            assert {c.kind for c in case.comparisons} == kinds
-            assert all(c.cost == pytest.approx(case.cost, rel=1e-4) for c in case.comparisons)
-            assert other == case.comparisons[-1]
-        assert system.confirm(vectors[:2], [None, None], lambda: True) == []
-
-    def test_only_what_shows_an_encounter_has_a_trace(self, system: System) -> None:
-        trace, shows = system.trace("nominal", {}), terms(system).shows
-        assert (trace is None) == (not shows)
-        assert (system.encounter(trace) is None) == (not shows)
-
-    def test_it_is_a_closed_loop_with_a_text_to_show_or_has_calls(self, system: System) -> None:
-        assert isinstance(system, ClosedLoop) != isinstance(system, Slotted)
-        assert isinstance(system, ClosedLoop) == bool(system.settings.integrator)
-        assert not isinstance(system, ClosedLoop) or "def closed_loop" in system.source.read_text(encoding="utf-8")
-
-    def test_its_words_claim_an_integrator_only_where_there_is_one(self, system: System) -> None:
-        of = terms(system)
-        scope = [words(of.scope.what), words(of.scope.settings), of.scope.version]
-        said = json.dumps([vars(of.words), *scope, of.caveat])
-        flown = [word for word in ("integrat", "step", "flight", "horizon") if word in said]
-        assert bool(flown) == bool(system.settings.integrator)
-        assert len(system.digest) >= 16
+class TestIsolatedFunction(TestFunction):
+    function = isolated.alone
 
 
 def known() -> Catalogue:

@@ -354,6 +354,9 @@ def test_a_notification_is_shown_when_a_run_ends(signed_in: Visit, stored: Servi
     assert body.startswith("Awaited: margin +0.")
 
 
+COLOUR = "name => getComputedStyle(document.documentElement).getPropertyValue(name).trim()"
+
+
 def test_help_explains_methods_verdicts_and_components(signed_in: Visit) -> None:
     page = signed_in.page
     signed_in.move(f"/runs/{BOX}")
@@ -364,6 +367,8 @@ def test_help_explains_methods_verdicts_and_components(signed_in: Visit) -> None
     page.get_by_role("link", name="Search methods").click()
     for method in catalogue["methods"]:
         expect(page.locator(f"#{method['name']}")).to_contain_text(method["source"])
+        colour = page.evaluate(COLOUR, f"--m-{method['name']}")
+        assert colour in (method["look"]["colour"], method["look"]["dark"])
     looks(signed_in, "help-methods")
     page.get_by_role("navigation", name="Help").get_by_role("link", name="Components").click()
     expect(page.locator("#vehicle-unicycle")).to_contain_text("dx/dt = v cos(theta)")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from worker.engine.systems.closed_loop.trace import trace
 
 SHOWN = ("x", "y", "z", "yaw", "u", "separation")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.trace import trace
 

@@ -10,8 +10,8 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.results import SearchResult
+from clearance.testing.problems import Problem
 from tests.audited import audited
-from tests.problems import Problem
 from worker.engine.systems.closed_loop.trace import trace
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from campaigns import Campaign, library, load_file
+from clearance.testing.problems import Problem
 from tests.physics.scenes import changed, uncompiled
-from tests.problems import Problem
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import Environment, Fault
 from worker.running.catalogue.installed import components

@@ -11,7 +11,7 @@ import pytest
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from worker.engine.systems.base import Floats
 
 AT_NIGHT = frozenset(f"uav_{case}_{kind}" for case in ("static", "moving", "aca") for kind in ("linear", "bank"))

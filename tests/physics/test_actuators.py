@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from clearance.testing.problems import Problem
 from tests.physics.conditions import FAULTS, loop_with, parameters
 from tests.physics.scenes import flight
-from tests.problems import Problem
 from worker.engine.kernels.bind import plain
 
 

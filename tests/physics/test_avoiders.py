@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from clearance.testing.problems import Problem
 from tests.physics.in_space import OBSTACLES
 from tests.physics.scenes import changed, flight, uncompiled
-from tests.problems import Problem
 from worker.engine.components.avoiders import closest_approach, closest_approach_3d, ge_cui, gnron, gnron_3d, none
 from worker.engine.components.obstacles import box, box_3d, circle, cylinder
 from worker.engine.kernels.bind import plain

@@ -14,9 +14,9 @@ import pytest
 from campaigns import Campaign, check, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.base import FAILED, OK
+from clearance.testing.problems import Problem
 from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.scenes import uncompiled
-from tests.problems import Problem
 from worker.engine.kernels.layout import Parts
 from worker.engine.reference import Reference
 from worker.engine.systems.closed_loop.assemble import Loop

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign, library, load_file
+from clearance.testing.problems import Problem
 from tests.physics.conditions import CASE, FAULTS, PARTS, loop_with, parameters, short
 from tests.physics.scenes import changed, cost, flight, uncompiled
-from tests.problems import Problem
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import Environment, declared
 from worker.engine.kernels.views import Body3

@@ -14,9 +14,9 @@ from scipy.spatial.transform import Rotation
 
 from campaigns import library, load_file
 from campaigns.results.base import FAILED
+from clearance.testing.problems import Problem
 from tests.physics.airframe import CALM, aircraft, constants, flown, linear
 from tests.physics.scenes import changed, cost, flight, uncompiled
-from tests.problems import Problem
 from worker.engine.components.vehicles import fixed_wing, fixed_wing_linear
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.component import NoTrim

@@ -10,8 +10,8 @@ import pytest
 from scipy.optimize import minimize
 
 from campaigns import library, load_file
+from clearance.testing.problems import Problem
 from tests.physics.scenes import cost, uncompiled
-from tests.problems import Problem
 from worker.engine.components.avoiders import orca
 from worker.engine.kernels.bind import plain
 from worker.engine.kernels.views import Body

@@ -14,9 +14,9 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.results.base import FAILED
+from clearance.testing.problems import Problem
 from tests.bench.reference_pioneer import Reference
 from tests.physics.scenes import changed, cost, flight, uncompiled
-from tests.problems import Problem
 from worker.engine import reference
 from worker.engine.components.vehicles import pioneer_3dx
 from worker.engine.kernels.bind import plain

@@ -22,10 +22,11 @@ from campaigns import Campaign, CampaignError, check, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.trace import Realisation
+from clearance.testing.problems import Problem
+from clearance.testing.scenes import FEW, scene
 from tests.audited import audited
-from tests.contract.scenes import FEW, scene, together
+from tests.contract.hands import together
 from tests.physics.scenes import uncompiled
-from tests.problems import Problem
 from worker.engine.kernels.component import Environment, Fault
 from worker.engine.reference import Reference
 from worker.engine.systems.closed_loop.trace import simulate, trace

@@ -18,8 +18,8 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.results.base import OK
+from clearance.testing.problems import Problem
 from tests.physics.scenes import changed
-from tests.problems import Problem
 from tests.unit.cases import campaign
 from worker.engine.reference import Flight, Reference, compiled, flight, stepper
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import pytest
 
 from campaigns import library, load_file
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from worker.running.reproduce.steps import adequacy, sentence
 
 PUBLISHED = ("unicycle_static", "pioneer_moving", "uav_static", "uav_moving", "uav_aca")

@@ -10,10 +10,10 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
+from clearance.testing.problems import Problem
 from tests.physics.bodies import OBSTACLES, _body, centre
 from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.scenes import cost, uncompiled
-from tests.problems import Problem
 from worker.engine.kernels.component import Obstacle, declared
 from worker.engine.kernels.layout import Parts
 from worker.engine.reference import Reference

@@ -15,10 +15,10 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.results.base import OK
+from clearance.testing.problems import Problem
 from tests.bench import vectorised
 from tests.bench.reference_uav import Reference
 from tests.physics.scenes import changed, cost, nightly, uncompiled
-from tests.problems import Problem
 from worker.engine import reference
 from worker.engine.systems.base import Floats
 

@@ -16,8 +16,8 @@ import pytest
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.base import EXCLUDED, FAILED, OK
+from clearance.testing.problems import Problem
 from tests.bench import bench
-from tests.problems import Problem
 from worker.engine.components.avoiders import potential_field
 from worker.engine.components.obstacles import circle
 from worker.engine.kernels.bind import plain

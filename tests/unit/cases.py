@@ -8,7 +8,7 @@ from typing import Any
 
 from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 
 CASE1 = load_file(library()["unicycle_static"]).document()
 

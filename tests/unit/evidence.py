@@ -14,7 +14,7 @@ from campaigns.results.sample import QuantileBound, Sample
 from campaigns.results.search import Best
 from campaigns.results.validate import Compared, Encounter, Gathered, SpotChecks, Spread, Unseen, Violations
 from campaigns.versions import Versions
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import case1
 from worker.engine.stages.parts.claims import bound
 from worker.evidence.verdicts.conclude import conclude

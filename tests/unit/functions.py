@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from campaigns.results.base import EXCLUDED
-from tests.unit.searching import Function
+from clearance.testing.searching import Function
 from worker.engine.search.base import Floats
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from campaigns import Campaign
 from campaigns.results.base import EXCLUDED, FAILED, OK
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import campaign, case1
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages.parts.base import Context

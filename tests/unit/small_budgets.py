@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.unit.searching import Function
+from clearance.testing.searching import Function
 from worker.engine.search.base import Floats
 
 

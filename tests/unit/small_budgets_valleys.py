@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tests.unit.searching import Function
+from clearance.testing.searching import Function
 from tests.unit.small_budgets import turned
 from worker.engine.search.base import Floats
 

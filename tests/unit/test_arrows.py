@@ -73,7 +73,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "worker.engine.physics": ("worker.engine.kernels",),
     # Entries of components follow below: none imports another kind.
     # How an evaluation ended has one home.
-    "worker.engine.search": ("campaigns.results.base",),
+    "worker.engine.search": ("campaigns.results.base", "campaigns.effort"),
     # The interface: modules above it do not depend on the closed loop or any other system.
     "worker.engine.systems": ("worker.engine.search.base", "campaigns"),
     "worker.engine.systems.closed_loop": (
@@ -128,6 +128,8 @@ MAY: dict[str, tuple[str, ...]] = {
     "clearance.function.saving": (
         *("clearance.function", "clearance.local", "worker", "backend.db", "backend.reports", "campaigns"),
     ),
+    # The contracts, for the tests of packages.
+    "clearance.testing": ("worker", "campaigns"),
     # It talks to a service: nothing of ours but the vocabulary, so that a script starts quickly.
     "clearance.client": ("campaigns",),
     # The door of the package leads to all of them.

@@ -20,11 +20,11 @@ from campaigns.results import NominalResult
 from campaigns.results.base import EXCLUDED
 from campaigns.results.baseline import BaselineResult
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from clearance.testing.problems import Problem
+from clearance.testing.searching import Function, batch
 from tests.migrated import migrated
-from tests.problems import Problem
 from tests.unit.cases import campaign, searching
 from tests.unit.records import DIRECT, NOISE, SHORT, SQP, Folder
-from tests.unit.searching import Function, batch
 from worker.engine.search.base import Floats
 from worker.engine.stages import baseline
 from worker.engine.stages.parts import findings, offered

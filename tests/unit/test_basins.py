@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.unit.searching import Function, batch
+from clearance.testing.searching import Function, batch
 from worker.engine.search.base import Floats
 from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
 

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 
-from tests.unit.searching import batch
+from clearance.testing.searching import batch
 from worker.engine.search.base import Batch, Floats, Search, side_by_side
 from worker.engine.search.parts.callback import Ask, called_back, called_back_in_thread
 

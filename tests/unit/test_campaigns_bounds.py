@@ -8,7 +8,7 @@ import pytest
 
 from campaigns import Campaign, check, library, load_file
 from campaigns.checked import effort
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import campaign
 from worker.running.catalogue.installed import catalogue
 

@@ -9,7 +9,7 @@ import pytest
 from campaigns import Catalogue, check
 from campaigns.catalogue import MethodEntry
 from campaigns.checked.check import parameters
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import campaign, searching
 from worker.engine.systems.base import CampaignUnusable
 from worker.running.catalogue.installed import catalogue

@@ -12,7 +12,7 @@ from campaigns.results import CertifyResult
 from campaigns.results.sample import QuantileBound
 from campaigns.results.sample import Sample as Statement
 from campaigns.stages.plan import plan
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import campaign
 from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, costs, evaluate, quantile
 from worker.engine.search.base import Floats

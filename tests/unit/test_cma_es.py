@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from clearance.testing.searching import batch, run, space
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import batch, run, space
 from worker.engine.search.base import Floats
 from worker.engine.search.methods.cma_es import method
 from worker.engine.search.parts.pycma import last

@@ -7,8 +7,8 @@ import time
 import numpy as np
 import pytest
 
+from clearance.testing.searching import Function, batch, run, space
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import Function, batch, run, space
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import contrast_racing
 from worker.engine.search.methods.contrast_racing import method

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import differential_evolution
 
+from clearance.testing.searching import run
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import run
 from worker.engine.search.base import Floats
 from worker.engine.search.methods.differential_evolution import method
 

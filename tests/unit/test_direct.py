@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from clearance.testing.searching import Searched, batch, run, space
 from tests.unit.cases import campaign, case1
 from tests.unit.functions import PUBLISHED, on_unit_cube
-from tests.unit.searching import Searched, batch, run, space
 from worker.engine.search.base import Batch, Floats, Method
 from worker.engine.search.methods import direct, direct_l
 from worker.engine.search.methods.direct import method

@@ -6,8 +6,8 @@ import nlopt
 import numpy as np
 import pytest
 
+from clearance.testing.searching import run
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import run
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import direct
 from worker.engine.search.methods.direct_l import method

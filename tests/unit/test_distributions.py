@@ -11,7 +11,7 @@ from scipy import stats
 from campaigns import CampaignError, check
 from campaigns.asked.distributions import Beta, Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
 from campaigns.checked.uncertainty import matrix, positive_definite
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import campaign
 from worker.engine.problem.distributions import Distributions, Floats, Range
 from worker.running.catalogue.installed import catalogue

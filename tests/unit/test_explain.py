@@ -10,7 +10,7 @@ import pytest
 
 from campaigns import library, load_file
 from clearance.cli import WRONG_INPUT, invoke
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.simulators.adversaries import adversary
 from tests.simulators.noisy import campaign
 

@@ -8,7 +8,7 @@ from collections.abc import Generator
 import numpy as np
 import pytest
 
-from tests.unit.searching import Function, batch, space
+from clearance.testing.searching import Function, batch, space
 from worker.engine.search.base import Batch, Floats
 from worker.engine.search.parts.explored import BESIDE, NEAR, NEAREST, Explored
 from worker.engine.search.parts.progress import Progress

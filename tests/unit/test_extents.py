@@ -14,7 +14,7 @@ from campaigns.asked.text import to_yaml
 from campaigns.checked.check import simulation_problems
 from campaigns.claims.spans import words
 from clearance.cli import invoke
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import campaign, document
 from worker.evidence.scopes.distances import clause, overlooked
 from worker.running.catalogue.installed import catalogue

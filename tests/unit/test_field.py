@@ -10,8 +10,8 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
-from tests.contract.scenes import problem
-from tests.problems import Problem
+from clearance.testing.problems import Problem
+from clearance.testing.scenes import problem
 from tests.unit.cases import CASE1
 from tests.unit.living import Live
 from worker.engine.kernels.component import Avoider

@@ -8,8 +8,8 @@ import pytest
 from campaigns import Campaign
 from campaigns.results import Finding, NominalResult
 from campaigns.results.finding import FoundBy
+from clearance.testing.searching import Function, batch
 from tests.unit.cases import case1, searching
-from tests.unit.searching import Function, batch
 from worker.engine.search.base import Space
 from worker.engine.stages import search
 from worker.engine.stages.parts import findings

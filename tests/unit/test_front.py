@@ -16,8 +16,8 @@ from campaigns.asked.load import load_document
 from campaigns.results import SearchResult
 from campaigns.results.base import FAILED, OK
 from clearance.local.results import write_results
+from clearance.testing.problems import Problem
 from tests.audited import audited
-from tests.problems import Problem
 from tests.unit.cases import CASE1, campaign
 from worker.engine.problem.criteria import criteria
 from worker.engine.stages.parts import front

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from clearance.testing.searching import Function, batch, run
 from tests.unit.cases import case1
 from tests.unit.sampled import asked, context, evaluate
-from tests.unit.searching import Function, batch, run
 from worker.engine.search.base import Floats, Method
 from worker.engine.search.methods import direct, direct_l, sqp
 from worker.engine.stages import search

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from campaigns.results.base import EXCLUDED, FAILED
+from clearance.testing.searching import run
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import run
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import genetic
 from worker.engine.search.methods.genetic import Options, method

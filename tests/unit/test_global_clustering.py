@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from campaigns.results.base import EXCLUDED, FAILED
+from clearance.testing.searching import Function, batch, run
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import Function, batch, run
 from worker.engine.search.base import Batch, Floats, Minimum
 from worker.engine.search.methods import global_clustering
 from worker.engine.search.methods.global_clustering import (

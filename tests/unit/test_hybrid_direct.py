@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from campaigns.results.base import EXCLUDED, FAILED
+from clearance.testing.searching import run
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import run
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import direct, direct_l, hybrid_direct
 from worker.engine.search.methods.hybrid_direct import method

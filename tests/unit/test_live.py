@@ -10,7 +10,7 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.results.draws import of_draws
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import CASE1, document
 from tests.unit.living import Live
 

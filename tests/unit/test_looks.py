@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
@@ -16,7 +15,6 @@ import viser
 from pydantic import ValidationError
 from viser import uplot
 
-from backend.catalog.colours import METHODS, METHODS_DARK
 from backend.catalog.looks import Looks
 from backend.reports import figures
 from backend.results.improvements import Improvements
@@ -28,11 +26,11 @@ from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.drawn import MESHES
 from backend.scenes.panel.convergence_tab import ConvergenceTab
 from campaigns import Catalogue
+from campaigns.catalogue import MethodEntry
 from campaigns.checked.snapshot import changes
-from campaigns.looks import Marker, MethodLook, ObstacleLook, VehicleLook
+from campaigns.looks import EXTRA, Marker, MethodLook, ObstacleLook, VehicleLook
 from tests.unit.packages import package
 from worker.running.catalogue.installed import catalogue
-from worker.running.catalogue.looks import shipped
 
 ROOT = Path(__file__).parents[2]
 
@@ -93,12 +91,11 @@ def setting(known: Catalogue, methods: list[tuple[int, str, str]]) -> Setting:
 
 def test_a_method_of_another_package_has_its_own_colour_everywhere(extended: Catalogue) -> None:
     look = Looks(extended).method("guess")
-    assert look == MethodLook(colour="extra-2", marker="bow")
-    assert (LIGHT.method(look), DARK.method(look)) == (METHODS["extra-2"], METHODS_DARK["extra-2"])
-    svg = figures.convergence(
-        [(METHODS[look.colour], "Guess", [(1.0, 2.0), (9.0, 1.0)])], figures.Quantity("d", "m", 0.5)
-    )
-    assert METHODS["extra-2"] in svg
+    light, dark = EXTRA["extra-2"]
+    assert look == MethodLook(colour=light, dark=dark, marker="bow")
+    assert (LIGHT.method(look), DARK.method(look)) == (light, dark)
+    svg = figures.convergence([(look.colour, "Guess", [(1.0, 2.0), (9.0, 1.0)])], figures.Quantity("d", "m", 0.5))
+    assert light in svg
 
 
 def test_the_convergence_plot_has_a_colour_for_every_method(extended: Catalogue) -> None:
@@ -112,8 +109,8 @@ def test_the_convergence_plot_has_a_colour_for_every_method(extended: Catalogue)
         strokes = {name: one["stroke"] for (_, name, _), one in zip(methods, series, strict=True)}
     finally:
         server.stop()
-    assert strokes["guess"] == METHODS["extra-2"]
-    assert strokes["cma_es"] == METHODS["cma"]
+    assert strokes["guess"] == EXTRA["extra-2"][0]
+    assert strokes == {entry.name: entry.look.colour for entry in extended.methods if entry.look}
     assert len(set(strokes.values())) == len(methods)
 
 
@@ -160,17 +157,33 @@ def test_every_shipped_obstacle_and_vehicle_has_a_shape() -> None:
     assert MESHES["two_wheels"] is shapes.pioneer
 
 
-def test_the_colours_are_those_of_the_pages() -> None:
+def luminance(colour: str) -> float:
+    """Relative luminance, WCAG 2.2."""
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+@pytest.mark.parametrize("name", EXTRA)
+def test_a_named_pair_of_colours_is_shown_at_three_to_one_on_every_ground(name: str) -> None:
     css = (ROOT / "frontend/src/theme/tokens.css").read_text(encoding="utf-8")
-    light, dark = (dict(re.findall(r"--m-([\w-]+): (#\w+);", part)) for part in css.split(':root[data-theme="dark"]'))
-    assert (dict(METHODS), dict(METHODS_DARK)) == (light, dark)
-    assert len(set(light.values())) == len(set(dark.values())) == len(METHODS)
+    for colour, theme in zip(EXTRA[name], css.split(':root[data-theme="dark"]'), strict=True):
+        for ground in ("surface", "bg", "sunken"):
+            found = re.search(rf"--{ground}: (#\w+);", theme)
+            assert found
+            written = found[1] if len(found[1]) == 7 else re.sub(r"(\w)", r"\1\1", found[1])
+            high, low = sorted((luminance(colour), luminance(written)), reverse=True)
+            assert (high + 0.05) / (low + 0.05) >= 3.0
 
 
-def test_the_pages_start_with_the_looks_of_the_shipped_methods() -> None:
-    """Written by `python -m worker.running.catalogue.looks frontend/src/ui/shipped.json`."""
-    kept = json.loads((ROOT / "frontend/src/ui/shipped.json").read_text(encoding="utf-8"))
-    assert kept == shipped()
+def test_a_stored_look_of_an_earlier_version_named_its_colour() -> None:
+    entry = catalogue().methods[0].model_dump(mode="json")
+    entry["look"] = {"colour": "cma", "marker": "pentagon", "short": ""}
+    assert MethodEntry.model_validate(entry).look is None, "the look of today is used"
+    entry["look"]["colour"] = "extra-1"
+    look = MethodEntry.model_validate(entry).look
+    assert look is not None
+    assert (look.colour, look.dark) == EXTRA["extra-1"]
 
 
 def test_a_catalogue_of_an_earlier_version_has_no_looks_and_stays_as_it_is() -> None:

@@ -8,8 +8,8 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
+from clearance.testing.searching import batch, run, space
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import batch, run, space
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import lq_cma_es
 from worker.engine.search.methods.lq_cma_es import method

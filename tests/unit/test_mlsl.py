@@ -7,8 +7,8 @@ from typing import get_args, get_type_hints
 import numpy as np
 import pytest
 
+from clearance.testing.searching import run
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import run
 from worker.engine.search.base import Floats
 from worker.engine.search.methods.mlsl import Options, method
 

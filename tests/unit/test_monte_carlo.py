@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from clearance.testing.searching import run, space
 from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, evaluate
-from tests.unit.searching import run, space
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import monte_carlo
 from worker.engine.stages import search

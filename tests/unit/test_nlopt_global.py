@@ -7,8 +7,8 @@ from typing import get_args, get_type_hints
 import numpy as np
 import pytest
 
+from clearance.testing.searching import batch, run, space
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import batch, run, space
 from worker.engine.search.base import Floats, side_by_side
 from worker.engine.search.methods import nlopt_global
 from worker.engine.search.methods.nlopt_global import Options, method

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from campaigns.results.base import EXCLUDED, FAILED, OK
-from tests.unit.searching import space
+from clearance.testing.searching import space
 from worker.engine.search.base import Batch, Floats
 from worker.engine.search.methods.nsga2 import Options, extend, search
 

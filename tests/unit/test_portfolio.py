@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from clearance.testing.searching import Function, batch, run, space
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import Function, batch, run, space
 from worker.engine.search.base import Batch, Floats
 from worker.engine.search.methods import direct
 from worker.engine.search.methods.portfolio import MEMBERS, Member, Options, Part, _turn, method

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import campaign, case1, searching
 from worker.engine.stages.parts.base import Context
 from worker.running.runs.store import MemoryStore

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import itertools
 import math
+from functools import partial
 
 import pytest
 import yaml
 
 from campaigns import check
-from campaigns.asked.proposal import TITLES, Cost, lasting, proposed
+from campaigns.asked import proposal
+from campaigns.asked.proposal import Cost, lasting
 from campaigns.rules import GLOBAL_LEAST
 from clearance.cli import WRONG_INPUT, invoke
 from tests.unit.cases import searching
 from worker.running.catalogue.installed import catalogue, methods
 
+METHODS = catalogue().methods
+TITLES = {method.name: method.title for method in METHODS}
+proposed = partial(proposal.proposed, METHODS)
 GRID = list(itertools.product([1e-6, 1e-3, 0.03, 1.0, 12.0, 900.0], [1, 4, 25], [1, 4, 300], [0.5, 10.0, 1200.0, 1e6]))
 
 
@@ -84,10 +89,6 @@ def test_two_methods_each_get_enough_to_count_as_a_search() -> None:
         )
 
 
-def test_titles_are_those_of_the_methods() -> None:
-    assert {name: methods()[name].title for name in TITLES} == TITLES
-
-
 def test_where_two_methods_do_not_fit_the_sentence_names_what_is_missing() -> None:
     found = proposed(60.0, 5, patience=1800.0)
     assert [(s.method, s.evaluations) for s in found.searches] == [("turbo", 30)]
@@ -149,7 +150,7 @@ def test_calls_of_an_evaluation_go_through_the_slots_in_turns(
 
 def test_what_a_measured_cost_proposes_is_what_the_command_proposes() -> None:
     for cost, parameters, slots, patience in GRID:
-        found = Cost("R-0001", cost, slots, 15).proposed(parameters, patience)
+        found = Cost("R-0001", cost, slots, 15).proposed(METHODS, parameters, patience)
         same = proposed(cost, parameters, slots, patience)
         assert (found.searches, found.seconds, found.note) == (same.searches, same.seconds, same.note)
         if found.searches:
@@ -161,4 +162,4 @@ def test_what_a_measured_cost_proposes_is_what_the_command_proposes() -> None:
 
 def test_no_call_is_no_evaluation() -> None:
     with pytest.raises(ValueError, match="calls 0"):
-        Cost("R-0001", 2.0, 1, 15).proposed(2, 60.0, calls=0)
+        Cost("R-0001", 2.0, 1, 15).proposed(METHODS, 2, 60.0, calls=0)

@@ -17,7 +17,7 @@ from typer.core import TyperGroup
 from campaigns import check
 from campaigns.asked.load import load_text
 from clearance.cli import build
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from worker.engine.kernels.component import Obstacle, declared
 from worker.engine.kernels.layout import Parts
 from worker.engine.systems.closed_loop.assemble import Loop

@@ -21,7 +21,7 @@ from campaigns.results.verdict import VerdictWord
 from clearance.cli._ended import EndedRun, code, exit_sentence
 from clearance.cli._junit import junit
 from clearance.cli._markdown import markdown
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit import evidence as given
 from tests.unit.cases import campaign, document
 from worker.evidence.verdicts.regression import regression

@@ -17,6 +17,7 @@ from campaigns.results.verdicts import described
 from tests.unit.cases import campaign
 from tests.unit.evidence import WORST, case, concluded, encountered, finding, search, validation
 from worker.engine.stages.parts.claims import bound as reference
+from worker.running.catalogue.installed import catalogue
 
 DIRECT = {"method": "direct", "evaluations": 1000}
 SIMULATED = {
@@ -35,7 +36,7 @@ def failing(code: str, **values: float) -> Check:
 
 def ran(asked: Campaign, *results: SearchResult, statistics: Statistics | None = None) -> Ran:
     found = results or tuple(search("direct") for _ in asked.stages.search)
-    return Ran(asked, found, statistics)
+    return Ran(asked, found, statistics, catalogue().methods)
 
 
 def searching(*searches: dict[str, Any], **changes: Any) -> Campaign:
@@ -180,7 +181,7 @@ def test_the_checks_of_a_real_verdict_carry_them() -> None:
     wrong = validation(encounter=late, ok=False, nominal=case("nominal", 0.94, confirmed=False))
     stated = concluded(validation=wrong, searches=[search("direct"), search("sqp", WORST)], finding=finding())
     assert stated.verdict is VerdictWord.INCONCLUSIVE
-    results = Ran(asked, [search("direct") for _ in asked.stages.search], stated.statistics)
+    results = Ran(asked, [search("direct") for _ in asked.stages.search], stated.statistics, catalogue().methods)
     found = {check.name: check.remedies for check in described(stated.checks, 0, results)}
     assert only(found["validation"]).kind == "step"
     assert only(found["closest approach"]).kind == "horizon"

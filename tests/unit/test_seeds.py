@@ -12,8 +12,8 @@ from campaigns.asked.spec import MAX_SEED
 from campaigns.results import CertifyResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.draws import of_draws
+from clearance.testing.problems import Problem
 from tests.audited import audited
-from tests.problems import Problem
 from tests.unit.cases import searching
 from worker.engine.stages.parts import offered, seeds
 from worker.engine.stages.parts.base import Context

@@ -12,7 +12,7 @@ from campaigns.results import SensitivityResult
 from campaigns.results.base import OK
 from campaigns.results.sensitivity import MorrisStudy, SobolStudy
 from campaigns.stages.plan import plan
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.sampled import asked, context, evaluate
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages import sensitivity

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
+from clearance.testing.searching import run, space
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import run, space
 from worker.engine.search.base import Floats
 from worker.engine.search.methods import sqp
 

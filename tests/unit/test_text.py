@@ -15,7 +15,7 @@ import pytest
 
 from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.assembled import check, parts, vector
 from worker.engine.kernels import maths
 from worker.engine.reference import compiled

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.unit.searching import Function, run, space
+from clearance.testing.searching import Function, run, space
 from worker.engine.search.base import Floats, Method
 from worker.engine.search.methods import lq_cma_es, turbo
 from worker.engine.search.methods.turbo import Region, candidates, hypercube, lowest_of, method

@@ -10,7 +10,7 @@ from campaigns.results import CertifyResult
 from campaigns.results.base import Stop
 from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost
 from campaigns.results.validate import Spread, Unseen, Violations
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from tests.unit.cases import campaign
 from tests.unit.evidence import (
     NOMINAL,

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
-from backend.catalog.colours import METHODS, METHODS_DARK
-from campaigns.looks import Colour, MethodLook
+from campaigns.looks import MethodLook
 
 Rgb = tuple[int, int, int]
 
@@ -35,7 +33,9 @@ def linear(colour: Rgb) -> Rgb:
 
 @dataclass(frozen=True)
 class Palette:
-    """One theme: colours of flights by role, of methods by their token in the catalogue."""
+    """One theme: colours of flights by role, of methods as they declare them."""
+
+    dark: bool
 
     background: str
     grid: str
@@ -49,14 +49,16 @@ class Palette:
     goal: str
     relative: str
     sampled: str
-    methods: Mapping[Colour, str]
 
     def method(self, look: MethodLook | None) -> str:
         """The fixed colour of a search method; grey for one that declares none."""
-        return self.nominal if look is None else self.methods[look.colour]
+        if look is None:
+            return self.nominal
+        return look.dark if self.dark else look.colour
 
 
 LIGHT = Palette(
+    dark=False,
     background="#eef1f4",
     grid="#dce1e7",
     section="#c3ccd6",
@@ -69,9 +71,9 @@ LIGHT = Palette(
     goal="#009e73",
     relative="#aa3377",
     sampled="#b4bdc8",
-    methods=METHODS,
 )
 DARK = Palette(
+    dark=True,
     background="#10151a",
     grid="#1f2831",
     section="#2f3b47",
@@ -84,5 +86,4 @@ DARK = Palette(
     goal="#17b88a",
     relative="#e07fb5",
     sampled="#4a5866",
-    methods=METHODS_DARK,
 )

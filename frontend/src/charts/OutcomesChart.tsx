@@ -41,7 +41,7 @@ export function OutcomesChart({ points, axis, sync, name }: OutcomesChartProps) 
         {bounds && (
           <>
             <span className={styles.key}>
-              <i className={styles.dot} style={{ background: 'var(--m-direct)' }} /> {boundName(points)}
+              <i className={styles.dot} style={{ background: 'var(--c-bound)' }} /> {boundName(points)}
             </span>
             <span className={styles.key}>
               <i className={styles.dot} style={{ background: 'var(--c-nom)' }} /> Observed fraction

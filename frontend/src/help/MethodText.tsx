@@ -27,7 +27,10 @@ export function MethodText({ method }: { method: MethodEntry }) {
         <dt>Source</dt>
         <dd>{method.source}</dd>
         <dt>Default budget</dt>
-        <dd>{count(method.evaluations)} evaluations</dd>
+        <dd>
+          {count(method.evaluations)} evaluations{method.whole_budget ? ', all of them used' : ', fewer if its own rule ends it'}
+        </dd>
+        {FACTS.map(([field, title]) => method[field] && <Fact key={field} title={title} text={method[field]} />)}
         {method.starts && (
           <>
             <dt>Starts</dt>
@@ -58,6 +61,22 @@ export function MethodText({ method }: { method: MethodEntry }) {
           </table>
         </details>
       )}
+    </>
+  )
+}
+
+/** What a method may state in a few words. */
+const FACTS = [
+  ['suits', 'For'],
+  ['family', 'Family'],
+  ['parallel', 'Points at a time'],
+] as const
+
+function Fact({ title, text }: { title: string; text: string }) {
+  return (
+    <>
+      <dt>{title}</dt>
+      <dd>{text}</dd>
     </>
   )
 }

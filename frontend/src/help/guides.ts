@@ -18,9 +18,9 @@ export const GUIDES = [
   { name: 'architecture', title: 'Architecture' },
 ] as const
 
-/** A guide's text without its title, with links between guides as addresses of these pages. */
+/** A guide's text without its title and comments, with links between guides as addresses of these pages. */
 export function shown(text: string): string {
-  return text.replace(/^# .*\n/, '').replace(/\]\(([\w-]+)\.md(#[\w-]+)?\)/g, '](/help/guides/$1$2)')
+  return text.replace(/^# .*\n/, '').replaceAll(/<!--.*-->\n/g, '').replace(/\]\(([\w-]+)\.md(#[\w-]+)?\)/g, '](/help/guides/$1$2)')
 }
 
 /** Splits a text at its images; an image is its alternative text and file name. */

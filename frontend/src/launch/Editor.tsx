@@ -220,7 +220,7 @@ export function Editor(props: EditorProps) {
                 live={live}
               />
             )}
-            {draft.readable && <Estimate checked={draft.checked} campaign={draft.campaign} />}
+            {draft.readable && <Estimate checked={draft.checked} campaign={draft.campaign} catalogue={catalogue} />}
             <DraftBar
               saved={saved}
               dirty={said !== seen}

@@ -2,7 +2,7 @@
 import { TagsInput } from '@mantine/core'
 import { Fragment } from 'react'
 import type { Campaign, Raw } from '../api/campaign'
-import type { Checked, ComponentEntry, ResultEntry } from '../client'
+import type { Catalogue, Checked, ComponentEntry, ResultEntry } from '../client'
 import { count, thinned, NONE, percent } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
@@ -79,10 +79,11 @@ export function RunCard({ name, tags, campaign, readable, criterion, regression,
 interface EstimateProps {
   checked: Checked | undefined
   campaign: Campaign
+  catalogue: Catalogue
 }
 
-export function Estimate({ checked, campaign }: EstimateProps) {
-  const samples = samplesOf(campaign)
+export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
+  const samples = samplesOf(campaign, catalogue)
   const unbounded = Object.values(campaign.uncertain).some((u) => u.distribution?.kind === 'normal')
   const confidence = numberOf(campaign.confidence) ?? 0.95
   const target = numberOf(campaign.target_probability)
@@ -125,12 +126,13 @@ export function Estimate({ checked, campaign }: EstimateProps) {
   )
 }
 
-/** The size of the sample for the statistical statement: that of certify, else of Monte Carlo. */
-function samplesOf({ stages }: Campaign): number | null {
+/** The size of the sample for the statistical statement: that of certify, else of a random search. */
+function samplesOf({ stages }: Campaign, { methods }: Catalogue): number | null {
   if (stages.certify) return numberOf(stages.certify.samples ?? 3000)
+  const random = new Set(methods.filter(({ kind }) => kind === 'random').map(({ name }) => name))
   const plain = stages.search.find(
     ({ method, options }) =>
-      method === 'monte_carlo' && (options?.sampling ?? 'plain') === 'plain' && !numberOf(options?.interval as Raw),
+      random.has(method) && (options?.sampling ?? 'plain') === 'plain' && !numberOf(options?.interval as Raw),
   )
   return numberOf(plain?.evaluations)
 }

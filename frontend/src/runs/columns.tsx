@@ -8,8 +8,7 @@ import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import { amount, Margin, Removal, Tags, Time } from './cells'
-import type { ColumnKey } from './columnKeys'
-import type { SortKey } from './search'
+import { COLUMN_KEYS, type ColumnKey, DECLARED, type SortKey } from './columnKeys'
 import { Spark } from './Spark'
 import layout from '../ui/layout.module.css'
 
@@ -49,47 +48,18 @@ export interface Column {
 }
 
 const unitOf = ({ unit }: Common): string => unit ?? ''
-const named = (text: string) => () => text
-export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
-  {
-    key: 'verdict',
-    name: 'Verdict',
-    head: named('Verdict'),
-    width: 130,
-    sort: 'verdict',
-    cell: (run) => <VerdictBadge outcome={outcomeOf(run)} />,
-  },
-  {
-    key: 'worst',
-    name: 'Worst value',
+
+/** The cells that need more than one field, and the headers that name the criterion or its unit. */
+const CELLS: Partial<Record<ColumnKey, Pick<Column, 'cell' | 'under'> & { head?: Column['head'] }>> = {
+  verdict: { cell: (run) => <VerdictBadge outcome={outcomeOf(run)} /> },
+  worst: {
     head: ({ quantity }) => <>Worst {quantity ? <Sign text={quantity} /> : 'value'}</>,
     under: unitOf,
-    width: 80,
-    sort: 'worst',
-    num: true,
-    result: true,
     cell: (run, context) => <span className="m">{amount(run.worst_cost, run, context)}</span>,
   },
-  {
-    key: 'nominal',
-    name: 'Nominal value',
-    head: named('Nominal'),
+  nominal: { under: unitOf, cell: (run, context) => <span className="sec">{amount(run.nominal_cost, run, context)}</span> },
+  criterion: {
     under: unitOf,
-    width: 84,
-    sort: 'nominal',
-    num: true,
-    result: true,
-    cell: (run, context) => <span className="sec">{amount(run.nominal_cost, run, context)}</span>,
-  },
-  {
-    key: 'criterion',
-    name: 'Criterion',
-    head: named('Criterion'),
-    under: unitOf,
-    width: 70,
-    sort: 'criterion',
-    num: true,
-    result: true,
     cell: (run, { units }) => (
       <span className="sec">
         {run.threshold ?? NONE}
@@ -97,37 +67,12 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
       </span>
     ),
   },
-  {
-    key: 'margin',
-    name: 'Margin',
-    head: named('Margin'),
-    under: unitOf,
-    width: 136,
-    inset: 67,
-    sort: 'margin',
-    num: true,
-    result: true,
-    cell: (run, context) => <Margin run={run} context={context} />,
-  },
-  {
-    key: 'method',
-    name: 'Found by',
-    head: named('Found by'),
-    width: 100,
-    sort: 'method',
-    result: true,
+  margin: { under: unitOf, cell: (run, context) => <Margin run={run} context={context} /> },
+  method: {
     cell: (run) =>
       run.worst_method ? <MethodName method={run.worst_method} short /> : <span className="mut">{NONE}</span>,
   },
-  {
-    key: 'bound',
-    name: 'P(violation) bound',
-    head: named('P(violation)'),
-    under: named('upper bound'),
-    width: 92,
-    sort: 'bound',
-    num: true,
-    result: true,
+  bound: {
     cell: (run) =>
       run.upper_bound === null ? (
         <span className="mut">not sampled</span>
@@ -135,49 +80,15 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
         <span className="sec">≤ {percent(run.upper_bound)}</span>
       ),
   },
-  {
-    key: 'evaluations',
-    name: 'Evaluations',
-    head: named('Evaluations'),
-    width: 92,
-    sort: 'evaluations',
-    down: true,
-    num: true,
-    result: true,
+  evaluations: {
     cell: (run) => (
       <span className="sec" title={withoutValue(run)}>
         {count(run.evaluations)}
       </span>
     ),
   },
-  {
-    key: 'failed',
-    name: 'Failed evaluations',
-    head: named('Failed'),
-    under: named('evaluations'),
-    width: 84,
-    sort: 'failed',
-    down: true,
-    num: true,
-    result: true,
-    cell: (run) => <span className={run.failed_evaluations ? 'b' : 'sec'}>{count(run.failed_evaluations)}</span>,
-  },
-  {
-    key: 'excluded',
-    name: 'Excluded evaluations',
-    head: named('Excluded'),
-    under: named('evaluations'),
-    width: 84,
-    num: true,
-    result: true,
-    cell: (run) => <span className={run.excluded_evaluations ? 'b' : 'sec'}>{count(run.excluded_evaluations)}</span>,
-  },
-  {
-    key: 'course',
-    name: 'Best so far',
+  course: {
     head: ({ quantity }) => <>Best {quantity ? <Sign text={quantity} /> : 'value'} so far</>,
-    under: named('evaluations, log'),
-    width: 116,
     cell: (run) => (
       <Spark
         course={run.best_so_far}
@@ -187,80 +98,43 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
       />
     ),
   },
-  {
-    key: 'campaign',
-    name: 'Campaign',
-    head: named('Campaign'),
-    width: 190,
-    sort: 'campaign',
-    cell: (run) => <span className={clsx(layout.cut, 'sec')}>{run.campaign_name}</span>,
-  },
-  {
-    key: 'tags',
-    name: 'Tags',
-    head: named('Tags'),
-    width: 176,
-    sort: 'tags',
-    cell: (run, { onTag, onLabel }) => <Tags run={run} onTag={onTag} onLabel={onLabel} />,
-  },
-  {
-    key: 'duration',
-    name: 'Duration',
-    head: named('Duration'),
-    width: 80,
-    sort: 'duration',
-    down: true,
-    num: true,
+  tags: { cell: (run, { onTag, onLabel }) => <Tags run={run} onTag={onTag} onLabel={onLabel} /> },
+  duration: {
     cell: (run, { now }) => (
       <span className="sec">{run.started ? duration((run.finished ?? now) - run.started) : NONE}</span>
     ),
   },
-  {
-    key: 'submitted',
-    name: 'Submitted',
-    head: named('Submitted'),
-    width: 94,
-    sort: 'created',
-    down: true,
-    cell: (run, { now }) => <span className="sec nw"><Time at={run.created} now={now} /></span>,
-  },
-  {
-    key: 'started',
-    name: 'Started',
-    head: named('Started'),
-    width: 100,
-    sort: 'started',
-    down: true,
-    cell: (run, { now }) => <span className="sec nw"><Time at={run.started} now={now} /></span>,
-  },
-  {
-    key: 'finished',
-    name: 'Finished',
-    head: named('Finished'),
-    width: 100,
-    sort: 'finished',
-    down: true,
-    cell: (run, { now }) => <span className="sec nw"><Time at={run.finished} now={now} /></span>,
-  },
-  {
-    key: 'owner',
-    name: 'User',
-    head: named('User'),
-    width: 80,
-    sort: 'owner',
-    cell: (run) => (
-      <span className={clsx(layout.cut, 'sec')} title={run.owner}>
-        {run.owner}
+}
+
+/** The cell of one field, by its kind. */
+function plain(key: ColumnKey): Column['cell'] {
+  const { field, kind } = DECLARED[key]
+  return (run, { now }) => {
+    const value = field === undefined ? null : run[field]
+    if (kind === 'count') return <span className={value ? 'b' : 'sec'}>{count(Number(value))}</span>
+    if (kind === 'time') return <span className="sec nw"><Time at={value as number | null} now={now} /></span>
+    const text = typeof value === 'string' || typeof value === 'number' ? String(value) : NONE
+    return (
+      <span className={clsx(layout.cut, 'sec')} title={text}>
+        {text}
       </span>
-    ),
-  },
-]
+    )
+  }
+}
+
+export const COLUMNS: readonly (Column & { key: ColumnKey })[] = COLUMN_KEYS.map((key) => {
+  const { name, head = name, under, width, sort, down, num, inset, result } = DECLARED[key]
+  return {
+    key, name, width, sort, down, num, inset, result,
+    head: () => head, under: under === undefined ? undefined : () => under, cell: plain(key), ...CELLS[key],
+  }
+})
 
 /** In the list of removed runs, always. */
 export const REMOVAL: Column = {
   key: 'removal',
   name: 'Removed',
-  head: named('Removed'),
+  head: () => 'Removed',
   width: 330,
   cell: (run, { now }) => <Removal run={run} now={now} />,
 }

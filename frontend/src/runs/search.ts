@@ -1,31 +1,11 @@
 // The state of the run list in the address. Start reading at `readSearch`.
 import type { RunFilter } from '../api/calls'
-import { COLUMN_KEYS, type ColumnKey } from './columnKeys'
+import { COLUMN_KEYS, type ColumnKey, type SortKey, SORTS } from './columnKeys'
 import { pairs, text, words } from '../format/query'
 
 export const SHOWS = ['cleared', 'violated', 'inconclusive', 'running', 'queued', 'failed', 'cancelled'] as const
 export type Show = (typeof SHOWS)[number]
 
-const SORTS = [
-  'created',
-  'started',
-  'finished',
-  'name',
-  'campaign',
-  'verdict',
-  'worst',
-  'nominal',
-  'criterion',
-  'margin',
-  'method',
-  'bound',
-  'evaluations',
-  'failed',
-  'duration',
-  'owner',
-  'tags',
-] as const
-export type SortKey = (typeof SORTS)[number]
 export type Sort = SortKey | `-${SortKey}`
 
 export const DAYS = [1, 7, 30] as const

@@ -2,7 +2,8 @@
 import { readFileSync } from 'node:fs'
 import { expect, it } from 'vitest'
 import type { Catalogue, MethodEntry } from '../client'
-import { learnMethods, METHODS, methodLook, OUTLINE } from './methods'
+import { learnMethods, METHODS, methodLook, OUTLINE, variables } from './methods'
+import shipped from './shipped.json'
 
 const CSS = readFileSync(new URL('../theme/tokens.css', import.meta.url), 'utf8')
 const [LIGHT = '', DARK = ''] = CSS.split(':root[data-theme="dark"]')
@@ -24,43 +25,49 @@ function contrast(a: string, b: string): number {
   return (high + 0.05) / (low + 0.05)
 }
 
-it('gives every method a shape and a colour of its own', () => {
-  expect(METHODS).toHaveLength(16)
+it('gives every method a shape and colours of its own', () => {
+  expect(METHODS.length).toBeGreaterThanOrEqual(16)
   for (const of of [(m: string) => methodLook(m).shape, (m: string) => methodLook(m).colour])
     expect(new Set(METHODS.map(of)).size).toBe(METHODS.length)
+  for (const theme of [0, 1]) expect(new Set(METHODS.map((m) => methodLook(m).colours?.[theme])).size).toBe(METHODS.length)
   expect(new Set(Object.values(OUTLINE)).size).toBe(Object.keys(OUTLINE).length)
 })
 
 it.each(METHODS)('shows %s at 3:1 on every ground of both themes', (method) => {
-  const { colour } = methodLook(method)
-  for (const theme of [LIGHT, DARK])
+  const { colours } = methodLook(method)
+  for (const [i, theme] of [LIGHT, DARK].entries())
     for (const ground of ['--surface', '--bg', '--sunken'])
-      expect(contrast(token(theme, colour), token(theme, ground))).toBeGreaterThanOrEqual(3)
+      expect(contrast(colours?.[i as 0 | 1] ?? '', token(theme, ground))).toBeGreaterThanOrEqual(3)
 })
 
-it('knows the names that campaigns use', () => {
-  const names = ['genetic', 'hybrid_direct', 'global_clustering', 'sqp_multistart', 'monte_carlo']
-  expect(names.map((name) => methodLook(name).shape)).toEqual(['circle', 'diamond', 'hexagon', 'triangle', 'cross'])
+it('declares the variable of every colour in both themes', () => {
+  const [light = '', dark = ''] = variables(METHODS.map(methodLook)).split(':root[data-theme="dark"]')
+  for (const { name, look } of shipped) {
+    expect(light).toContain(`--m-${name}: ${look.colour};`)
+    expect(dark).toContain(`--m-${name}: ${look.dark};`)
+  }
+})
+
+it('knows the names of earlier versions', () => {
+  const earlier = shipped.flatMap((method) => method.earlier.map((name) => [name, method.name] as const))
+  expect(earlier.length).toBeGreaterThan(0)
+  for (const [then, now] of earlier) expect(methodLook(then)).toEqual(methodLook(now))
   expect(methodLook('of_a_package')).toMatchObject({ shape: 'ring', title: 'Of a package' })
 })
 
 it('learns the methods of other packages from a catalogue', () => {
   const entry = (name: string, look?: MethodEntry['look']) => ({ name, title: name.toUpperCase(), look }) as MethodEntry
   const catalogue = (...methods: MethodEntry[]) => ({ version: '', components: [], methods }) as Catalogue
-  const guess = entry('guess', { colour: 'extra-2', marker: 'bow', short: 'G' })
+  const guess = entry('guess', { colour: '#2e8b3d', dark: '#6fcf7f', marker: 'bow', short: 'G' })
   const cma = methodLook('cma_es')
   learnMethods(catalogue(guess, entry('cma_es'), entry('plain')))
-  expect(methodLook('guess')).toEqual({ colour: '--m-extra-2', shape: 'bow', title: 'GUESS', short: 'G' })
+  expect(methodLook('guess')).toEqual({
+    colour: '--m-guess', colours: ['#2e8b3d', '#6fcf7f'], shape: 'bow', title: 'GUESS', short: 'G',
+  })
   expect(methodLook('cma_es')).toEqual(cma)
   expect(methodLook('plain')).toMatchObject({ colour: '--c-nom', shape: 'ring', title: 'PLAIN' })
-  learnMethods(catalogue(entry('guess', { colour: 'extra-1', marker: 'star', short: '' })), true)
-  expect(methodLook('guess').colour).toBe('--m-extra-2')
-  learnMethods(catalogue(entry('guess', { colour: 'extra-1', marker: 'star', short: '' })))
-  expect(methodLook('guess')).toMatchObject({ colour: '--m-extra-1', shape: 'star', short: 'GUESS' })
-})
-
-it.each(['extra-1', 'extra-2', 'extra-3'])('shows the colour %s at 3:1 on every ground of both themes', (name) => {
-  for (const theme of [LIGHT, DARK])
-    for (const ground of ['--surface', '--bg', '--sunken'])
-      expect(contrast(token(theme, `--m-${name}`), token(theme, ground))).toBeGreaterThanOrEqual(3)
+  learnMethods(catalogue(entry('guess', { colour: '#6b4f00', dark: '#b59a4d', marker: 'star', short: '' })), true)
+  expect(methodLook('guess').colours).toEqual(['#2e8b3d', '#6fcf7f'])
+  learnMethods(catalogue(entry('guess', { colour: '#6b4f00', dark: '#b59a4d', marker: 'star', short: '' })))
+  expect(methodLook('guess')).toMatchObject({ colours: ['#6b4f00', '#b59a4d'], shape: 'star', short: 'GUESS' })
 })

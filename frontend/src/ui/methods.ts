@@ -1,5 +1,5 @@
-// The fixed colour and marker of every search method, from the catalogue. Those of the shipped methods are built in; a
-// loaded catalogue adds those of other packages. Start reading at `methodLook`.
+// The colours and marker of every search method, from the catalogue. Those of the shipped methods are built in; a loaded
+// catalogue adds those of other packages. Each method has a CSS variable of its own. Start reading at `methodLook`.
 import { useSyncExternalStore } from 'react'
 import type { Catalogue, MethodEntry } from '../client'
 import shipped from './shipped.json'
@@ -9,18 +9,22 @@ export type Shape = NonNullable<MethodEntry['look']>['marker']
 export interface MethodLook {
   /** The CSS variable of the colour. */
   colour: string
+  /** Its values in both themes, light and dark; null for the grey of a stage that does not search. */
+  colours: readonly [string, string] | null
   shape: Shape
   title: string
   short: string
 }
 
 type Lookup = (name: string | null | undefined) => MethodLook
-type Declared = Pick<MethodEntry, 'name' | 'title' | 'look'>
+type Declared = Pick<MethodEntry, 'name' | 'title' | 'look'> & { earlier?: readonly string[] }
 
-const NO_LOOK = { colour: '--c-nom', shape: 'ring' } as const
+const NO_LOOK = { colour: '--c-nom', colours: null, shape: 'ring' } as const
 
-const lookOf = ({ title, look }: Declared): MethodLook => ({
-  ...(look ? { colour: `--m-${look.colour}`, shape: look.marker } : NO_LOOK),
+const lookOf = ({ name, title, look }: Declared): MethodLook => ({
+  ...(look
+    ? { colour: `--m-${name.replaceAll(/\W/g, '-')}`, colours: [look.colour, look.dark] as const, shape: look.marker }
+    : NO_LOOK),
   title,
   short: look?.short || title,
 })
@@ -30,19 +34,33 @@ const sentence = (name: string): string => {
   return words.charAt(0).toUpperCase() + words.slice(1)
 }
 
-/** Names of methods in earlier versions. */
-const EARLIER: Record<string, string> = { sqp_multistart: 'sqp' }
-
 const lookupIn =
   (known: ReadonlyMap<string, MethodLook>): Lookup =>
   (name) =>
-    known.get(EARLIER[name ?? ''] ?? name ?? '') ?? { ...NO_LOOK, title: sentence(name ?? ''), short: sentence(name ?? '') }
+    known.get(name ?? '') ?? { ...NO_LOOK, title: sentence(name ?? ''), short: sentence(name ?? '') }
 
-const byName = (methods: readonly Declared[]) => methods.map((method) => [method.name, lookOf(method)] as const)
+const byName = (methods: readonly Declared[]) =>
+  methods.flatMap((method) => [method.name, ...(method.earlier ?? [])].map((name) => [name, lookOf(method)] as const))
+
+/** The variables of all colours; a sheet of the document's own needs no inline style, which the policy forbids. */
+export function variables(looks: Iterable<MethodLook>): string {
+  const of = (theme: 0 | 1) =>
+    [...looks].map(({ colour, colours }) => (colours ? `${colour}: ${colours[theme]};` : '')).join(' ')
+  return `:root { ${of(0)} } :root[data-theme="dark"] { ${of(1)} }`
+}
+
+let sheet: CSSStyleSheet | null = null
+
+function paint(): void {
+  if (typeof document === 'undefined' || !('adoptedStyleSheets' in document)) return
+  if (!sheet) document.adoptedStyleSheets = [...document.adoptedStyleSheets, (sheet = new CSSStyleSheet())]
+  sheet.replaceSync(variables(known.values()))
+}
 
 const SHIPPED = shipped as readonly Declared[]
 let known: ReadonlyMap<string, MethodLook> = new Map(byName(SHIPPED))
 let lookup = lookupIn(known)
+paint()
 const listeners = new Set<() => void>()
 
 /**
@@ -55,6 +73,7 @@ export function learnMethods(catalogue: Catalogue, kept = false): Catalogue {
   if (news.some(([name, look]) => JSON.stringify(before.get(name)) !== JSON.stringify(look))) {
     known = new Map([...known, ...news])
     lookup = lookupIn(known)
+    paint()
     listeners.forEach((listener) => listener())
   }
   return catalogue

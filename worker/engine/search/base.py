@@ -6,13 +6,14 @@ Start reading at `Method`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
-from dataclasses import dataclass, is_dataclass
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass, field, is_dataclass
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.effort import Descents, Iterations, Situation
 from campaigns.results.base import OK
 
 Floats = NDArray[np.float64]
@@ -128,11 +129,15 @@ class Boxes(Protocol):
 
 @dataclass(frozen=True)
 class MethodLook:
-    """Its colour token, its marker and its name in narrow tables: see `campaigns.looks.MethodLook`."""
+    """Its colour #rrggbb, its marker, its name in narrow tables, and its colour in the dark theme if that differs.
+
+    See `campaigns.looks.MethodLook`, which also has named pairs of colours.
+    """
 
     colour: str
     marker: str
     short: str = ""
+    dark: str = ""
 
 
 @dataclass(frozen=True)
@@ -148,9 +153,15 @@ class Method:
     `compiles`: it compiles parts of itself when it first runs; the driver does this before it measures time.
     `costly`: it takes milliseconds of its own per evaluation, for evaluations that take longer; tests and benchmarks
     give it smaller budgets.
-    `look`: its colour and marker in charts; grey with a ring without one.
+    `family`: the principle by which it searches; methods of one family do not confirm each other.
+    `whole_budget`: it uses its whole budget; others may end by their own rule, after their `effort` if it is known.
+    `parallel`, `at_once`: how many points it requests at a time, in a few words; the option that states this number.
+    `suits`: what it is for, in a few words.
+    `proposed`: its rank among the methods that are proposed, by situation.
     `sampling`: of a random method, what so many points with these options support at a confidence.
     `divide`: of a method that divides the cube, its rectangles, and the search with these options that fills them.
+    `earlier`: its names in earlier versions.
+    `look`: its colours and marker in charts; grey with a ring without one.
     """
 
     name: str
@@ -166,6 +177,14 @@ class Method:
     extend: Callable[[Any, int], Any] | None = None
     compiles: bool = False
     costly: bool = False
+    family: str = ""
+    whole_budget: bool = False
+    effort: Iterations | Descents | None = None
+    parallel: str = ""
+    at_once: str = ""
+    suits: str = ""
+    proposed: Mapping[Situation, int] = field(default_factory=dict, hash=False)
+    earlier: tuple[str, ...] = ()
     look: MethodLook | None = None
     sampling: Callable[[Any, int, float], Sampling] = lambda options, drawn, confidence: Sampling()
     divide: Callable[[int, Any], tuple[Boxes, Search]] | None = None

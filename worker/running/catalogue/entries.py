@@ -112,6 +112,13 @@ def method_entry(method: Method, module: ModuleType) -> MethodEntry:
         source=method.source,
         evaluations=method.evaluations,
         starts=method.starts,
+        family=method.family,
+        whole_budget=method.whole_budget,
+        effort=method.effort,
+        parallel=method.parallel,
+        at_once=method.at_once,
+        suits=method.suits,
+        proposed=dict(method.proposed),
         options=_schema(method.options),
         look=None if method.look is None else MethodLook.model_validate(asdict(method.look)),
     )

@@ -87,5 +87,10 @@ method = Method(
     options=Options,
     search=search,
     extend=lambda options, more: options,
-    look=MethodLook(colour="cma", marker="pentagon"),
+    family="normal distribution",
+    whole_budget=True,
+    parallel="a generation",
+    suits="curved valleys, some thousand evaluations",
+    proposed={"cheap": 2},
+    look=MethodLook(colour="#007a6c", dark="#46c9b8", marker="pentagon"),
 )

@@ -205,5 +205,9 @@ method = Method(
     options=Options,
     search=search,
     compiles=True,
-    look=MethodLook(colour="racing", marker="star", short="Racing"),
+    family="racing of descents",
+    whole_budget=True,
+    parallel="a round of the race",
+    suits="several valleys, cheap evaluations",
+    look=MethodLook(colour="#5a2fe0", dark="#a07cff", marker="star", short="Racing"),
 )

@@ -104,5 +104,8 @@ method = Method(
     options=Options,
     search=search,
     extend=lambda options, more: replace(options, restarts=1_000_000),
-    look=MethodLook(colour="de", marker="down", short="DE"),
+    family="population",
+    parallel="a generation",
+    suits="rough criteria with many evaluations",
+    look=MethodLook(colour="#8379ea", dark="#7470e6", marker="down", short="DE"),
 )

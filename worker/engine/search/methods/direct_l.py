@@ -31,6 +31,10 @@ method = Method(
     options=Options,
     search=search,
     extend=extend,
-    look=MethodLook(colour="direct-l", marker="box"),
+    family="division of the box",
+    whole_budget=True,
+    parallel="an iteration",
+    suits="few valleys, few parameters",
     divide=divide,
+    look=MethodLook(colour="#003e6b", dark="#6f8fb4", marker="box"),
 )

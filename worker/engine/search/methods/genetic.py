@@ -188,5 +188,9 @@ method = Method(
     repeats=True,
     starts=True,
     extend=extend,
-    look=MethodLook(colour="ga", marker="circle", short="GA"),
+    family="population",
+    parallel="a generation",
+    suits="criteria with jumps",
+    proposed={"cheap": 3},
+    look=MethodLook(colour="#b97c00", dark="#e69f00", marker="circle", short="GA"),
 )

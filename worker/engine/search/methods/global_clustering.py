@@ -240,5 +240,8 @@ method = Method(
     options=Options,
     search=search,
     repeats=True,
-    look=MethodLook(colour="global", marker="hexagon"),
+    family="multistart",
+    parallel="every local search on its own",
+    suits="a list of all valleys",
+    look=MethodLook(colour="#857c00", dark="#d8cd3c", marker="hexagon"),
 )

@@ -87,5 +87,8 @@ method = Method(
     options=Options,
     search=search,
     repeats=True,
-    look=MethodLook(colour="hybrid", marker="diamond", short="H-DIRECT"),
+    family="division of the box",
+    parallel="an iteration, then every descent on its own",
+    suits="DIRECT's best, refined",
+    look=MethodLook(colour="#2b8fcb", dark="#8ccbf2", marker="diamond", short="H-DIRECT"),
 )

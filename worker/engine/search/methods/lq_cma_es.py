@@ -265,5 +265,11 @@ method = Method(
     repeats=True,
     costly=True,
     extend=lambda options, more: options,
-    look=MethodLook(colour="lq", marker="left"),
+    family="normal distribution",
+    whole_budget=True,
+    parallel="as stated",
+    at_once="at_once",
+    suits="evaluations of 20 ms and more, smooth criteria",
+    proposed={"costly": 1},
+    look=MethodLook(colour="#11523f", dark="#b4efdc", marker="left"),
 )

@@ -62,5 +62,9 @@ method = Method(
     options=Options,
     search=search,
     extend=lambda options, more: options,
-    look=MethodLook(colour="mlsl", marker="right"),
+    family="multistart",
+    whole_budget=True,
+    parallel="one point",
+    suits="smooth criteria in one slot",
+    look=MethodLook(colour="#9a5a44", dark="#c98d78", marker="right"),
 )

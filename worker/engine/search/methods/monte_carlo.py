@@ -153,6 +153,10 @@ method = Method(
     options=Options,
     search=search,
     extend=extend,
-    look=MethodLook(colour="mc", marker="cross", short="MC"),
+    family="sampling",
+    whole_budget=True,
+    parallel="any number",
+    suits="a bound on P(violation)",
+    look=MethodLook(colour="#4a5563", dark="#c3ccd6", marker="cross", short="MC"),
     sampling=sampling,
 )

@@ -67,5 +67,9 @@ method = Method(
     evaluations=2000,
     options=Options,
     search=search,
-    look=MethodLook(colour="nlopt", marker="plus"),
+    family="library",
+    whole_budget=True,
+    parallel="one point",
+    suits="comparison with published results",
+    look=MethodLook(colour="#5d7d1f", dark="#9fd15f", marker="plus"),
 )

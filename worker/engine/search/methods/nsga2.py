@@ -99,5 +99,9 @@ method = Method(
     search=search,
     starts=True,
     extend=extend,
-    look=MethodLook(colour="nsga2", marker="bow"),
+    family="population",
+    whole_budget=True,
+    parallel="a generation",
+    suits="the trade-off between criteria",
+    look=MethodLook(colour="#9c1257", dark="#e8589b", marker="bow"),
 )

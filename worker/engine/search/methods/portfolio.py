@@ -263,5 +263,9 @@ method = Method(
     compiles=True,
     repeats=True,
     extend=lambda options, more: options,
-    look=MethodLook(colour="portfolio", marker="asterisk"),
+    family="portfolio",
+    whole_budget=True,
+    parallel="every member on its own",
+    suits="a criterion of which nothing is known",
+    look=MethodLook(colour="#1b2733", dark="#f2f5f8", marker="asterisk"),
 )

@@ -14,6 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from campaigns.effort import Descents
 from worker.engine.search.base import (
     Ended,
     Floats,
@@ -85,5 +86,10 @@ method = Method(
     search=search,
     repeats=True,
     starts=True,
-    look=MethodLook(colour="sqp", marker="triangle", short="SQP"),
+    family="gradients",
+    effort=Descents("starts", usual=10, least=1, growth=5.5),  # at most 9 with two parameters, 83 with four
+    parallel="every descent on its own",
+    suits="smooth criteria with known starts",
+    earlier=("sqp_multistart",),
+    look=MethodLook(colour="#b8578c", dark="#d98db8", marker="triangle", short="SQP"),
 )

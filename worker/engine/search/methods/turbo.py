@@ -197,5 +197,11 @@ method = Method(
     repeats=True,
     costly=True,
     extend=lambda options, more: options,
-    look=MethodLook(colour="turbo", marker="hourglass"),
+    family="Gaussian process",
+    whole_budget=True,
+    parallel="as stated",
+    at_once="batch",
+    suits="evaluations of 20 ms and more, many valleys, up to a thousand",
+    proposed={"costly": 2, "alone": 1},
+    look=MethodLook(colour="#a4262c", dark="#f07a7a", marker="hourglass"),
 )

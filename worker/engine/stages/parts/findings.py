@@ -14,7 +14,6 @@ import numpy as np
 
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
-from campaigns.results.baseline import BaselineResult
 from campaigns.results.finding import Neighbours
 from worker.engine.search.base import Batch, Search, Space
 from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
@@ -135,13 +134,14 @@ def _search(context: Context, position: int, found: Found) -> Search:
 
 def gather(context: Context, position: int) -> list[Candidate]:
     """The candidates of all stages before this one, the lowest first; the best of every stage is among them, and every
-    finding of a baseline."""
+    evaluation of a stage that is followed."""
     found: list[Candidate] = []
     best: list[Candidate] = []
     searched = context.searched
     for at, columns in seeds.stated(context, range(position)):
         ranked = _ranked(columns)
-        known = isinstance(context.results.get(at), BaselineResult)  # every finding of a baseline is followed
+        result = context.results.get(at)
+        known = result is not None and result.followed
         rows = np.flatnonzero(np.isfinite(ranked)) if known else promising(columns.points, ranked, EACH)
         mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at) for i in map(int, rows)]
         best += mine if known else mine[:1]

@@ -10,8 +10,6 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from campaigns.results import CertifyResult
-from campaigns.results.baseline import BaselineResult
 from campaigns.results.draws import of_draws
 from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.store import Columns
@@ -31,9 +29,9 @@ def drawn(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns
 
 
 def _seeds(context: Context, position: int, drawn: int) -> Seeds:
-    """The seeds of a stage's first evaluations: those of the baseline's findings, or drawn."""
+    """The seeds of a stage's first evaluations: its own ones, or drawn."""
     result = context.results.get(position)
-    if isinstance(result, BaselineResult):
+    if result is not None and result.seeds is not None:
         return np.array(result.seeds, dtype=np.int64)
     return of_draws(context.campaign.seed, 0, drawn)
 
@@ -41,7 +39,7 @@ def _seeds(context: Context, position: int, drawn: int) -> Seeds:
 def _drawn(context: Context, position: int) -> int:
     """The number of a stage's first evaluations that drew their own realisation."""
     result = context.results.get(position)
-    return result.drawn_realisations if isinstance(result, BaselineResult | CertifyResult) else 0
+    return 0 if result is None else result.drawn
 
 
 def _rows(columns: Columns, first: int, last: int | None) -> Columns:

@@ -14,6 +14,7 @@ import sqlalchemy as sa
 
 from backend.db.digest import results_digest
 from backend.db.engine import read
+from backend.exports.format import Format, words
 from backend.exports.sheet import Sheet, sheet
 from backend.http.errors import RefusedError
 from backend.runs import service as runs
@@ -64,3 +65,13 @@ def _schema(found: Sheet) -> pa.Schema:
         meta = {"unit": unit} if unit else None
         fields.append(pa.field(name, kinds.get(name, pa.float64()), metadata=meta))
     return pa.schema(fields)
+
+
+export = Format(
+    file="evaluations.parquet",
+    order=3,
+    media_type="application/vnd.apache.parquet",
+    words=words("Evaluations, Parquet", "The same as numbers with units, for pandas, Polars and DuckDB"),
+    made=lambda engine, run_id: evaluations_parquet(engine, run_id),
+    missing=lambda: missing(),
+)

@@ -9,16 +9,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from campaigns.catalogue import ComponentEntry, ParameterEntry
-from tests.problems import Problem
+from clearance.testing.problems import Problem
 from worker.engine.kernels.component import Avoider, Component, Controller, Criterion, Vehicle
 from worker.engine.systems.base import Floats
-from worker.running.catalogue.installed import catalogue, components
+from worker.running.catalogue.installed import catalogue, components, methods
 
 HORIZON, STEP = 0.32, 0.005
 """[s]"""
+
+NOT_INSTALLED = "install the package that declares it, so that its entry point is found"
 
 FEW = 2
 """Lanes of the scenes that several components share."""
@@ -33,7 +34,7 @@ ONE = {
 def entry(component: Component) -> ComponentEntry:
     """How the catalogue describes it."""
     found = catalogue().component(component.role, component.name)
-    assert found is not None
+    assert found is not None, f"the {component.role} {component.name!r} is not installed: {NOT_INSTALLED}"
     return found
 
 
@@ -51,7 +52,7 @@ def scene(*chosen: Component) -> Scene:
     """
     decides = [c for c in chosen if not _beside(c)]
     vehicle = next((c for c in chosen if isinstance(c, Vehicle)), None) or _vehicle(chosen)
-    controller = next((c for c in chosen if isinstance(c, Controller)), None) or _controller(vehicle)
+    controller = next((c for c in chosen if isinstance(c, Controller)), None) or controller_for(vehicle)
     several = {role: [c for c in decides if c.role == role] for role in (*ONE, "obstacle", "environment", "fault")}
     several |= {"vehicle": [vehicle], "controller": [controller]}
     for role in ("avoider", "obstacle", "criterion"):
@@ -78,7 +79,7 @@ def scene(*chosen: Component) -> Scene:
         "uncertain": {path: {"low": value - 1, "high": value + 1}},
         "criterion": _criterion(criterion),
         "objectives": [_part(c) for c in beside],
-        "stages": {"search": [{"method": "direct", "evaluations": 1}]},
+        "stages": {"search": [{"method": next(iter(methods())), "evaluations": 1}]},
     }
     lists = {"obstacle": "obstacles", "environment": "environment", "fault": "faults"}
     places = {id(c): f"{lists[role]}.{k}." for role in lists for k, c in enumerate(several[role])}
@@ -89,49 +90,6 @@ def scene(*chosen: Component) -> Scene:
 def around(component: Component) -> dict[str, Any]:
     """A campaign that simulates this component with the first others that fit."""
     return scene(component).document
-
-
-@cache
-def published() -> frozenset[str]:
-    """The avoiders of the library's campaigns: tests of the cases compile them and compare published values; of those
-    that avoid nothing, ORCA and the right of way, tests/physics/test_avoiders.py compiles the kernels alone."""
-    return frozenset(load_file(path).given_scenario.avoider.component for path in library().values())
-
-
-def together() -> list[tuple[Component, ...]]:
-    """Every component in few scenes, except that of the avoiders in `published` only some are needed.
-
-    A scene has one avoider; all other components are dealt to the scenes in turn.
-    """
-    found: list[tuple[Component, ...]] = []
-    for dimension in (2, 3):
-        pairs = _covering([v for v in _of("vehicle") if v.dimension == dimension])
-        avoiders = [a for a in _of("avoider") if entry(a).dimension == dimension]
-        avoiders.sort(key=lambda a: a.name in published())
-        needed = max(len(pairs), sum(a.name not in published() for a in avoiders))
-        hands: list[list[Component]] = [[a] for a in avoiders[:needed]]
-        for k, hand in enumerate(hands):
-            hand.extend(pairs[k % len(pairs)])
-        # Components with both dimensions are tested in the plane, where loops compile in half the time.
-        rest = {role: _of(role) for role in ("obstacle", "environment", "fault", "criterion")}
-        for role, cards in rest.items():
-            fit = [c for c in cards if (entry(c).dimension or 2) == dimension]
-            first = len(hands) // 2 if role == "criterion" else 0
-            for k, card in enumerate(fit):
-                hands[(first + k) % len(hands)].append(card)
-        found += map(tuple, hands)
-    return found
-
-
-def _covering(vehicles: list[Vehicle]) -> list[tuple[Vehicle, Controller]]:
-    """Vehicles with controllers that fit, each of both at least once; all pairs: tests/contract/test_pairs.py."""
-    found: list[tuple[Vehicle, Controller]] = []
-    left = [c for c in _of("controller") if any(v.name in c.fits for v in vehicles)]
-    for vehicle in vehicles:
-        fits = [c for c in left if vehicle.name in c.fits] or [_controller(vehicle)]
-        found.append((vehicle, fits[0]))
-        left = [c for c in left if c is not fits[0]]
-    return found + [(next(v for v in vehicles if v.name in c.fits), c) for c in left]
 
 
 def problem(*chosen: Component, compiled: bool = True) -> Problem:
@@ -213,7 +171,7 @@ def _values(entries: list[ParameterEntry], otherwise: float) -> dict[str, float]
     return {p.name: float(np.clip(otherwise, p.low, p.high)) for p in entries if p.default is None}
 
 
-def _of(role: str) -> list[Any]:
+def of_role(role: str) -> list[Any]:
     return [c for (r, _), c in components().items() if r == role]
 
 
@@ -222,24 +180,27 @@ def _vehicle(components: Sequence[Component]) -> Vehicle:
     dimensions = {entry(c).dimension for c in components} - {None}
     demand = next((c.demand for c in components if isinstance(c, Avoider)), None)
     # The one with the fewest states: its loop is compiled in a fraction of the time of an aircraft's.
-    return next(
+    found: Vehicle = next(
         v
-        for v in sorted(_of("vehicle"), key=lambda v: len(v.states))
+        for v in sorted(of_role("vehicle"), key=lambda v: len(v.states))
         if dimensions <= {v.dimension}
         and all(v.name in names for names in fits)
-        and any(v.name in c.fits and demand in (None, *c.command) for c in _of("controller"))
+        and any(v.name in c.fits and demand in (None, *c.command) for c in of_role("controller"))
     )
+    return found
 
 
-def _controller(vehicle: Vehicle) -> Controller:
-    return next(c for c in _of("controller") if vehicle.name in c.fits)
+def controller_for(vehicle: Vehicle) -> Controller:
+    found: Controller = next(c for c in of_role("controller") if vehicle.name in c.fits)
+    return found
 
 
 def _first(role: str, vehicle: Vehicle, controller: Controller) -> Component:
-    return next(
+    found: Component = next(
         c
-        for c in _of(role)
+        for c in of_role(role)
         if entry(c).dimension in (None, vehicle.dimension)
         and (role != "criterion" or c.worse == "low")
         and (role != "avoider" or c.demand in controller.command)
     )
+    return found

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sqlalchemy as sa
 
+from backend.exports.format import Format, whole, words
 from backend.exports.messages import SCHEMAS, VALUES, entity, pose, stamped
 from backend.http.errors import RefusedError
 from backend.results import service as results
@@ -143,3 +144,18 @@ def _radius(head: TraceHead, number: int) -> float:
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
+
+
+export = Format(
+    file="traces.mcap",
+    order=7,
+    media_type="application/x-mcap",
+    words=words(
+        "Flights, MCAP",
+        "Pose, trajectory, scene and separation for Foxglove",
+        ("Traces, MCAP", "Pose, trajectory and scene where declared, and all signals, for Foxglove"),
+    ),
+    made=lambda engine, run_id: whole(engine, run_id, traces_mcap),
+    needs="flights",
+    missing=lambda: missing(),
+)

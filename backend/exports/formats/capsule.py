@@ -1,21 +1,33 @@
-"""The capsule of a finding, from the stored run. Start reading at `content`."""
+"""A finding as one file: campaign, components, parameters, trajectories, versions, digests, and its view in 3D.
+
+`clearance replay FILE` evaluates it again without a service; `flight.html` in it opens offline. `{label}` is F1.
+Start reading at `content`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import sqlalchemy as sa
+from fastapi import Request
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import Response
 from numpy.typing import NDArray
 
 from backend.db import codes, continuation, snapshots, sources
 from backend.db.digest import results_digest
-from backend.http.errors import not_found
+from backend.db.engine import read
+from backend.exports import service
+from backend.exports.format import Format, Stored, Words
+from backend.http.deps import capacities
+from backend.http.errors import RefusedError, not_found
 from backend.results import service as results
 from backend.runs import service as runs
 from backend.runs.versions import readable
 from campaigns.capsules.capsule import Origin, Trajectory
-from campaigns.capsules.packing import Content
+from campaigns.capsules.packing import Content, packed
 from campaigns.results import NominalResult
 from campaigns.results.trace import TraceColumn, TraceHead
 from campaigns.runs import run_name
@@ -62,3 +74,45 @@ def _trajectories(reader: sa.Connection, run_id: int, label: str) -> Iterator[tu
             continue
         columns = [TraceColumn.model_validate(column) for column in row.columns]
         yield Trajectory(name=row.name, columns=columns, head=TraceHead.model_validate(row.meta)), results.table(row)
+
+
+def _words(stored: Stored) -> Words:
+    text = "Everything that evaluates it again without a service (clearance replay FILE), and its view in 3D"
+    return Words(f"Finding {stored.findings[0]}, capsule", text)
+
+
+async def _answer(request: Request, run: str, label: str, dark: bool) -> Response:
+    run_id = runs.number(run)
+
+    def looked() -> tuple[Content, dict[str, str]]:
+        with read(request.app.state.engine) as reader:
+            return content(reader, run_id, label), service.headers(reader, run_id, f"capsule-{label}.zip")
+
+    found, headers = await run_in_threadpool(looked)
+    if service.unchanged(request, headers):
+        return Response(status_code=304, headers=headers)
+    page = await _page_of(request, run_id, label)
+    files = capacities(request).files
+    made = await files.run(lambda: packed(replace(found, page=page)), request.is_disconnected)
+    return Response(made, headers=headers, media_type=export.media_type)
+
+
+async def _page_of(request: Request, run_id: int, finding: str) -> str:
+    """The recording of a finding; empty if nothing of it can be drawn."""
+    try:
+        recorded = await request.app.state.recordings.page(run_id, finding, gone=request.is_disconnected)
+    except RefusedError as error:
+        if error.status == 503:
+            raise
+        return ""
+    return "" if isinstance(recorded, str) else str(recorded.html)
+
+
+export = Format(
+    file="capsule-{label}.zip",
+    order=9,
+    media_type="application/zip",
+    words=_words,
+    answer=_answer,
+    offered=lambda stored: next(iter(stored.findings), None),
+)

@@ -1,0 +1,1 @@
+"""The formats of export files, one file each, discovered automatically. See `backend.exports.format`."""

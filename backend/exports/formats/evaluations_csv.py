@@ -1,0 +1,37 @@
+"""Every evaluation of every stage as CSV, written while it is sent; the column headers contain the units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import sqlalchemy as sa
+
+from backend.db.engine import read
+from backend.exports.format import Format, words
+from backend.exports.sheet import Sheet, sheet
+from backend.exports.written import lines
+from backend.runs import service as runs
+
+
+def evaluations_csv(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
+    """One row for each evaluation of every stage."""
+    with read(engine) as reader:
+        found = sheet(reader, run_id, runs.campaign(reader, run_id))
+    return _evaluations_csv(engine, found)
+
+
+def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
+    yield lines([["stage", "kind", "method", *found.columns]])
+    for stage in found.stages:
+        told = [stage.position, stage.kind, stage.method]
+        for block in found.rows(engine, stage):
+            yield lines([told + row for row in block])
+
+
+export = Format(
+    file="evaluations.csv",
+    order=2,
+    media_type="text/csv",
+    words=words("Evaluations, CSV", "One row for each evaluation of every stage, parameters in their units"),
+    streamed=lambda engine, run_id: evaluations_csv(engine, run_id),
+)

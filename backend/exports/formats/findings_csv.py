@@ -1,0 +1,67 @@
+"""The nominal case and every finding as CSV, one row each, with the values of all criteria."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import sqlalchemy as sa
+
+from backend.exports.format import Format, whole, words
+from backend.exports.sheet import headings, sheet
+from backend.exports.written import lines
+from backend.results import service as results
+from backend.runs import service as runs
+from campaigns.results import NominalResult
+from campaigns.results.base import Status
+
+
+def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
+    """One row for the nominal case and each finding, with every criterion's value, even without a stored flight.
+
+    The last column has the units of the columns whose headers have none: their names are as scripts know them.
+    """
+    asked = runs.detail(reader, run_id)
+    found = {finding.label: finding for finding in results.findings(reader, run_id)}
+    # A simulator's trace shows one call, which may differ from the stored evaluation.
+    flies = asked.campaign.get("scenario") is not None
+    flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)} if flies else {}
+    paths = list(asked.campaign["uncertain"])
+    heads = [f"{name} [{unit}]" if unit else name for name, unit in headings(asked.criteria)]
+    columns = ["margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths, "units"]
+    yield lines([["flight", *heads, *columns]])
+    parameters = sheet(reader, run_id, runs.campaign(reader, run_id)).parameters
+    units = "; ".join(f"{name} [{unit}]" for name, unit in [("margin", asked.unit), *parameters] if unit)
+    nominal = _nominal(reader, run_id)
+    for name in dict.fromkeys([*flights, *(["nominal"] if nominal.cost is not None else []), *found]):
+        head, finding = flights.get(name), found.get(name)
+        cost, of = (finding.cost, finding.parameters) if finding else (nominal.cost, nominal.parameters)
+        if head is not None:
+            cost, of = head.cost, finding.parameters if finding else head.parameters
+        values = head.values if head is not None and head.values else {asked.criteria[0].name: cost}
+        told = [values.get(criterion.name) for criterion in asked.criteria]
+        margin = None if told[0] is None or asked.threshold is None else told[0] - asked.threshold
+        by = " ".join(finding.methods) if finding else ""
+        ok = finding.validation.ok if finding and finding.validation else None
+        at = [head.closest.time, head.closest.speed] if head is not None and head.closest else [None, None]
+        yield lines([[name, *told, margin, *at, ok, by, *(of.get(p) for p in paths), units]])
+
+
+def _nominal(reader: sa.Connection, run_id: int) -> NominalResult:
+    """The result of the nominal stage; without a cost until the stage is done."""
+    first = next(iter(runs.stages(reader, run_id)), None)
+    found = None if first is None else first.result
+    return found if isinstance(found, NominalResult) else NominalResult(cost=None, margin=None, status=Status.FAILED)
+
+
+export = Format(
+    file="findings.csv",
+    order=4,
+    media_type="text/csv",
+    words=words(
+        "Findings, CSV",
+        "Nominal flight and every finding: all criteria, closest approach, parameters, validation",
+        ("Findings, CSV", "Nominal case and every finding: result, parameters, validation"),
+    ),
+    made=lambda engine, run_id: whole(engine, run_id, findings_csv),
+    needs="findings",
+)

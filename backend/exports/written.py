@@ -1,0 +1,23 @@
+"""Numbers and rows as text: at full precision (`repr`), so that they read back bit-identical. CSV: RFC 4180."""
+
+from __future__ import annotations
+
+import io
+import json
+from typing import Any
+
+from campaigns.cells import Writer
+
+
+def lines(rows: list[list[Any]]) -> bytes:
+    text = io.StringIO()
+    Writer(text).writerows(rows)
+    return text.getvalue().encode()
+
+
+def finite(value: float | None) -> float | None:
+    return value if value is not None and abs(value) != float("inf") and value == value else None
+
+
+def compact(value: Any) -> str:
+    return json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))

@@ -1,0 +1,12 @@
+"""The files that follow from the code are as `python -m tools.generated` writes them."""
+
+from __future__ import annotations
+
+import pytest
+
+from tools.generated import FILES, ROOT
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_it_is_up_to_date(name: str) -> None:
+    assert (ROOT / name).read_text(encoding="utf-8") == FILES[name](), "run `python -m tools.generated`"

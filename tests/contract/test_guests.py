@@ -1,0 +1,128 @@
+"""The contracts of `clearance.testing` in the tests of a package: a good guest passes them, a broken one fails."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from tests.simulators import package as simulators
+from tests.unit.packages import package
+
+UNIFORM = '''"""Uniform: independent uniform points.
+
+It guarantees nothing.
+"""
+from dataclasses import dataclass, replace
+from worker.engine.search.base import Method, Search, Space
+
+@dataclass(frozen=True)
+class Options:
+    """It has none."""
+
+def search(space: Space, options: Options) -> Search:
+    while True:
+        yield space.random.random((20, space.dimension))
+
+def outside(space: Space, options: Options) -> Search:
+    while True:
+        yield 2.0 * space.random.random((20, space.dimension))
+
+method = Method(
+    name="uniform", title="Uniform", kind="global", how="Draws independent points", source="Metropolis and Ulam 1949",
+    evaluations=1000, options=Options, search=search, family="sampling", whole_budget=True,
+    parallel="any number", suits="a first impression",
+)
+broken = replace(method, search=outside)
+'''
+PILLAR = '''"""Pillar: a cylinder whose parameters have other names.
+
+For a test.
+"""
+from dataclasses import replace
+from worker.engine.components.obstacles import cylinder
+component = replace(cylinder.component, name="pillar")
+'''
+HIDDEN = '''"""hidden"""
+from dataclasses import replace
+from worker.engine.components.obstacles import cylinder
+component = replace(cylinder.component, name="hidden", title="hidden")
+'''
+TESTS = """
+import numpy as np
+from basins import ENTRY, TwoBasins
+from clearance.testing import ComponentContract, MethodContract, SystemContract
+from campaigns.asked.load import load_document
+from worker.engine.problem.problem import Problem
+from worker.engine.systems.simulators.declared.simulator import Opening
+from tests.simulators import package
+import hidden
+import pillar
+import uniform
+
+class TestMethod(MethodContract):
+    method = uniform.method
+
+class TestBrokenMethod(MethodContract):
+    method = uniform.broken
+
+class TestComponent(ComponentContract):
+    component = pillar.component
+
+class TestBrokenComponent(ComponentContract):
+    component = hidden.component
+    test_compiled_it_is_as_in_plain_python = None  # takes seconds
+
+class TestSimulator(SystemContract):
+    campaign = package.campaign()
+    failing = 0.99
+
+class Noisy(TwoBasins):
+    def evaluate(self, vectors, seeds=None):
+        batch, reasons = super().evaluate(vectors, seeds)
+        return batch._replace(costs=batch.costs + np.random.default_rng().random(batch.costs.shape)), reasons
+
+class TestBrokenSimulator(TestSimulator):
+    @classmethod
+    def open(cls):
+        opening = Opening({"simulator.x": 0.5, "simulator.y": 0.45}, "separation")
+        return Problem(load_document(cls.campaign), Noisy(ENTRY, opening))
+"""
+
+
+@pytest.fixture(scope="module")
+def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
+    """The failed tests of every class of a package's own test file."""
+    folder = tmp_path_factory.mktemp("guests")
+    simulators.install(folder)
+    package(folder, "clearance.methods", "uniform", UNIFORM)
+    package(folder, "clearance.components", "pillar", PILLAR)
+    package(folder, "clearance.components", "hidden", HIDDEN)
+    (folder / "test_guests.py").write_text(TESTS, encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-rA", "--tb=no", "test_guests.py"]
+    environment = {**os.environ, "PYTHONPATH": simulators.path(folder)}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stdout + done.stderr
+    found: dict[str, set[str]] = {}
+    for word, name, test in re.findall(r"^(PASSED|FAILED) test_guests\.py::(\w+)::(\w+)", done.stdout, re.MULTILINE):
+        found.setdefault(name, set()).update({test} if word == "FAILED" else ())
+    return found
+
+
+@pytest.mark.parametrize("name", ["TestMethod", "TestComponent", "TestSimulator"])
+def test_a_good_guest_passes(outcomes: dict[str, set[str]], name: str) -> None:
+    assert outcomes[name] == set()
+
+
+def test_a_broken_guest_fails_where_it_is_broken(outcomes: dict[str, set[str]]) -> None:
+    assert "test_points_are_points_of_the_unit_cube" in outcomes["TestBrokenMethod"]
+    assert outcomes["TestBrokenComponent"] == {"test_it_is_documented"}
+    assert "test_bits_depend_on_the_vector_alone" in outcomes["TestBrokenSimulator"]
+
+
+def test_it_needs_no_pytest() -> None:
+    code = "import sys; sys.modules['pytest'] = None; import clearance.testing"
+    subprocess.run([sys.executable, "-c", code], check=True)

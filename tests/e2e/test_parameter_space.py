@@ -151,7 +151,7 @@ def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> No
 def test_excluded_and_failed_evaluations_are_distinguished(visit: Visit) -> None:
     """Last here: it goes to another run."""
     visit.page.set_viewport_size({"width": 1440, "height": 900})
-    visit.go("/runs/R-0002")
+    visit.move("/runs/R-0002")
     card = visit.page.locator("#space")
     expect(kept(card)).to_have_text(re.compile("^21 of 21 evaluations selected"))
     for fate, number in (("Failed", 7), ("Excluded", 4)):

@@ -40,6 +40,8 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
   const theme = useTheme()
   const holder = useRef<HTMLDivElement>(null)
   const plot = useRef<uPlot | null>(null)
+  /** Whether it has been near the window; it is drawn from then on. */
+  const reached = useRef(false)
   const latest = useRef({ spec, hidden, onCross })
   const [cursor, setCursor] = useState<Cursor | null>(null)
   useLayoutEffect(() => {
@@ -105,11 +107,13 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
       ([entry]) => {
         if (!entry?.isIntersecting) return
         near.disconnect()
+        reached.current = true
         sized.observe(element)
       },
       { rootMargin: NEAR },
     )
-    near.observe(element)
+    if (reached.current) sized.observe(element)
+    else near.observe(element)
     const printed = () => {
       plot.current ??= build(element.clientWidth)
     }

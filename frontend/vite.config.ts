@@ -11,6 +11,9 @@ const service = process.env.CLEARANCE_URL ?? 'http://127.0.0.1:8000'
 /** What pages share comes to all of them, but not what starts them, nor what only a campaign's text needs. */
 const SHARED = /^(?!.*(src.api.ahead|src.format.root|preload-helper|src.launch.text|node_modules.(yaml|@codemirror|@lezer)))/
 
+/** What both the start and the pages need, in one file: each costs the browser and the service some milliseconds. */
+const START = /src.format.root|preload-helper/
+
 /** Names in the page itself the code of every page: a browser asks for it without reading any other code first. */
 const atOnce: Plugin = {
   name: 'at-once',
@@ -18,7 +21,7 @@ const atOnce: Plugin = {
     order: 'post',
     handler: (_, { bundle = {} }) =>
       Object.values(bundle)
-        .filter((file) => file.type === 'chunk' && ['Pages', 'shared'].includes(file.name))
+        .filter((file) => file.type === 'chunk' && ['Pages', 'shared', 'rolldown-runtime'].includes(file.name))
         .map((file) => ({
           tag: 'link',
           attrs: { rel: 'preload', as: 'script', crossorigin: true, href: `./${file.fileName}` },
@@ -55,6 +58,7 @@ export default defineConfig({
         codeSplitting: {
           includeDependenciesRecursively: false,
           groups: [
+            { name: 'start', test: START, priority: 2 },
             { name: 'charts', test: /node_modules.uplot|src.charts.(?!ticks)/, priority: 1 },
             { name: 'shared', test: SHARED, minShareCount: 2 },
           ],

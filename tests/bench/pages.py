@@ -1,4 +1,5 @@
-"""`make bench-pages`: performance of the pages, real service in Debian's chromium; writes build/bench-pages.json.
+"""`make bench-pages`: performance of the pages, real service in Debian's chromium; writes build/bench-pages.json and,
+for each page whose load is measured, a profile build/load-PAGE.cpuprofile.
 
 The service is a process of its own with its own data. Every visit has an empty browser cache; a figure is the median of
 several visits. The machine should be idle. Start reading at `main`.
@@ -7,7 +8,6 @@ several visits. The machine should be idle. Start reading at `main`.
 from __future__ import annotations
 
 import json
-import os
 import re
 import statistics
 import sys
@@ -15,17 +15,19 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from copy import copy
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
 import httpx
 import sqlalchemy as sa
-from playwright.sync_api import Browser, Page, Request, WebSocket, sync_playwright
+from playwright.sync_api import Browser, BrowserType, Page, Request, WebSocket, sync_playwright
 
 from backend.db.engine import connect, default_url
-from tests.bench import page_data
+from tests.bench import page_data, page_loads
 from tests.bench.first_verdict import verdicts
+from tests.bench.page_loads import seconds
 from tests.e2e.browser import PATIENCE, launch
 from tests.faults.processes import Started, started, until
 
@@ -65,7 +67,8 @@ def main() -> None:
         page_data.copies(engine, large, RUNS - 1)
         with sync_playwright() as playwright:
             browser = launch(playwright.chromium, optimises=True)
-            found = measured(running, address, Visitor(browser, address, running), engine, large)
+            visitor = Visitor(browser, address, running)
+            found = measured(address, visitor, engine, large) | loaded(playwright.chromium, visitor, large)
             found |= verdicts(browser)
             browser.close()
         engine.dispose()
@@ -73,7 +76,7 @@ def main() -> None:
     show(found)
 
 
-def measured(running: Started, address: str, visitor: Visitor, engine: sa.Engine, large: int) -> dict[str, Any]:
+def measured(address: str, visitor: Visitor, engine: sa.Engine, large: int) -> dict[str, Any]:
     """Every figure by its name."""
     found: dict[str, Any] = {"runs": RUNS, "visits": VISITS}
     lists = {f"run_list_10000_{name}_ms": listed(address, visitor.cookies, given) for name, given in LISTS.items()}
@@ -85,6 +88,21 @@ def measured(running: Started, address: str, visitor: Visitor, engine: sa.Engine
     with page_data.growing(engine, RUNNING) as runs:
         found["live_view_core_percent"] = visitor.core(f"/runs/R-{runs[0]:04d}", "[data-testid=best]")
         found["live_list_core_percent"] = visitor.core("/runs", f"tr[data-run=R-{runs[-1]:04d}]")
+    return found
+
+
+def loaded(chromium: BrowserType, visitor: Visitor, large: int) -> dict[str, float]:
+    """Processor time of loading pages, and profiles of it, in a browser without 3D graphics."""
+    pages = {
+        "list": ("/runs", "tr[data-run]"),
+        "run": (f"/runs/R-{large:04d}", "[data-testid=verdict]"),
+        "launch": ("/launch?case=unicycle_static", "text=Start run"),
+    }
+    without = copy(visitor)
+    without.browser = launch(chromium, draws=False, optimises=True)
+    found = page_loads.loads(without, pages)
+    page_loads.profiles(without, pages, BUILD)
+    without.browser.close()
     return found
 
 
@@ -129,8 +147,9 @@ def interactive(page: Page, address: str, run: str) -> None:
     page.goto(f"{address}/runs/{run}", wait_until="commit")
     page.get_by_test_id("verdict").wait_for()
     page.locator("#findings tr[data-finding=F1]").wait_for()
-    page.locator("#separation canvas").wait_for()
-    page.get_by_role("img", name=re.compile("^Convergence")).locator("canvas").wait_for()
+    for chart in (page.locator("#separation"), page.get_by_role("img", name=re.compile("^Convergence"))):
+        chart.scroll_into_view_if_needed()  # charts are drawn near the window
+        chart.locator("canvas").wait_for()
     page.get_by_role("img", name=re.compile("^Histogram")).wait_for()
     page.locator("tr[data-finding=nominal]").click()
     page.get_by_role("heading", name="Nominal case").wait_for()
@@ -186,9 +205,9 @@ class Visitor:
         with self.page() as page:
             page.goto(self.address + path)
             page.locator(seen).wait_for()
-            before, began = used(self.running), time.perf_counter()
+            before, began = seconds(self.running.family()), time.perf_counter()
             page.wait_for_timeout(1e3 * WATCHED)
-            return 100.0 * (used(self.running) - before) / (time.perf_counter() - began)
+            return 100.0 * (seconds(self.running.family()) - before) / (time.perf_counter() - began)
 
 
 class Traffic:
@@ -220,15 +239,6 @@ class Traffic:
 
     def _received(self, payload: str | bytes) -> None:
         self._socket += len(payload)
-
-
-def used(running: Started) -> float:
-    """The processor time of the service and its children so far [s]."""
-    ticks = 0
-    for pid in running.family():
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-        ticks += int(fields[11]) + int(fields[12])
-    return ticks / os.sysconf("SC_CLK_TCK")
 
 
 def show(found: dict[str, Any]) -> None:

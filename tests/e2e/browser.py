@@ -110,6 +110,12 @@ class Visit:
             self.go(path)
         return self.page
 
+    def near(self, part: str) -> None:
+        """Bring a part of the page into the window, where its charts are drawn."""
+        place = self.page.locator(part).first
+        expect(place).to_be_attached()
+        place.evaluate("element => element.scrollIntoView({behavior: 'instant', block: 'center'})")
+
     def shot(self, name: str, *, full: bool = True, of: Locator | None = None) -> None:
         """Save a screenshot of the page, or of a part of it, if CLEARANCE_SCREENSHOTS is set."""
         if not pictured():
@@ -120,6 +126,7 @@ class Visit:
             of.screenshot(path=file, animations="disabled")
             return
         if full:
+            self.page.evaluate("dispatchEvent(new Event('beforeprint'))")  # draws the charts beyond the window, too
             self.page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # else the header stands in the middle
         self.page.screenshot(path=file, full_page=full, animations="disabled")
 

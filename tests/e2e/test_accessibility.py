@@ -124,6 +124,8 @@ def clean(page: Page, within: Sequence[str] = ()) -> None:
 def seen(visit: Visit, path: str, mark: str, load: bool = True) -> None:
     """Open a page, and wait until it is there; load: the whole application again."""
     (visit.go if load else visit.move)(path)
+    if mark.startswith("#"):
+        visit.near(mark.partition(" ")[0])
     expect(visit.page.locator(mark).first).to_be_visible()
     expect(visit.page.get_by_role("button", name="Session of")).to_be_visible()
 

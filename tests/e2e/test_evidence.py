@@ -80,7 +80,9 @@ def test_nothing_is_asked_for_twice(visit: Visit) -> None:
     visit.page.on("request", lambda request: asked.append(request.url))
     visit.go("/runs/R-0001")
     for chart in ("^Separation", "^Convergence"):
-        expect(visit.page.get_by_role("img", name=re.compile(chart)).locator("canvas")).to_be_visible()
+        drawn = visit.page.get_by_role("img", name=re.compile(chart))
+        drawn.scroll_into_view_if_needed()
+        expect(drawn.locator("canvas")).to_be_visible()
     # /health is asked again, on purpose, where another answer takes long.
     answers = [url for url in asked if "/api/v1/" in url and "/views/" not in url and "/health" not in url]
     assert len(answers) > 8
@@ -90,7 +92,9 @@ def test_nothing_is_asked_for_twice(visit: Visit) -> None:
 def test_without_3d_graphics_the_page_states_it_and_has_everything_else(page: Page) -> None:
     expect(page.locator("#flight")).to_contain_text("this browser has no 3D graphics (WebGL 2)")
     expect(page.locator("iframe")).to_have_count(0)
-    expect(page.get_by_role("img", name=re.compile("^Separation")).locator("canvas")).to_be_visible()
+    separation = page.get_by_role("img", name=re.compile("^Separation"))
+    separation.scroll_into_view_if_needed()
+    expect(separation.locator("canvas")).to_be_visible()
 
 
 def test_a_run_is_taken_away_as_files(page: Page) -> None:
@@ -234,7 +238,7 @@ def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit, page: Page) 
 
 def test_two_runs_are_compared(visit: Visit) -> None:
     page = visit.page
-    visit.go("/compare?runs=R-0001,R-0002")
+    visit.move("/compare?runs=R-0001,R-0002")
     expect(page.get_by_test_id("change")).to_have_text("From cleared to inconclusive")
     settings = page.locator("[data-setting]")
     differing = ["vehicle.m", "uncertain.vehicle.m.low", "uncertain.vehicle.m.high"]

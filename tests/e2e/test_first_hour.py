@@ -111,11 +111,11 @@ def in_the_browser(visit: Visit, folder: Path) -> None:
     expect(skipped).to_contain_text("components/broken.py, line 1: there is no `component = ...` in the file")
     expect(page.get_by_role("combobox", name="Vehicle, component", exact=True)).to_have_value("My robot")
     visit.shot("first-hour-launch")
-    visit.go("/help/components")
+    visit.move("/help/components")
     expect(page.get_by_test_id("skipped")).to_contain_text("components/broken.py")
     expect(page.get_by_role("heading", name="My way", exact=True)).to_be_visible()
     visit.shot("first-hour-components", full=False)
-    visit.go("/compare?runs=R-0001,R-0002")
+    visit.move("/compare?runs=R-0001,R-0002")
     expect(page.get_by_test_id("other-code").first).to_contain_text("different code: components/my_way.py.")
     visit.shot("first-hour-compare")
 

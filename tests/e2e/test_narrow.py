@@ -111,6 +111,8 @@ def fits(visit: Visit, path: str, marks: list[str]) -> None:
 def drawn(visit: Visit, marks: list[str]) -> None:
     """Nothing is beyond the window, once everything that comes into sight is drawn."""
     for mark in marks:
+        if mark.startswith("#"):
+            visit.near(mark.partition(" ")[0])
         place = visit.page.locator(mark).first
         expect(place).to_be_attached()
         # In the page: a chart may be built again meanwhile.

@@ -85,7 +85,7 @@ def test_other_runs_with_the_same_input(visit: Visit) -> None:
 
 
 def test_a_sweep(visit: Visit) -> None:
-    visit.go("/sweeps")
+    visit.move("/sweeps")
     visit.page.get_by_role("link", name="Unicycle past a pillar").click()
     expect(visit.page.get_by_role("heading", level=1)).to_have_text("Unicycle past a pillar")
     expect(visit.page.locator("canvas")).to_have_count(2)
@@ -105,7 +105,7 @@ def test_a_sweep(visit: Visit) -> None:
 
 
 def test_a_sweep_is_launched(visit: Visit) -> None:
-    visit.go("/launch?from=R-0001")
+    visit.move("/launch?from=R-0001")
     card = visit.page.locator("#sweep")
     card.get_by_role("button", name="Show").click()
     card.get_by_label("Parameter").select_option("avoider.k_rep")

@@ -162,7 +162,7 @@ def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> No
 def lost(visit: Visit) -> Locator:
     """The card of the run of 21 simulated evaluations."""
     visit.page.set_viewport_size({"width": 1440, "height": 900})
-    visit.go("/runs/R-0002")
+    visit.move("/runs/R-0002")
     card = visit.page.locator("#space")
     expect(kept(card)).to_have_text(re.compile("^21 of 21 evaluations selected"))
     return card

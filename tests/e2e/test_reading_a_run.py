@@ -222,7 +222,7 @@ LONGEST = """new Promise(done => {
 
 
 def test_a_comparison_begins_with_the_older_run_and_can_be_swapped(visit: Visit) -> None:
-    visit.go("/runs")
+    visit.move("/runs")
     page = visit.page
     for run in ("R-0004", "R-0001"):
         page.get_by_role("checkbox", name=re.compile(run)).check()

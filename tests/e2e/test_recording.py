@@ -124,6 +124,7 @@ def test_page_and_view_agree_and_a_lost_view_is_restored(recorded: Service, brow
         visit.go("/runs/R-0001?t=4&time=all")
         time = page.get_by_role("group", name="Time of the flight").get_by_role("slider", name="Time")
         flag = page.locator("#separation [data-float=flag]")
+        visit.near("#separation")
         expect(flag).to_have_text("4.00 s")
         page.locator("tr[data-finding=F2]").click()
         expect(page).to_have_url(re.compile("finding=F2"))

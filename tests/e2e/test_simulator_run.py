@@ -65,6 +65,7 @@ def test_the_page_of_the_run_shows_its_traces_and_no_flights(opened: Opened) -> 
     expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Violated"))
     trace = page.locator("#motion")
     expect(trace.get_by_text("Trace over time")).to_be_visible()
+    visit.near("#motion")
     expect(trace.locator("canvas")).to_have_count(3)
     expect(trace.get_by_text("in evaluations with the stored values")).to_be_visible()
     expect(page.get_by_text("This run evaluates a simulator: there is no 3D view.")).to_be_visible()
@@ -170,6 +171,7 @@ def test_a_simulator_given_as_code_is_refused(opened: Opened) -> None:
 
 def test_the_two_runs_are_compared(opened: Opened) -> None:
     visit, page = opened.visit, opened.visit.page
-    visit.go(f"/compare?runs={DROP},{LAUNCHED}")
+    visit.move(f"/compare?runs={DROP},{LAUNCHED}")
+    visit.near("#convergence")
     expect(page.locator("#convergence canvas").first).to_be_visible()
     assert FLIES.findall(page.locator("main").inner_text()) == []

@@ -1,5 +1,5 @@
 // The keyboard shortcuts of all pages, shown by `?`.
-import { Modal } from '@mantine/core'
+import { Modal } from '../ui/Modal'
 import buttons from '../ui/buttons.module.css'
 import styles from './app.module.css'
 

@@ -9,6 +9,8 @@ export const mantineTheme = createTheme({
   respectReducedMotion: true,
   components: {
     Input: { classNames: { input: look.input, section: look.section } },
+    // Else every closed list has all its options on the page, and its position is computed while the page loads.
+    Combobox: { defaultProps: { keepMounted: false } },
     TagsInput: { classNames: { input: look.tags, inputField: look.tagsField } },
     Pill: { classNames: { root: look.pill } },
     Popover: { classNames: { dropdown: look.dropdown } },

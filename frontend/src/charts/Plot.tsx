@@ -10,6 +10,9 @@ import styles from './charts.module.css'
 
 const NOTHING: ReadonlySet<string> = new Set()
 
+/** A chart is drawn once it is this close to the window. */
+const NEAR = '400px'
+
 /** Abscissa of the crosshair while no pointer is on a chart. */
 export interface Standing {
   subscribe: (listener: () => void) => () => void
@@ -37,6 +40,8 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
   const theme = useTheme()
   const holder = useRef<HTMLDivElement>(null)
   const plot = useRef<uPlot | null>(null)
+  /** Whether it has been near the window; it is drawn from then on. */
+  const reached = useRef(false)
   const latest = useRef({ spec, hidden, onCross })
   const [cursor, setCursor] = useState<Cursor | null>(null)
   useLayoutEffect(() => {
@@ -88,7 +93,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
     }
     // The observer reports the width before the first paint, once for all charts. Reading it here would force a layout
     // for each of them.
-    const observer = new ResizeObserver(([entry]) => {
+    const sized = new ResizeObserver(([entry]) => {
       const width = Math.floor(entry?.contentRect.width ?? 0)
       if (width <= 40) return
       if (!plot.current) plot.current = build(width)
@@ -97,10 +102,27 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
       // Charts of one key move each other's crosshair while they are resized one after another.
       settled = requestAnimationFrame(stand)
     })
-    observer.observe(element)
+    // Most charts of a page are below the window, and many are never scrolled to.
+    const near = new IntersectionObserver(
+      ([entry]) => {
+        if (!entry?.isIntersecting) return
+        near.disconnect()
+        reached.current = true
+        sized.observe(element)
+      },
+      { rootMargin: NEAR },
+    )
+    if (reached.current) sized.observe(element)
+    else near.observe(element)
+    const printed = () => {
+      plot.current ??= build(element.clientWidth)
+    }
+    addEventListener('beforeprint', printed)
     const end = standing?.subscribe(stand)
     return () => {
-      observer.disconnect()
+      near.disconnect()
+      sized.disconnect()
+      removeEventListener('beforeprint', printed)
       cancelAnimationFrame(settled)
       end?.()
       plot.current?.destroy()

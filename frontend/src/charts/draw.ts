@@ -3,9 +3,15 @@ import type uPlot from 'uplot'
 import { isOpen, OUTLINE, type Shape } from '../ui/methods'
 import type { PlotSpec, Point } from './spec'
 
-/** The value of a CSS variable, for canvases. */
+const colours = new Map<string, string>()
+
+/** The value of a CSS variable, for canvases; read once for each theme, because reading forces styles to be computed. */
 export function colour(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim()
+  const root = document.documentElement
+  const key = `${root.dataset.theme} ${name}`
+  const found = colours.get(key) ?? getComputedStyle(root).getPropertyValue(name).trim()
+  if (found) colours.set(key, found)
+  return found
 }
 
 /** The violating side of the criterion, below everything else. */

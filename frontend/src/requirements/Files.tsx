@@ -1,5 +1,4 @@
 // The imported files, as they were and to be deleted.
-import { Modal } from '@mantine/core'
 import { IconDownload } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { clsx } from 'clsx'
@@ -10,6 +9,7 @@ import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { Failed } from '../page/Trouble'
 import { Card } from '../ui/Card'
+import { Modal } from '../ui/Modal'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'

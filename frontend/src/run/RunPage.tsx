@@ -1,6 +1,6 @@
 // The page of a run: progress while it is active, then the verdict and its evidence.
 import { useParams, useSearch } from '@tanstack/react-router'
-import { useState } from 'react'
+import { memo, useState } from 'react'
 import { Refusal } from '../api/problems'
 import { isLive } from '../api/queries'
 import { Loading, Trouble } from '../page/Trouble'
@@ -16,6 +16,9 @@ import { Missing } from './header/Missing'
 import { Purged, Removed } from './header/Removed'
 import { RelatedCard } from '../trends/RelatedCard'
 import layout from '../ui/layout.module.css'
+
+/** The longest part of a page: rendered again only if its data change. */
+const Evidence = memo(Finished)
 
 export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
@@ -38,7 +41,7 @@ function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
       <Head run={run} stale={stale} />
       {run.removed !== null && <Removed run={run} />}
       <Missing parts={data.missing} />
-      {isLive(run) ? <Live data={data} /> : drawn === run.id ? <Finished data={data} /> : <Loading what="results" />}
+      {isLive(run) ? <Live data={data} /> : drawn === run.id ? <Evidence data={data} /> : <Loading what="results" />}
       <div className={layout.grid} style={{ marginTop: 'var(--gap)' }}>
         <RelatedCard run={run} />
         <History run={run.id} />

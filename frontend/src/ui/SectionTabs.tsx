@@ -46,8 +46,12 @@ export function SectionTabs({ sections }: { sections: Section[] }) {
     }
   }, [read])
   useEffect(() => {
-    const tab = bar.current?.querySelector<HTMLElement>('[aria-current]')
-    if (tab && bar.current) bar.current.scrollLeft = tab.offsetLeft - (bar.current.clientWidth - tab.clientWidth) / 2
+    // In the next frame, whose layout is computed anyway.
+    const frame = requestAnimationFrame(() => {
+      const tab = bar.current?.querySelector<HTMLElement>('[aria-current]')
+      if (tab && bar.current) bar.current.scrollLeft = tab.offsetLeft - (bar.current.clientWidth - tab.clientWidth) / 2
+    })
+    return () => cancelAnimationFrame(frame)
   }, [current])
   const jumped = (id: string) => {
     asked.current = id

@@ -1,5 +1,4 @@
 // The drafts stored on the service: user, time, open, delete.
-import { Modal } from '@mantine/core'
 import { IconTrash } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -12,6 +11,7 @@ import type { DraftSummary } from '../../client'
 import { count } from '../../format/numbers'
 import { moment, when } from '../../format/time'
 import { Card, Tags } from '../../ui/Card'
+import { Modal } from '../../ui/Modal'
 import { useNow } from '../../ui/useNow'
 import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'

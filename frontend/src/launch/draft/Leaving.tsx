@@ -1,8 +1,8 @@
 // Asks for confirmation before leaving the page or choosing another case with unsaved edits.
-import { Modal } from '@mantine/core'
 import { useBlocker } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { useState } from 'react'
+import { Modal } from '../../ui/Modal'
 import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'

@@ -1,6 +1,6 @@
 // Shared data of the cards of a run's page, and selectors. Start reading at `RunData`.
 import { keepPreviousData, usePrefetchQuery, useQuery, useQueryClient } from '@tanstack/react-query'
-import { useEffect, useMemo, useRef } from 'react'
+import { useEffect, useMemo, useRef, useState } from 'react'
 import { asCampaign, type Campaign, hasScenario } from '../../api/campaign'
 import { useStreamStatus } from '../../api/events'
 import {
@@ -30,7 +30,7 @@ import { boundsOf, numberOf, parametersOf } from '../../launch/campaign/paramete
 import { methodLook } from '../../ui/methods'
 import { usePolling } from '../../ui/usePolling'
 import { chosenOf, NOMINAL } from './chosen'
-import { type MissingPart, missingOf } from './missing'
+import { isSame, type MissingPart, missingOf } from './missing'
 
 export interface UncertainParameter {
   path: string
@@ -73,7 +73,7 @@ export function useAsked(id: string): void {
   usePrefetchQuery(componentsQuery(id))
 }
 
-/** All data of a run's page; empty or undefined while loading. */
+/** All data of a run's page; empty or undefined while loading. The same object as long as nothing in it changes. */
 export function useRunData(run: RunDetail, asked?: string): RunData {
   const over = !isLive(run)
   useFreshAtEnd(run.id, over)
@@ -94,22 +94,33 @@ export function useRunData(run: RunDetail, asked?: string): RunData {
   })
   const campaign = useMemo(() => asCampaign(run.campaign), [run.campaign])
   const parameters = useMemo(() => uncertainOf(campaign, catalogue), [campaign, catalogue])
-  return {
+  return useStable({
     run,
     campaign,
     catalogue,
     parameters,
-    stages: stages.data ?? [],
+    stages: stages.data ?? NONE,
     evaluations: evaluations.data,
-    findings: findings.data ?? [],
-    traces: traces.data ?? [],
+    findings: findings.data ?? NONE,
+    traces: traces.data ?? NONE,
     nominalTrace: nominalTrace.data,
     chosen,
     finding: findings.data?.find((finding) => finding.label === chosen) ?? null,
     findingTrace: chosen === NOMINAL ? undefined : findingTrace.data,
     complete: [stages, findings, traces, nominalTrace, findingTrace].every((query) => !query.isLoading),
     missing: missingOf({ components, stages, findings, evaluations, traces, 'the nominal trace': nominalTrace, [`the trace of ${chosen}`]: findingTrace }),
-  }
+  })
+}
+
+const NONE: never[] = []
+
+/** The object of the last rendering if nothing in it has changed, so that what was rendered from it stays. */
+function useStable(next: RunData): RunData {
+  const [stable, setStable] = useState(next)
+  const same = Object.entries(next).every(([key, value]) => key === 'missing' || stable[key as keyof RunData] === value)
+  if (same && isSame(stable.missing, next.missing)) return stable
+  setStable(next)
+  return next
 }
 
 /** Polls for evaluations that the stream does not send. */

@@ -21,6 +21,10 @@ export function missingOf(asked: Readonly<Record<string, Asked>>): MissingPart[]
   )
 }
 
+/** Whether the same parts are missing for the same reasons. */
+export const isSame = (before: readonly MissingPart[], now: readonly MissingPart[]): boolean =>
+  before.length === now.length && before.every(({ name, error }, i) => now[i]?.name === name && now[i].error === error)
+
 /** `stages, findings and evaluations`. */
 export function listed(parts: readonly Pick<MissingPart, 'name'>[]): string {
   const names = parts.map(({ name }) => name)

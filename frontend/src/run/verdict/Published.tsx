@@ -9,23 +9,34 @@ import type { Minimum } from '../../client'
 import { decimalsFor, fixed, NONE, signed } from '../../format/numbers'
 import { Card, NumHead } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
+import { useNear } from '../../ui/useNear'
 import { type RunData, searchesOf } from '../data/data'
 import cards from '../../ui/cards.module.css'
 import lists from '../../ui/lists.module.css'
 import tables from '../../ui/tables.module.css'
 
-/** Whether this campaign equals the shipped one, apart from budgets. */
-function useChanged(campaign: Campaign): boolean {
-  const { data } = useQuery(libraryQuery)
+/** A warning if this campaign differs from the shipped one in more than budgets. The library is large: read when needed. */
+function Changed({ campaign }: { campaign: Campaign }) {
+  const [holder, near] = useNear<HTMLDivElement>()
+  const { data } = useQuery({ ...libraryQuery, enabled: near })
   const part = ({ scenario, uncertain }: Campaign) => JSON.stringify([scenario, uncertain])
   const shipped = data?.map((item) => asCampaign(item.document)).find((item) => item.name === campaign.name)
-  return shipped !== undefined && part(shipped) !== part(campaign)
+  const changed = shipped !== undefined && part(shipped) !== part(campaign)
+  return (
+    <div ref={holder}>
+      {changed && (
+        <p className={clsx(cards.note, cards.warn)} style={{ margin: '4px 16px 8px' }}>
+          <IconAlertTriangle className="i" aria-hidden />
+          Scenario or bounds of this run differ from the study: the values need not agree.
+        </p>
+      )}
+    </div>
+  )
 }
 
 export function Published({ data, className }: { data: RunData; className: string | undefined }) {
   const { run, campaign } = data
   const rows = campaign.published ?? []
-  const changed = useChanged(campaign)
   if (rows.length === 0) return null
   const decimals = decimalsFor(
     rows.map((row) => row.value),
@@ -39,12 +50,7 @@ export function Published({ data, className }: { data: RunData; className: strin
       flush
       footer={campaign.notes ? <Notes text={campaign.notes} /> : undefined}
     >
-      {changed && (
-        <p className={clsx(cards.note, cards.warn)} style={{ margin: '4px 16px 8px' }}>
-          <IconAlertTriangle className="i" aria-hidden />
-          Scenario or bounds of this run differ from the study: the values need not agree.
-        </p>
-      )}
+      <Changed campaign={campaign} />
       <table className={clsx(tables.table, tables.tight)}>
         <thead>
           <tr>

@@ -1,0 +1,11 @@
+// A dialog of Mantine that is mounted at its first use: a page has several, and most are never opened.
+import { Modal as MantineModal, type ModalProps } from '@mantine/core'
+import { useDeferredValue, useState } from 'react'
+
+export function Modal({ opened, ...props }: ModalProps) {
+  const [used, setUsed] = useState(opened)
+  if (opened && !used) setUsed(true)
+  // Mounted closed and opened then, because the focus returns to what had it when a mounted dialog opened.
+  const mounted = useDeferredValue(opened, false)
+  return used ? <MantineModal opened={opened && mounted} {...props} /> : null
+}

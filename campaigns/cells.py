@@ -1,7 +1,4 @@
-"""CSV files (RFC 4180) whose cells a spreadsheet cannot take for formulas. Source: OWASP, "CSV Injection".
-
-Start reading at `Writer`.
-"""
+"""CSV files (RFC 4180) whose cells a spreadsheet cannot take for formulas. Source: OWASP, "CSV Injection"."""
 
 from __future__ import annotations
 

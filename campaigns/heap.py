@@ -1,7 +1,7 @@
 """Garbage collection of a process: what it loads lives as long as it does, and is not searched for cycles.
 
 The modules that start a process import this first, so that loading some 300,000 objects is not interrupted, and call
-`loaded` once all is loaded. Nor are these objects searched when the process ends. Start reading at `loaded`.
+`loaded` once all is loaded. Nor are these objects searched when the process ends.
 """
 
 from __future__ import annotations

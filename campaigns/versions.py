@@ -1,7 +1,7 @@
 """The versions behind a run: code, compiled loop, packages, machine; and the differences between two of them.
 
 They cover everything outside the campaign that can change a number. They are stored when the first stage of a run
-begins; other versions can neither resume nor extend that run. Start reading at `differences`.
+begins; other versions can neither resume nor extend that run.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The problem of a campaign, with access to its closed loop for tests. Start reading at `Problem`."""
+"""The problem of a campaign, with access to its closed loop for tests."""
 
 from __future__ import annotations
 

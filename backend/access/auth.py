@@ -2,7 +2,7 @@
 
 A browser authenticates with a session cookie, a program with `Authorization: Bearer` (RFC 6750). Writes and sockets
 must come from the service's own pages (RFC 6454, Origin), or from a frame of theirs by its key, see
-`backend.access.frames`. Start reading at `Guard`.
+`backend.access.frames`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Writes that a repeated request with the same Idempotency-Key does not do again.
 
-An endpoint that makes something takes a `Once` and does its work in one of its transactions. Start reading at `Once`.
+An endpoint that makes something takes a `Once` and does its work in one of its transactions.
 """
 
 from __future__ import annotations

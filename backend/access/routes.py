@@ -1,4 +1,4 @@
-"""Finds the rule of a request, in the order in which the application's routes are matched. Start reading at `Rules`.
+"""Finds the rule of a request, in the order in which the application's routes are matched.
 
 The guard decides before the framework selects a route. Both take the first route of which path and method match, from
 the same list, so they select the same one; a test compares them.

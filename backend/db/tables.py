@@ -1,7 +1,6 @@
 """The tables: campaigns, drafts, runs (the queue), stages, evaluations in column chunks, findings, traces, access.
 
-Arrays are little-endian float64 in BLOBs, row-major. Start reading at `Run`; the lease columns are explained in
-`backend.db.queue`.
+Arrays are little-endian float64 in BLOBs, row-major. The lease columns are explained in `backend.db.queue`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Users: invited by a single-use link, with a role, disabled but never deleted. Start reading at `invite`."""
+"""Users: invited by a single-use link, with a role, disabled but never deleted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The capsule of a finding, from the stored run. Start reading at `content`."""
+"""The capsule of a finding, from the stored run."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """Writes the export files of a run as iterators of bytes: JSON and CSV in pieces, the MAT-file at once.
 
 Numbers are written at full precision (`repr`), so that they read back bit-identical. CSV: RFC 4180.
-Start reading at `FILES`.
 """
 
 from __future__ import annotations

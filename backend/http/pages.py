@@ -1,7 +1,6 @@
 """Serves the built single-page application with deep links, and a few plain pages.
 
 Hashed assets are cached by browsers for a year; the page that names them is requested each time (RFC 9111).
-Start reading at `serve`.
 """
 
 from __future__ import annotations

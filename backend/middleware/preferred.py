@@ -1,7 +1,7 @@
 """Answers in the form that a client prefers: times as RFC 3339, lists in one envelope (RFC 7240, the header Prefer).
 
 Without the header, answers stay as they are. Only JSON that the OpenAPI document describes is changed: no file, no
-stream of events, nothing inside a campaign. Pure ASGI. Start reading at `Preferred`.
+stream of events, nothing inside a campaign. Pure ASGI.
 """
 
 from __future__ import annotations

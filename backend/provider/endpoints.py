@@ -1,6 +1,6 @@
 """/login/provider begins a sign-in at the provider, /login/provider/return ends it and leads back to where it began.
 
-A failure is a page with a sentence. Start reading at `begin`.
+A failure is a page with a sentence.
 """
 
 from __future__ import annotations

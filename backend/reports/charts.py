@@ -1,4 +1,4 @@
-"""Selects the figures of a report from the stored results. Start reading at `drawn`."""
+"""Selects the figures of a report from the stored results."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Small charts as inline SVG: axes with round ticks, lines, marks, text; independent of the data model.
 
-The colours are those of the light theme, since a report is printed on white. Start reading at `Axes`.
+The colours are those of the light theme, since a report is printed on white.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What speaks against evidence besides its own run: other runs of the campaign, removed runs, ids that look the same.
 
 A value below the threshold was found, whoever found it: a cancelled run, one of a sweep, one whose campaign does not
-state the requirement. Start reading at `against`.
+state the requirement.
 """
 
 from __future__ import annotations

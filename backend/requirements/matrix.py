@@ -1,4 +1,4 @@
-"""The matrix of requirements and runs. Start reading at `page`.
+"""The matrix of requirements and runs.
 
 Rows are all ids that are registered or that a run states; a requirement without a run is a row. Only the runs that a
 page shows are read in full, by the index of `run_requirements`.

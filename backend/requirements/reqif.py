@@ -1,8 +1,7 @@
 """Reads requirements from ReqIF files, and writes them as one. Source: OMG, Requirements Interchange Format 1.2.
 
 A file is stored byte by byte, so it is written back as it was; this module only finds ids and texts in it. A document
-type declaration is refused before anything in it is read: ReqIF has none, and entities are declared there. Start
-reading at `read`.
+type declaration is refused before anything in it is read: ReqIF has none, and entities are declared there.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Imports, changes and exports requirements; the audit trail has every change. Start reading at `import_file`."""
+"""Imports, changes and exports requirements; the audit trail has every change."""
 
 from __future__ import annotations
 

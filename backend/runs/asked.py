@@ -1,7 +1,4 @@
-"""What the address of a submission adds to its body: labels, baseline, reuse. A YAML body has no place for them.
-
-Start reading at `Asked`.
-"""
+"""What the address of a submission adds to its body: labels, baseline, reuse. A YAML body has no place for them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Why queued runs have not started, and what a running one does besides its stages. Start reading at `reasons`."""
+"""Why queued runs have not started, and what a running one does besides its stages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Launching, reading and cancelling sweeps. Start reading at `submit`."""
+"""Launching, reading and cancelling sweeps."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """Sends the messages of the outbox while the service runs: one task for each target, so that none waits for another.
 
-The database is read and written in a thread of its own; the event loop only waits for the network. Start reading at
-`Dispatcher.start`.
+The database is read and written in a thread of its own; the event loop only waits for the network.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Search methods and budgets that fit the time one evaluation takes: how many evaluations, and by which methods.
 
-The rules follow from the tables of `make search-bench`; docs/methods.md shows them. Start reading at `proposed`, and
-for a simulator that a run has measured at `Cost`.
+The rules follow from the tables of `make search-bench`; docs/methods.md shows them.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 digest.
 
 Only checks that do not depend on the components are made here (types, sizes, intervals); `campaigns.checked.check`
-validates units and the components' own limits against the catalogue. Start reading at `Campaign`.
+validates units and the components' own limits against the catalogue.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The source of components that are not shipped: of the operator's folders and of other packages. It is code.
 
-Nothing here executes it. A run stores it when it begins, and capsules contain it. Start reading at `Sources`.
+Nothing here executes it. A run stores it when it begins, and capsules contain it.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Plain: significant digits, a full space before the unit, as on the command line. In print: true minus sign, narrow space
 before the unit, units with dots and superscripts, as in reports and on the pages (`frontend/src/format` writes the same
-digits). Start reading at `written`.
+digits).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A finding: one distinct worst case with all its own evidence. Start reading at `Finding`."""
+"""A finding: one distinct worst case with all its own evidence."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """Replays a capsule with the source that it contains, in a process of its own whose installation has that source.
 
 Only after --allow-code: importing a file runs it. The files are written to a folder that is deleted afterwards, those
-of packages with their entry points, so that they are found, examined and compiled as if they were installed. Start
-reading at `replayed_with_its_code`.
+of packages with their entry points, so that they are found, examined and compiled as if they were installed.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The output of `clearance submit` and `clearance follow`: progress, the verdict, the files of a run.
-
-Start reading at `follow_to_the_end`.
-"""
+"""The output of `clearance submit` and `clearance follow`: progress, the verdict, the files of a run."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """A run as JUnit XML, for a CI service: cases for the verdict, the criterion, each requirement, each check and each
 finding compared.
 
-The format has no standard; this is the form that Jenkins, GitLab and GitHub's reporters read. Start reading at `junit`.
+The format has no standard; this is the form that Jenkins, GitLab and GitHub's reporters read.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The options of commands that use a service, and its client; its errors become those of the command line.
-
-Start reading at `opened`.
-"""
+"""The options of commands that use a service, and its client; its errors become those of the command line."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 A field that this version does not describe is ignored, and is still in `document`, the JSON as it was sent; what
 earlier versions did not send has a default. So a client works with services of other versions. A test compares every
-field with the OpenAPI document. Start reading at `Run`.
+field with the OpenAPI document.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Evaluations, traces and findings as numpy arrays and as tables of pandas. Start reading at `Evaluations`."""
+"""Evaluations, traces and findings as numpy arrays and as tables of pandas."""
 
 from __future__ import annotations
 

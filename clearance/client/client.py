@@ -1,7 +1,6 @@
 """`Client` and `AsyncClient`: a Clearance service from Python. Both have the same methods, run from the same scripts.
 
 A method is a script or a request; the descriptors here run it, blocking or awaited, so that nothing is written twice.
-Start reading at `Client`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Performs the effects of scripts over HTTP: `Blocking` with httpx.Client, `Awaiting` with httpx.AsyncClient.
 
-Both do the same, effect by effect; what they share is here as functions. Start reading at `Blocking`.
+Both do the same, effect by effect; what they share is here as functions.
 """
 
 from __future__ import annotations

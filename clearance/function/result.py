@@ -1,6 +1,6 @@
 """What a search returns: the verdict with its checks, the findings, and every evaluation as arrays.
 
-Start reading at `Result`; `of` makes one from the store of a run.
+`of` makes one from the store of a run.
 """
 
 from __future__ import annotations

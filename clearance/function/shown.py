@@ -1,7 +1,6 @@
 """A result as text for a terminal and as HTML for a notebook: verdict, sentence, findings, convergence.
 
-The HTML has no script, and no colour that only one theme can show: text has the colour of the notebook. Start reading
-at `text` and `page`.
+The HTML has no script, and no colour that only one theme can show: text has the colour of the notebook.
 """
 
 from __future__ import annotations

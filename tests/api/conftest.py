@@ -1,4 +1,4 @@
-"""A service for each test, with its own database copied from one that was migrated once. Start reading at `service`."""
+"""A service for each test, with its own database copied from one that was migrated once."""
 
 from __future__ import annotations
 

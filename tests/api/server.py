@@ -1,4 +1,4 @@
-"""The service in its own thread on a free port, for tests over HTTP. Start reading at `Service`."""
+"""The service in its own thread on a free port, for tests over HTTP."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """Signing in through a real OpenID Connect provider on loopback: groups and roles, and everything that is refused.
 
 The service is under a path, as behind a proxy.
-Start reading at `test_a_shared_link_leads_through_the_provider_to_itself`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The service below a path and behind proxies: which headers are believed, and that every address has the path.
-
-Start reading at `test_headers_of_a_proxy_that_is_not_trusted_change_nothing`.
-"""
+"""The service below a path and behind proxies: which headers are believed, and that every address has the path."""
 
 from __future__ import annotations
 

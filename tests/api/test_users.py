@@ -1,6 +1,6 @@
 """Users over HTTP: invitations, passwords, roles, what is their own, tokens, sessions. One service for all tests.
 
-Every test makes users of its own. Start reading at `test_an_invitation_is_good_once`.
+Every test makes users of its own.
 """
 
 from __future__ import annotations

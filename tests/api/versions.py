@@ -1,4 +1,4 @@
-"""The code version of stored test runs, and a different one, as published by workers. Start reading at `CODE`."""
+"""The code version of stored test runs, and a different one, as published by workers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From "Start run" to the verdict on the page, for the library's case 1. Start reading at `verdicts`.
+"""From "Start run" to the verdict on the page, for the library's case 1.
 
 Cold: the worker's process has just started and its kernel cache is empty, so the loop and the reference integrator are
 compiled first. Warm: the same worker, again.

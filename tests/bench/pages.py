@@ -1,7 +1,7 @@
 """`make bench-pages`: performance of the pages, real service in Debian's chromium; writes build/bench-pages.json.
 
 The service is a process of its own with its own data. Every visit has an empty browser cache; a figure is the median of
-several visits. The machine should be idle. Start reading at `main`.
+several visits. The machine should be idle.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A small campaign around any components, so that they can be simulated. Start reading at `scene`."""
+"""A small campaign around any components, so that they can be simulated."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""What the contract tests of search methods share: awkward functions and a method under the real driver.
-
-Start reading at `driven`.
-"""
+"""What the contract tests of search methods share: awkward functions and a method under the real driver."""
 
 from __future__ import annotations
 

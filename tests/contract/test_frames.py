@@ -2,7 +2,7 @@
 
 A made-up vehicle shows what each component does in one derivative of the loop: wind, demand, obstacles, distances. The
 world is mirrored (z to -z; x and y exchanged) with every quantity whose text names its axes, and the answer has to be
-the mirrored one. What is not has "up", "right" or "heading" built in. Start reading at `answer`.
+the mirrored one. What is not has "up", "right" or "heading" built in.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The contract of all systems, tested on the closed loop, a simulator and functions. Start reading at `TestSystem`."""
+"""The contract of all systems, tested on the closed loop, a simulator and functions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs of every kind that a worker evaluated, made once and copied for each file of tests. Start reading at `fly`."""
+"""Runs of every kind that a worker evaluated, made once and copied for each file of tests."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Every page in light and in dark by axe: nothing serious or critical against WCAG 2.1, levels A and AA.
 
-Source: Deque, axe-core API, "axe.run". The pages show stored runs; nothing is simulated. Start reading at `clean`.
+Source: Deque, axe-core API, "axe.run". The pages show stored runs; nothing is simulated.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The daily work: whether anybody works, a service that hangs, cancelling, and launching a file of one's own.
 
-No run is executed: workers are rows of the database. Start reading at `visit`.
+No run is executed: workers are rows of the database.
 """
 
 from __future__ import annotations

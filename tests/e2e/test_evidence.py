@@ -1,6 +1,6 @@
 """From a finished run to evidence: files, the report, figures, a sign-off, and the comparison of two runs.
 
-The runs are written as a worker writes them, so that nothing is flown here. Start reading at `finished`.
+The runs are written as a worker writes them, so that nothing is flown here.
 """
 
 from __future__ import annotations

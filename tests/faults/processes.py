@@ -1,7 +1,4 @@
-"""Real processes for the fault tests: started in their own session, monitored through /proc, always cleaned up.
-
-Start reading at `Started`.
-"""
+"""Real processes for the fault tests: started in their own session, monitored through /proc, always cleaned up."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Case 2 as physics: published values, an independent program, order, DOP853, symmetry, closed forms, stops.
 
-Values: Srikanthakumar (tables 3.1, 3.2, 4.2, 5.4, 5.5) as reconstructed. Start reading at `PUBLISHED`.
+Values: Srikanthakumar (tables 3.1, 3.2, 4.2, 5.4, 5.5) as reconstructed.
 """
 
 from __future__ import annotations

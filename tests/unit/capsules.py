@@ -1,4 +1,4 @@
-"""Capsules of a violated run, and their files as they are or changed. Start reading at `written`."""
+"""Capsules of a violated run, and their files as they are or changed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Hand-written evidence for a verdict of cleared. Start reading at `evidence`."""
+"""Hand-written evidence for a verdict of cleared."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Test functions with known minima, for every search method: Dixon and Szego (1978), Jones et al. (1993), and others.
 
 The last two are ours: one falls in steps into a narrow basin, one has a region without values at whose edge it is low
-but not lowest. Start reading at `on_unit_cube`.
+but not lowest.
 """
 
 from __future__ import annotations

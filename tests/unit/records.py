@@ -1,4 +1,4 @@
-"""Stored runs, and changes of their records that audit and verify must notice. Start reading at `CORRUPTIONS`."""
+"""Stored runs, and changes of their records that audit and verify must notice."""
 
 from __future__ import annotations
 

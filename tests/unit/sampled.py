@@ -1,6 +1,6 @@
 """A stage on a problem whose probabilities are known: evaluations are a formula instead of flights.
 
-Start reading at `context`. Two uniform parameters u, v; d = threshold - 0.2 + u + v, so that P(d <= threshold) is 0.02.
+Two uniform parameters u, v; d = threshold - 0.2 + u + v, so that P(d <= threshold) is 0.02.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Runs a search method on a plain function, without a campaign. Start reading at `run`."""
+"""Runs a search method on a plain function, without a campaign."""
 
 from __future__ import annotations
 

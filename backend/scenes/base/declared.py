@@ -1,6 +1,6 @@
 """What a simulator declares of its 3D view, as arrays: positions, turns and tracks from the columns of its trace.
 
-Nothing is drawn that is not in the trace or in the declaration. Start reading at `motion`.
+Nothing is drawn that is not in the trace or in the declaration.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A flight for the scene, from a stored trace or a live simulation. Start reading at `Flight`."""
+"""A flight for the scene, from a stored trace or a live simulation."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """A run's stored evaluations as points of its parameter space: their positions, and picking by a ray.
 
-Start reading at `load`; `drawn` draws the points, `tab` is the part of the panel.
+`drawn` draws the points, `tab` is the part of the panel.
 """
 
 from __future__ import annotations

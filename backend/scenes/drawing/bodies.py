@@ -1,4 +1,4 @@
-"""An obstacle in one flight: its shape, position and track. Start reading at `body_of`.
+"""An obstacle in one flight: its shape, position and track.
 
 It can differ between flights: a cooperative intruder reacts to the vehicle, and an obstacle's parameters may be
 uncertain.

@@ -1,4 +1,4 @@
-"""Places the labels of a scene so that none covers another. Start reading at `arranged`.
+"""Places the labels of a scene so that none covers another.
 
 viser draws a label at a position in space, at a constant size on the screen. Here each label gets a rectangle as the
 camera sees it; where two would overlap, the later one is anchored at another corner, or moved in the plane of the

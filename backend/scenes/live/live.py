@@ -1,7 +1,7 @@
 """Live simulations in a child process, one case at a time, so that none runs in the service itself.
 
 One process serves all viewers. It starts with the first request and restarts after a failure; requests and responses
-are one line of JSON each (`worker/running/processes/live.py`). Start reading at `Live.simulate`.
+are one line of JSON each (`worker/running/processes/live.py`).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Stored evaluations of a sample, simulated or evaluated again to draw them, and the sentence on what was drawn.
 
 Of a scenario this gives the same bits. Of a simulator each is one further call on the machine of the service: the
-sentence states how many results differ from the stored ones. Start reading at `of_run`.
+sentence states how many results differ from the stored ones.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""An avoider's demands on a grid in scene coordinates: colours, arrows and legend. Start reading at `Slice`."""
+"""An avoider's demands on a grid in scene coordinates: colours, arrows and legend."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Recordings on demand, and the page at /view/R-0001/F1/recorded/ that plays one without a viewer server.
 
-The most recent ones are cached. Start reading at `Recordings.page`.
+The most recent ones are cached.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 // Formats all numbers: true minus sign, narrow space between thousands, a dot for decimals,
-// percent after a narrow space. Start reading at `fixed`.
+// percent after a narrow space.
 
 export const MINUS = '\u2212'
 export const NARROW = '\u202f'

@@ -1,5 +1,5 @@
 // The fixed colour and marker of every search method, from the catalogue. Those of the shipped methods are built in; a
-// loaded catalogue adds those of other packages. Start reading at `methodLook`.
+// loaded catalogue adds those of other packages.
 import { useSyncExternalStore } from 'react'
 import type { Catalogue, MethodEntry } from '../client'
 import shipped from './shipped.json'

@@ -1,7 +1,7 @@
 """A disk cache of compiled functions across processes, on top of numba's; unreadable entries count as missing.
 
 A cached function refers to its modules by name. After an update that moved one of them, the entry cannot be loaded; it
-is compiled again and replaced. Start reading at `cached`.
+is compiled again and replaced.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How long compilations took on this machine, and callbacks for the time while one runs. Start reading at `Watched`."""
+"""How long compilations took on this machine, and callbacks for the time while one runs."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 numba optimises every function with all that it calls, and makes machine code of each. Of functions that nothing else
 calls, only the outermost needs either: the reference integrator, with six levels, took twice as long. For functions
-without fast-math only, whose bits do not depend on when they are optimised. Start reading at `linked`.
+without fast-math only, whose bits do not depend on when they are optimised.
 """
 
 from __future__ import annotations

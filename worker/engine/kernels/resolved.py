@@ -1,7 +1,6 @@
 """What numba works out for every call in a kernel, and for every variable that ends, worked out once.
 
 A seventh of the time of a compilation, and the same machine code. Another version of numba compiles as ever.
-Start reading at `install`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 One call of `numpy.floor` makes a numpy scalar, and so does all that is computed from it, at three times the cost.
 Where Python's numbers raise and numpy's would be infinite or NaN, the simulation is repeated with numpy's. Where
-Python's could be complex, numpy's are used. Start reading at `quick`.
+Python's could be complex, numpy's are used.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The distributions of a campaign: maps uniform samples to correlated points of the unit cube.
 
 Correlations are a Gaussian copula: normal samples are correlated by the Cholesky factor and mapped by the quantile
-function of each marginal (Nelsen, An Introduction to Copulas, 2006, section 2.3). Start reading at
-`Distributions.quantile`.
+function of each marginal (Nelsen, An Introduction to Copulas, 2006, section 2.3).
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""A closed loop as a system for the reference integrator: a template with slots, which `compiled` fills.
-
-Start reading at `answer`.
-"""
+"""A closed loop as a system for the reference integrator: a template with slots, which `compiled` fills."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""The instants that divide a simulation into stretches: guidance samples and discontinuities.
-
-Start reading at `Timetable`.
-"""
+"""The instants that divide a simulation into stretches: guidance samples and discontinuities."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """What a search method is: a generator that yields points of the unit cube and receives their batch.
 
 The driver counts, stores, stops at the budget and tracks the best point; a method only chooses points.
-Start reading at `Method`.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 First `worker.engine.stages.parts.findings` distinguishes the worst cases, polishes them and evaluates their neighbours;
 then each is confirmed at half the step and with the reference integrator (`confirm`), as are the violations that any
 stage has stored and a random choice of all evaluations (`offered`). The evidence that the encounter took place comes
-last (`encounter`). Start reading at `run`.
+last (`encounter`).
 """
 
 from __future__ import annotations

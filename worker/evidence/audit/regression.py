@@ -1,6 +1,6 @@
 """Recomputes the comparison with a baseline: margins, changes, tolerances, standings, and what the policy says of them.
 
-Taken as given: which finding of this run is in the basin of one of the baseline. Start reading at `regression`.
+Taken as given: which finding of this run is in the basin of one of the baseline.
 """
 
 from __future__ import annotations

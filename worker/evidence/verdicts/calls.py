@@ -3,7 +3,6 @@
 A simulator whose results differ is never cleared by single calls. With `repeats`, where an evaluation is the worst of
 several calls, it is cleared only if none of the independent calls of the nominal case, the findings and the best of
 every search violates or fails. A mean or a quantile over calls can hide a violation by one of them, so it never clears.
-Start reading at `calls`.
 """
 
 from __future__ import annotations

@@ -3,7 +3,6 @@
 A finding of the baseline is worse if it costs less on this model by more than the tolerance, or if the search found a
 case in its basin that is lower than any finding of the baseline there: of that one the tolerance is larger, because two
 searches do not stop at the same point. A case that begins or ceases to violate has changed whatever the tolerance.
-Start reading at `regression`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Writes the looks of the shipped methods for the pages: `python -m worker.running.catalogue.looks FILE`.
 
-The pages use them until they have loaded the catalogue, which includes other packages. Start reading at `shipped`.
+The pages use them until they have loaded the catalogue, which includes other packages.
 """
 
 from __future__ import annotations

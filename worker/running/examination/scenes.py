@@ -1,4 +1,4 @@
-"""Small closed loops around one component, with shipped components as the others. Start reading at `scenes`.
+"""Small closed loops around one component, with shipped components as the others.
 
 A vehicle is driven by a stand-in controller with constant inputs, because the controller that fits it may be missing.
 """

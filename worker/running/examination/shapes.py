@@ -1,4 +1,4 @@
-"""What a kernel must return, and what is wrong with what it returned. Start reading at `wrong`."""
+"""What a kernel must return, and what is wrong with what it returned."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The processes behind `clearance serve`: started together, monitored, restarted when they die, stopped together.
 
-Their output goes to log files in the data folder. Start reading at `Servers.watch`.
+Their output goes to log files in the data folder.
 """
 
 from __future__ import annotations

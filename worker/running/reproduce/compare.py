@@ -1,6 +1,6 @@
 """Compares computed values with the published ones and with the known values of the reconstructed model.
 
-Start reading at `reproduce`; `Row` is one line of the output.
+`Row` is one line of the output.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Extends a finished search: the new run replays the stored evaluations and simulates only the rest.
 
 A method is deterministic, so its first evaluations under the larger budget are bit-identical to the stored ones. Stages
-that depend on all earlier ones are computed again. Runs of other code are refused. Start reading at `continued`.
+that depend on all earlier ones are computed again. Runs of other code are refused.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What a module's text means: a digest of its syntax tree, without comments and docstrings, computed once per text.
 
 To compute those of the whole installation takes a second of processor time, at the start of every process that
-simulates: they are stored by the digest of the text. Start reading at `meanings`.
+simulates: they are stored by the digest of the text.
 """
 
 from __future__ import annotations

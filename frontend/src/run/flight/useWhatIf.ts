@@ -1,5 +1,4 @@
 // The what-if of a run's page: parameters, result, and synchronisation with address and 3D view.
-// Start reading at `useWhatIf`.
 import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from 'react'
 import { evaluateCase, simulateFlight } from '../../api/calls'
 import { hasScenario } from '../../api/campaign'

@@ -1,5 +1,4 @@
 // The what-if in the address: reference parameters, changed values, noise seed.
-// Start reading at `readWhatIf` and `valuesOf`.
 import type { CaseRequest, FlightRequest, ViewState } from '../../client'
 import type { ChosenSearch } from '../data/chosen'
 import { NOMINAL } from '../data/chosen'

@@ -7,7 +7,7 @@ The rule: at first all get the same share. Later a member has a small base share
 would reach the best cost at its rate of improvement. A member that has not improved for long loses both, but members
 that keep exploring retain their base share. A member that ends is restarted with new random numbers; an unpromising
 descent is stopped in favour of a lower start. The record states which member requested which evaluation. Its guarantees
-are those of its members. Start reading at `search`.
+are those of its members.
 """
 
 from __future__ import annotations

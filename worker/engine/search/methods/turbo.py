@@ -6,7 +6,7 @@ samples: functions drawn from the process, each minimised over candidates in a b
 after successes, shrinks after failures to improve, and a new search begins when it is small. Failed evaluations have
 no value; a second process is fitted to their labels (-1 succeeded, 1 failed), and a candidate is chosen only if its
 label, drawn from that process, is negative, as constraints are treated by Eriksson and Poloczek (SCBO, AISTATS 2021).
-It takes up to tens of milliseconds of its own for each evaluation. Global by its restarts. Start reading at `search`.
+It takes up to tens of milliseconds of its own for each evaluation. Global by its restarts.
 """
 
 from __future__ import annotations

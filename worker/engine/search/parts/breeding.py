@@ -2,7 +2,6 @@
 mutation.
 
 Each operator draws for all children at once. Named as in Chipperfield and Fleming (1995) and Goldberg (1989).
-Start reading at `SELECT` and `CROSS`.
 """
 
 from __future__ import annotations

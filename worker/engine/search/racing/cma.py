@@ -2,7 +2,7 @@
 
 Hansen, The CMA evolution strategy: a tutorial (arXiv:1604.00772, 2016), with its constants, but with a Cholesky factor
 in place of the symmetric square root (Suttorp, Hansen, Igel, Machine Learning 75, 2009). Points are reflected at the
-faces of the box; a point without a value is redrawn up to five times and then ignored. Start reading at `tell`.
+faces of the box; a point without a value is redrawn up to five times and then ignored.
 """
 
 from __future__ import annotations

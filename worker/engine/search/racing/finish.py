@@ -1,6 +1,6 @@
 """The final phase of contrast racing: merges incumbents without a barrier between them and polishes the best.
 
-Hill-valley test: Ursem, Multinational evolutionary algorithms (CEC 1999). Start reading at `Finish.run`.
+Hill-valley test: Ursem, Multinational evolutionary algorithms (CEC 1999).
 """
 
 from __future__ import annotations

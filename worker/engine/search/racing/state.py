@@ -1,7 +1,7 @@
 """The state of many local searches, one row each, and the functions that their compiled state machines share.
 
-Start reading at `State`. numba's cache of a compiled function depends only on its own file, so no compiled function
-calls one of another file: a machine hands a searcher over by setting its kind and requesting no points.
+numba's cache of a compiled function depends only on its own file, so no compiled function calls one of another file: a
+machine hands a searcher over by setting its kind and requesting no points.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The context of a run in progress, a stage's counts, and the requests that stages make. Start reading at `Context`."""
+"""The context of a run in progress, a stage's counts, and the requests that stages make."""
 
 from __future__ import annotations
 

@@ -2,8 +2,7 @@
 
 Gathers candidates stage by stage, descends from them, merges what ends in one basin, polishes, evaluates neighbours
 (the objective is not smooth), slices and the boundary. Any evaluation below the worst case becomes a candidate itself,
-until the run has no lower stored evaluation. `worker.engine.search.parts.basins` tests which minima are distinct. Start
-reading at `search`.
+until the run has no lower stored evaluation. `worker.engine.search.parts.basins` tests which minima are distinct.
 """
 
 from __future__ import annotations

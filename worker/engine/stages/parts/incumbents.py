@@ -1,6 +1,6 @@
 """The best evaluation of every search by a simulator that does not repeat, which may be a lucky draw of the noise.
 
-Each is called again, independently of the search. Start reading at `called`.
+Each is called again, independently of the search.
 """
 
 from __future__ import annotations

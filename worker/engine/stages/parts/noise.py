@@ -1,4 +1,4 @@
-"""Whether the evaluations of a simulator repeat: measured before anything is searched. Start reading at `measuring`."""
+"""Whether the evaluations of a simulator repeat: measured before anything is searched."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Independent calls of a simulator that does not repeat, each in a fresh process.
 
 A case violates if at least one of its independent calls does; the evaluation that made a search choose the case does
-not count, because the search has selected it. Start reading at `cases`.
+not count, because the search has selected it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Statements on a random sample: counts, the bound on P(violation), a quantile bound, the distribution function.
 
 A failed evaluation counts as a violation and as the lowest value, because its outcome is unknown. If the distributions
-extend beyond the bounds, that probability is added to the bounds. Start reading at `Sample.statement`.
+extend beyond the bounds, that probability is added to the bounds.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The driver of a stage whose system evaluates in slots: results arrive in any order and are stored as they do.
-
-Start reading at `SlotDriver.answer`.
-"""
+"""The driver of a stage whose system evaluates in slots: results arrive in any order and are stored as they do."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
 """Builds a loop from components: lays out the flat parameter vector, generates the code that connects the components,
 fills the loop's slots, and compiles it unless plain Python is requested.
-
-Start reading at `Loop`, which the rest of the worker simulates with.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Statements of a verdict about its distances: whether they are measured to centres or surfaces of obstacles.
-
-Start reading at `clause`.
-"""
+"""Statements of a verdict about its distances: whether they are measured to centres or surfaces of obstacles."""
 
 from __future__ import annotations
 

@@ -2,7 +2,6 @@
 
 A random component takes its noise from a hash of its parameter `seed`. A simulation sets this parameter to a number
 that combines the realisation's seed, the component's index in the scenario and its own seed, so that all are distinct.
-Start reading at `Realisations`.
 """
 
 from __future__ import annotations

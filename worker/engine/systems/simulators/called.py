@@ -1,7 +1,4 @@
-"""A simulator as a campaign asks for it: several calls for each evaluation, and failed calls tried again.
-
-Start reading at `Called.evaluate`.
-"""
+"""A simulator as a campaign asks for it: several calls for each evaluation, and failed calls tried again."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Calls a Python function for one evaluation: its results, or a sentence on why there are none; `child` runs it.
 
 Only the standard library is imported at first: the process of a slot loads this file before it knows its path, which
-`FUNCTION` in its environment gives, with the function. Start reading at `called`.
+`FUNCTION` in its environment gives, with the function.
 """
 
 from __future__ import annotations

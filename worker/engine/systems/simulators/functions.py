@@ -1,6 +1,6 @@
 """A Python function as a system: called in this process (`InProcess`) or in processes of its own (`Isolated`).
 
-Whatever an evaluation does is a status with a reason; only an interrupt ends the search. Start reading at `InProcess`.
+Whatever an evaluation does is a status with a reason; only an interrupt ends the search.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The compiled code and not the source text: a file may have been edited since, and an interactive function may have no
 text. What cannot be read exactly (an object, a generator of random numbers) is named instead: then nothing identifies
-the function, and a verdict must state that. Start reading at `identified`.
+the function, and a verdict must state that.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """The base of simulators that evaluate in slots: processes that start with the first evaluation and end with `close`.
 
-A derived class gives the program, the limits and the number of its slots, and reads an outcome. Start reading at
-`Slotted.submit`.
+A derived class gives the program, the limits and the number of its slots, and reads an outcome.
 """
 
 from __future__ import annotations

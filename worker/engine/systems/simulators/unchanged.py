@@ -1,4 +1,4 @@
-"""Whether the files of a simulator are still those whose digest a run states. Start reading at `Unchanged`."""
+"""Whether the files of a simulator are still those whose digest a run states."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """The connection of this process to a cluster: made once, shared by its pools, made again when the scheduler dies.
 
-A thread runs the event loop in which the client, the pools and the cluster of `local:N` live. Start reading at
-`Connection.client`.
+A thread runs the event loop in which the client, the pools and the cluster of `local:N` live.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What runs on a node: a task evaluates a batch in a slot of the Dask worker, a process with all its protections.
 
 A Dask worker has one slot for each of its threads that is busy. Slots start with the first task, stay warm between
-tasks, and end with the run, with the worker, or when idle. Start reading at `evaluate`.
+tasks, and end with the run, with the worker, or when idle.
 
 It imports nothing heavy: the scheduler loads it too.
 """

@@ -1,7 +1,7 @@
 """Slots on the nodes of a cluster, with the interface of `SlotPool`: batches of evaluations as tasks of Dask.
 
 A task evaluates as many requests as take about `TARGET`. Whatever becomes of a task, each of its evaluations ends once:
-with an outcome, sent again, or with `EvaluatorLost`. Start reading at `DaskPool._send`.
+with an outcome, sent again, or with `EvaluatorLost`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Reads what an FMU states about itself: version, binary, variables, default experiment. Runs no code of the FMU.
-
-Start reading at `model`.
-"""
+"""Reads what an FMU states about itself: version, binary, variables, default experiment. Runs no code of the FMU."""
 
 from __future__ import annotations
 

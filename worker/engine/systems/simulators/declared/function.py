@@ -1,7 +1,7 @@
 """A Python function as a simulator: the decorator `simulator`, and the declaration that it makes.
 
 Only the standard library is imported, so that the process of a slot, which imports the file with the function, starts
-quickly. Start reading at `simulator`.
+quickly.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A simulator that is an FMU: the described file, evaluated in slots by `process`. Start reading at `opened`."""
+"""A simulator that is an FMU: the described file, evaluated in slots by `process`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One loaded FMU in this process: instantiates, sets, steps, reads. Start reading at `Unit.run`.
+"""One loaded FMU in this process: instantiates, sets, steps, reads.
 
 Every call that does not succeed ends the evaluation with a sentence. An instance that failed is never used again.
 """

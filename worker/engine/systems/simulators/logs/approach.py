@@ -1,4 +1,4 @@
-"""The closest approach of a recorded track to obstacles and to another track. Start reading at `closest`.
+"""The closest approach of a recorded track to obstacles and to another track.
 
 Between two samples a position moves on a straight line, so the minimum is refined within each segment. A track that
 does not show where the vehicle was gives no distance: `Unreadable` says why.

@@ -1,7 +1,7 @@
 """Slots side by side: hands out evaluations, and replaces a process that died, hung, leaked or served long enough.
 
 One thread owns all processes (they die with the thread that started them) and waits on their pipes and on their deaths.
-Whatever an evaluation does, it comes to an `Outcome`, and no other is lost. Start reading at `SlotPool._turn`.
+Whatever an evaluation does, it comes to an `Outcome`, and no other is lost.
 """
 
 from __future__ import annotations

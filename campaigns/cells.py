@@ -25,7 +25,7 @@ class Writer:
         self._writer.writerow([safe(cell) for cell in cells])
 
     def writerows(self, rows: Iterable[Iterable[object]]) -> None:
-        """Write some."""
+        """Write several rows."""
         self._writer.writerows([safe(cell) for cell in row] for row in rows)
 
 

@@ -16,7 +16,7 @@ gc.disable()
 
 
 def loaded() -> None:
-    """From here on only what is made later is searched for cycles, unless whoever loads this wants none searched."""
+    """Exclude all that exists now from the search for cycles, unless the process searches for none."""
     if _ENABLED:
         gc.freeze()
         gc.set_threshold(NEW, 10, 10)

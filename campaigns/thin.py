@@ -40,5 +40,5 @@ def around(count: int, most: int, middle: int) -> Indices:
 
 
 def near(count: int, middle: int, reach: int) -> Indices:
-    """Those of `count` rows that are at most `reach` from the middle."""
+    """The indices of `count` rows that are at most `reach` from the middle."""
     return np.arange(max(0, middle - reach), min(count, middle + reach + 1))

@@ -68,7 +68,7 @@ class Versions(BaseModel):
 
     @staticmethod
     def of(document: Any) -> Versions:
-        """From a stored document; fields missing in earlier versions stay empty."""
+        """The versions from a stored document; fields missing in earlier versions stay empty."""
         known = document if isinstance(document, dict) else {}
         cpu = known.get("cpu")
         return Versions.model_validate({**known, "cpu": cpu if isinstance(cpu, dict) else None})

@@ -117,7 +117,7 @@ def code_of(flights: Flights) -> str:
 
 
 def _closure(names: Iterable[str]) -> set[str]:
-    """These modules and those that they import, directly or not."""
+    """The modules and those that they import, directly or not."""
     found, waiting = set[str](), list(names)
     while waiting:
         name = waiting.pop()

@@ -70,7 +70,7 @@ class Guard:
             await respond(refused, scope["path"])(scope, receive, send)
 
     async def _voucher(self, scope: Scope, connection: HTTPConnection, rule: Rule) -> Voucher | None:
-        """Who opened the frame that this comes from; never by a cookie, which such a frame does not send."""
+        """Who opened the frame that a request comes from; never found by a cookie, which such a frame does not send."""
         if not rule.framed or connection.headers.get("origin") != OPAQUE:
             return None
         return await self.frames.voucher(scope["path"])

@@ -38,7 +38,7 @@ class Frames:
     """The keys for which pages wait; used on one event loop."""
 
     def __init__(self, patience: float = PATIENCE) -> None:
-        """patience: [s]."""
+        """patience: how long a socket may wait for its page [s]."""
         self.waiting, self._patience = 0, patience
         self._vouchers: dict[tuple[str, str], list[Voucher]] = {}
         self._changed, self._most = asyncio.Event(), MOST_WAITING

@@ -60,7 +60,7 @@ class Once:
             return present(reader, stored)
 
     def do_secretly(self, work: Work[Answer], made: str, otherwise: str) -> Answer:
-        """The same for an answer with a secret, which is stored nowhere: a repeated request is refused (409).
+        """Do an operation whose answer has a secret, which is stored nowhere: a repeated request is refused (409).
 
         otherwise: what to do about it.
         """
@@ -93,7 +93,7 @@ async def _once(request: Request, engine: Engine, visitor: CurrentVisitor, key: 
 
 
 def _digest(request: Request, body: bytes) -> str:
-    """Of all that an operation depends on: the path parameters, the query, the body."""
+    """The digest of all that an operation depends on: the path parameters, the query, the body."""
     head = json.dumps([request.path_params, request.url.query], sort_keys=True)
     return hashlib.sha256(head.encode() + b"\0" + body).hexdigest()
 

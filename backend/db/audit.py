@@ -41,7 +41,7 @@ def note_command(writer: sa.Connection, user: str, action: str, subject: str, de
 
 
 def note_unchained(writer: sa.Connection, user: str, action: str, subject: str, detail: JsonObject) -> None:
-    """The same in migrations up to 0017: the next one adds the chain."""
+    """Add a row in a migration up to 0017, without the chain, which the next one adds."""
     names = ("at", "user", "via", "action", "subject")
     table = sa.table("audit", *map(sa.column, names), sa.column("detail", sa.JSON()))
     values = (now(writer), user[:64], "cli", action, subject)

@@ -137,7 +137,7 @@ RETRY_AFTER = {"description": "Seconds to wait before the next request.", "schem
 
 
 def problems(*kinds: str) -> dict[int | str, JsonObject]:
-    """For `responses=` of a route: its problem types in addition to those of all routes."""
+    """The argument `responses` of a route: its problem types in addition to those of all routes."""
     by_status: dict[int | str, JsonObject] = {}
     for kind in kinds:
         declare(by_status, kind)

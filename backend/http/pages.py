@@ -93,7 +93,7 @@ def unbuilt(folder: Path) -> str:
 
 
 def _not_built(folder: Path) -> HTMLResponse:
-    """That sentence as a page."""
+    """The sentence that the pages are not built, as a page."""
     said = html.escape(unbuilt(folder))
     said = re.sub("`(.+?)`|(CLEARANCE_PAGES|frontend/dist)", r"<code>\1\2</code>", said)
     return plain("The pages are not built", f"<p>{said[:1].upper()}{said[1:]}.</p>", 503)

@@ -99,7 +99,7 @@ class _Answer:
 
 
 def preferences(headers: Headers) -> frozenset[str]:
-    """Those that are known; others are ignored, as the standard has it."""
+    """The known preferences of a request; others are ignored, as the standard has it."""
     given = ",".join(headers.getlist("prefer")).lower()
     found = {re.sub(r'["\s]', "", part.partition(";")[0]) for part in given.split(",")}
     return frozenset(found & {TIMES, LISTS})
@@ -131,7 +131,7 @@ def with_times(value: Any, schema: Mapping[str, Any], known: Mapping[str, Any], 
 
 
 def _chosen(value: Any, options: Any, known: Mapping[str, Any], name: str) -> Any:
-    """By the first alternative that changes it: their fields differ in nothing that is a time."""
+    """The value, rewritten by the first alternative that changes it: they differ in no field that is a time."""
     for option in options:
         found = with_times(value, option, known, name)
         if found != value:

@@ -29,7 +29,7 @@ class _Text(Dumper):
     """Writes lists on one line, and no aliases."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """gsn2x needs none."""
+        """Write no aliases, which gsn2x does not need."""
         return True
 
 
@@ -104,7 +104,7 @@ def _subgoal(
     claims: Mapping[str, str],
     address: str,
 ) -> str:
-    """Add the goal that one campaign meets its criterion, supported only by evidence that stands.
+    """Add the goal that one campaign meets its criterion, supported only by evidence that is valid.
 
     against: runs that found a value that would violate it, without a verdict that confirms it.
     """

@@ -74,7 +74,7 @@ class _Builder(Xml.TreeBuilder):
         return super().start(tag.rpartition("}")[2], attrs)
 
     def end(self, tag: str) -> Xml.Element:
-        """The same."""
+        """Close an element, whose name is without its namespace."""
         self.depth -= 1
         return super().end(tag.rpartition("}")[2])
 

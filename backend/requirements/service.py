@@ -232,7 +232,7 @@ def _row(one: Read, file_id: int | None, at: float, visitor: Visitor) -> JsonObj
 
 
 def _cut(attributes: dict[str, str]) -> dict[str, str]:
-    """What the page shows of them; null characters cannot be stored."""
+    """The attributes as far as the page shows them; null characters cannot be stored."""
     some = list(attributes.items())[:MOST_ATTRIBUTES]
     return {key[:200].replace("\0", ""): value[:LONGEST_ATTRIBUTE].replace("\0", "") for key, value in some}
 
@@ -244,7 +244,7 @@ def _forget(writer: sa.Connection, ids: Sequence[str]) -> None:
 
 
 def _some(ids: Sequence[str]) -> JsonObject:
-    """How many there are, and the first of them."""
+    """The number of the requirements, and the ids of the first of them."""
     return {"count": len(ids), "ids": list(ids[:NAMED])}
 
 

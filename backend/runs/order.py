@@ -64,7 +64,7 @@ class Order:
 
     @property
     def columns(self) -> list[sa.ColumnElement[Any]]:
-        """For ORDER BY."""
+        """The columns for ORDER BY."""
         down = self.sort.startswith("-")
         if self.sort.endswith("created"):
             return [Run.pinned.desc(), Run.id.desc() if down else Run.id.asc()]

@@ -22,12 +22,12 @@ _COMPILING = "Compiling your closed loop{about}, once: it is stored for later ru
 
 
 def reason(reader: sa.Connection, run_id: int) -> str | None:
-    """One sentence; None if the run is not queued."""
+    """Why the run has not started, as one sentence; None if it is not queued."""
     return reasons(reader, [run_id]).get(run_id)
 
 
 def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, str]:
-    """One sentence for each of these runs that is queued.
+    """Why runs have not started: one sentence for each of them that is queued.
 
     Times in it are rounded, so that a page that is told of every change is not told every second.
     """

@@ -131,7 +131,7 @@ class ClosestApproach(Result):
 
     @staticmethod
     def of(closest: Closest | None, rows: int) -> ClosestApproach:
-        """From the closest approach of a trace with `rows` rows."""
+        """The summary of a trace with `rows` rows, from its closest approach."""
         if closest is None:
             return ClosestApproach()
         at: Literal["start", "end", "inside"] = "inside"

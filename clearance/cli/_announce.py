@@ -38,7 +38,7 @@ def announce(campaign: Campaign, data: Path, database: str) -> None:
 
 
 def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool] | None:
-    """What was measured of its simulator, and whether that has a step, which is halved to confirm results."""
+    """What was measured of the campaign's simulator, and whether it has a step, which is halved to confirm results."""
     import sqlalchemy as sa
 
     from backend.db import costs

@@ -75,7 +75,7 @@ def _rule(name: str, titles: Mapping[str, str]) -> JsonObject:
 
 
 def _named(check: DescribedCheck) -> str:
-    """check/closest-approach"""
+    """The name of a rule, such as check/closest-approach."""
     return f"{CHECK}{str(check.code).replace(' ', '-')}"
 
 

@@ -48,7 +48,7 @@ def shipped() -> dict[Path, Path]:
 
 
 def _files(folder: Path) -> list[Path]:
-    """Without what was built there."""
+    """The files of an example, without what was built there."""
     return sorted(file for file in folder.rglob("*") if file.is_file() and file.suffix in KINDS)
 
 

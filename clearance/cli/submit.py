@@ -109,7 +109,7 @@ def _print_superseded(queued: Submitted) -> None:
 
 
 def _print_submitted(queued: Submitted) -> None:
-    """Only the number on standard output, for programs."""
+    """Print the number of the run on standard output, alone on its line, for programs."""
     for note in filter(None, [queued.reused, "" if queued.baseline is None else queued.baseline.sentence]):
         typer.echo(note, err=True)
     _print_superseded(queued)

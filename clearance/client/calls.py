@@ -60,7 +60,7 @@ class Call(Generic[T]):
 
 
 def name_of(run: Named) -> str:
-    """R-0001 of either."""
+    """The name of a run, such as R-0001, from its name or an answer."""
     return run if isinstance(run, str) else run.id
 
 

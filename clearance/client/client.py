@@ -96,7 +96,7 @@ class Client:
 
     @property
     def address(self) -> str:
-        """Of the service."""
+        """The address of the service."""
         return self.session.address
 
     def link(self, run: calls.Named) -> str:
@@ -104,7 +104,7 @@ class Client:
         return f"{self.address}/runs/{calls.name_of(run)}"
 
     def close(self) -> None:
-        """Close its connections."""
+        """Close the connections of the client."""
         self.driver.close()
 
     def __enter__(self) -> Self:
@@ -156,7 +156,7 @@ class AsyncClient:
 
     @property
     def address(self) -> str:
-        """Of the service."""
+        """The address of the service."""
         return self.session.address
 
     def link(self, run: calls.Named) -> str:
@@ -164,7 +164,7 @@ class AsyncClient:
         return f"{self.address}/runs/{calls.name_of(run)}"
 
     async def close(self) -> None:
-        """Close its connections."""
+        """Close the connections of the client."""
         await self.driver.close()
 
     async def __aenter__(self) -> Self:

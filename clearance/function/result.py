@@ -115,7 +115,7 @@ class Evaluations:
     held: Held
 
     def to_dataframe(self) -> Any:
-        """One row for each evaluation; a column of ours whose name is taken by a parameter ends with `_`.
+        """A data frame with a row for each evaluation; our columns end with `_` if a parameter has their name.
 
         Raises ImportError with a sentence if pandas is not installed.
         """

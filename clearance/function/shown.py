@@ -27,7 +27,7 @@ MOST = 200
 
 
 def text(result: Result) -> str:
-    """For a terminal; sentences are wrapped at 100 characters."""
+    """The result as text for a terminal; sentences are wrapped at 100 characters."""
     verdict = result.verdict
     lines = [f"{ICONS[verdict]} {verdict.capitalize()}", *textwrap.wrap(verdict.sentence, 100), ""]
     rows = _rows(result)
@@ -48,7 +48,7 @@ def _line(row: list[str], widths: list[int]) -> str:
 
 
 def page(result: Result) -> str:
-    """For a notebook: one element."""
+    """The result as one HTML element for a notebook."""
     verdict = result.verdict
     badge = (
         f'<span style="background:{COLOURS[verdict]};color:#111;padding:2px 10px;border-radius:3px;font-weight:600">'

@@ -30,7 +30,7 @@ class Failure:
 
     @property
     def document(self) -> JsonObject:
-        """Its form in result.json."""
+        """The failure as it is in result.json."""
         return dict(vars(self))
 
 

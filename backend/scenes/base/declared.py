@@ -125,6 +125,6 @@ def _along(position: Floats) -> Floats:
 
 
 def _steady(turns: Floats) -> Floats:
-    """The same turns with signs that change least from row to row, so that they can be interpolated."""
+    """The quaternions with the signs that change least from row to row, so that they can be interpolated."""
     signs = np.where((turns[1:] * turns[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
     return turns * np.cumprod(np.concatenate([[1.0], signs]))[: len(turns), None]

@@ -146,7 +146,7 @@ class Axis:
 
     @property
     def title(self) -> str:
-        """With its unit."""
+        """The name of the axis with its unit."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def fraction(self, parameters: Mapping[str, float], cost: float | None) -> float:

@@ -153,7 +153,7 @@ class CloudTab(Part):
             self._loads.ask(None)
 
     def paint(self, palette: Palette) -> None:
-        """The same in other colours."""
+        """Draw the tab in other colours."""
         self._drawn.palette = palette
         self._redraw()
 

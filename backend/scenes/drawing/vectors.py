@@ -107,7 +107,7 @@ class Vectors(Part):
         self.moved(self._time)
 
     def paint(self, palette: Palette) -> None:
-        """The same in other colours."""
+        """Draw the arrows in other colours."""
         self._palette = palette
         self._remove(*self._nodes)
         self.moved(self._time)

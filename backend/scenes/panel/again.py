@@ -36,10 +36,10 @@ class Tally(Protocol):
     """Counts what was drawn, for a sentence."""
 
     def count(self, answer: Mapping[str, Any], stored: float | None, drawn: bool) -> None:
-        """One answer, the stored cost, and whether there is a line of it."""
+        """Count one answer, next to the stored cost, and whether there is a line of it."""
 
     def words(self) -> str:
-        """What is drawn."""
+        """The text that describes what is drawn."""
 
 
 class Again(Protocol):
@@ -54,11 +54,11 @@ class Again(Protocol):
         """The response of the process; raises `LiveError`."""
 
     def tally(self, stage: str, size: int) -> Tally:
-        """Of the first `size` evaluations of the sample of a stage."""
+        """An empty count of the first `size` evaluations of the sample of a stage."""
 
 
 def of_run(reader: sa.Connection, live: Live, setting: Setting) -> Again:
-    """For the run of this setting; live: the process that simulates its scenario, or evaluates its simulator."""
+    """The evaluator for a setting's run; live: the process that simulates its scenario or evaluates its simulator."""
     if setting.clears:
         return _OfScenario(live, setting)
     run_id = number(setting.run)

@@ -78,7 +78,7 @@ class FieldSlice(Part):
         self._ask()
 
     def paint(self, palette: Palette) -> None:
-        """The same in other colours."""
+        """Draw the field in other colours."""
         self._palette = palette
         self._ask()
 

@@ -77,7 +77,7 @@ class Slice:
 
     @property
     def magnitude(self) -> Floats:
-        """(rows, columns)"""
+        """The length of the demands (rows, columns)."""
         found: Floats = np.linalg.norm(self.demand, axis=-1)
         return found
 
@@ -169,5 +169,5 @@ def _scale(found: Slice, dark: bool) -> str:
 
 
 def _number(value: float) -> str:
-    """Three digits."""
+    """The number with three digits."""
     return f"{float(f'{value:.3g}'):g}".replace("-", "−")

@@ -46,7 +46,7 @@ class Cast:
 
     @property
     def flights(self) -> dict[str, Flight]:
-        """By name."""
+        """The flights by name."""
         return ({NOMINAL: self.nominal} if self.nominal else {}) | {self.label: self.shown}
 
 

@@ -41,7 +41,7 @@ vars(_NUMPY).update(vars(np) | {"floor": floor})
 
 
 def instead() -> dict[Any, Any]:
-    """What the quick form uses in place of numpy and kernels, made of the kernels as they are now."""
+    """The functions that the quick form uses in place of numpy and kernels, made of the kernels as they are now."""
     return {
         np: _NUMPY,
         maths.normals: lru_cache(KEPT)(_pair(plain(maths.normals))),

@@ -70,7 +70,7 @@ class Distributions:
         return self.marginals(mixed)
 
     def marginals(self, uniform: Floats) -> Floats:
-        """The same without correlations: each parameter by its own marginal distribution."""
+        """The points without correlations: each parameter by its own marginal distribution."""
         points = np.empty_like(uniform)
         for k, r in enumerate(self.ranges):
             points[:, k] = _quantile(r, uniform[:, k])

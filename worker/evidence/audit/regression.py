@@ -52,7 +52,7 @@ def _position(run: Run) -> int:
 
 
 def _case(run: Run, given: Tree) -> Tree:
-    """One row, NaN where there is no number; before and now are taken as given."""
+    """The case of one row, NaN where there is no number; before and now are taken as given."""
     found: Any = next((f for f in run.findings if f["label"] == given["now"]), None)
     if given["before"] is None:
         return _row("new", math.nan, math.nan, found["margin"], math.nan, found["margin"] <= 0)

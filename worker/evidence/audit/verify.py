@@ -42,7 +42,7 @@ class Run:
 
 
 def counts(run: Run, here: Any) -> dict[str, Any]:
-    """Of these evaluations; best is NaN if none is ok."""
+    """The counts of evaluations; best is NaN if none is ok."""
     status, ok, excluded = run.status[here], run.status[here] == OK, run.status[here] == EXCLUDED
     found = {"evaluations": len(status), "failed": int((~ok & ~excluded).sum()), "excluded": int(excluded.sum())}
     return found | {"best": min(run.costs[here][ok].tolist(), default=math.nan)}

@@ -96,7 +96,7 @@ def _retried(asked: Simulator, evidence: Evidence) -> list[Check]:
 
 
 def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Said]:
-    """Of evaluations by several calls."""
+    """The check of evaluations by several calls."""
     cases = [*_cases(evidence)]
     apart = max((_range(v) for _, v in cases), default=0.0)
     is_ = say(
@@ -156,7 +156,7 @@ def _cases(evidence: Evidence) -> Iterator[tuple[Said, Validation]]:
 
 
 def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Said]:
-    """Of a simulator that repeated when it was measured: every later comparison must show the same."""
+    """The check of a simulator that repeated when it was measured: every later comparison must show the same."""
     spot, apart = evidence.spot_checks, 0.0
     lost = [say("random evaluations")] if spot.compared < spot.checked else []
     compared = 0

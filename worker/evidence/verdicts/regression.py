@@ -62,7 +62,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
 def _known(
     problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, label: str | None, stands: bool
 ) -> FindingChange:
-    """A finding of the baseline; stands: it is the lowest one of the baseline in the basin of the finding `label`."""
+    """A finding of the baseline; stands: whether it is the baseline's lowest one in the basin of the finding `label`."""
     run, threshold = str(problem.campaign.baseline and problem.campaign.baseline.run), problem.threshold
     was = before.cost - threshold
     if again.cost is None:
@@ -132,7 +132,7 @@ def _tolerance(problem: Problem, evidence: Evidence, before: BaselineCase, there
 
 
 def _all_known(violating: list[FindingChange]) -> bool:
-    """A verdict may be violated although no finding violates: such a violation nobody has compared."""
+    """Whether every violation was known; without a violating finding none was, because it has not been compared."""
     return bool(violating) and not any(case.newly_violating for case in violating)
 
 

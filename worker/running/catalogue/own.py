@@ -65,7 +65,7 @@ class OwnFile:
         return unusable(self.file, self.text, self.line, self.name)
 
     def refused(self, text: str, line: int = 0) -> OwnFile:
-        """The same file, refused for this reason."""
+        """The file, refused for the stated reason."""
         return OwnFile(self.file, self.role, self.name, self.title, self.simulated, text, line)
 
 

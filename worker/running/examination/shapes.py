@@ -19,7 +19,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Truth:
-    """True or False."""
+    """A result that is True or False."""
 
     text: str = "True or False"
 
@@ -52,7 +52,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two results."""
+    """A result of two parts."""
 
     first: Number | Numbers | Record
     second: Numbers

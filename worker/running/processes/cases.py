@@ -194,7 +194,7 @@ def missing(campaign: Campaign, version: str) -> str:
 
 
 def _evaluated(case: Opened, values: Mapping[str, float], rows: int) -> JsonObject:
-    """One call, whose time is that of a process that had been started before."""
+    """Evaluate one call; its time is that of a process that had been started before."""
     seconds, found = _timed(case.system, values)
     if not case.evaluated and seconds < QUICK:
         seconds, found = _timed(case.system, values)

@@ -61,7 +61,7 @@ def bound(threads: int | None = None) -> None:
 
 @contextlib.contextmanager
 def bounded(threads: int | None = None) -> Iterator[None]:
-    """The same limit within a `with` block. Raises `ValueError` if the setting is invalid."""
+    """Limit the memory within a `with` block. Raises `ValueError` if the setting is invalid."""
     allowed()
     if sys.platform != "linux":
         yield

@@ -92,7 +92,7 @@ class Servers:
         self.servers, self.report, self._wakeup = servers, report, wakeup
 
     def start(self) -> None:
-        """Start them all."""
+        """Start all processes."""
         for server in self.servers:
             server.start()
 

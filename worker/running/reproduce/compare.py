@@ -79,7 +79,7 @@ class Reproduction:
     compile_seconds: float
 
     def longer(self, seconds: float, compile_seconds: float) -> Reproduction:
-        """The same with these times added [s]."""
+        """The reproduction with further times added [s]."""
         return Reproduction(self.rows, self.seconds + seconds, self.compile_seconds + compile_seconds)
 
 

@@ -50,7 +50,7 @@ class Budget:
         return Budget(int(text), text.startswith("+"))
 
     def after(self, before: int) -> int:
-        """What a budget of `before` evaluations becomes."""
+        """The budget after the extension of a search that had `before` evaluations."""
         return before + self.evaluations if self.more else max(before, self.evaluations)
 
 

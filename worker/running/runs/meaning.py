@@ -63,7 +63,7 @@ def _tokens(node: Any, tokens: list[str]) -> None:
 
 
 def _file() -> Path:
-    """Where this installation stores them; other code computes other digests, and stores them elsewhere.
+    """Where this installation stores digests; other code computes other ones, and stores them elsewhere.
 
     The code is that which runs: the text of this file may have been edited since.
     """
@@ -84,7 +84,7 @@ def _stored(file: Path) -> dict[str, str]:
 
 
 def _store(file: Path, known: Mapping[str, str]) -> None:
-    """Those of the texts that are there now, so that the file does not grow; where it cannot be written, nothing."""
+    """Store the digests of the present texts only, so that the file does not grow; nothing if it cannot be written."""
     draft = file.with_suffix(f".{os.getpid()}")
     with contextlib.suppress(OSError):
         draft.parent.mkdir(parents=True, exist_ok=True)

@@ -75,7 +75,7 @@ class Replayed:
 
     @property
     def agreement(self) -> Agreement:
-        """How well the two agree; two evaluations without a cost agree if they have the same status."""
+        """How well stored and new cost agree; two evaluations without a cost agree if they have the same status."""
         if self.status != self.case.status:
             return "differs"
         if self.status != OK or self.costs.tobytes() == self.case.costs.tobytes():

@@ -78,7 +78,7 @@ class Evaluated:
     costs: Floats
 
     def add(self, points: Floats, batch: Batch, best: Lowest) -> Evaluated:
-        """The same with another batch, which also updates the best point."""
+        """The evaluations with a further batch, which also updates the best point."""
         costs = batch.ranked()
         best.see(points, costs)
         return Evaluated(np.concatenate([self.points, points]), np.concatenate([self.costs, costs]))

@@ -94,7 +94,7 @@ def _redrawn(s: State, t: int, random: Random) -> bool:
 
 @inner
 def _learn(s: State, t: int) -> None:
-    """One generation: update mean, evolution paths, covariance and step size."""
+    """Update mean, evolution paths, covariance and step size by one generation."""
     population = int(s.rates[6])
     rank = np.empty(population, np.int64)
     known = _ranked(s, t, rank)

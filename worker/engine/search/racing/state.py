@@ -107,7 +107,7 @@ def room(rows: int, n: int) -> State:
 
 
 def grown(s: State) -> State:
-    """The same searchers with twice the number of rows."""
+    """The searchers with twice the number of rows."""
     shared = {"weights": s.weights, "rates": s.rates}
     rows = {name: np.concatenate([held, np.zeros_like(held)]) for name, held in s._asdict().items()}
     return State(**(rows | shared))

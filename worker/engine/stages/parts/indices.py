@@ -123,7 +123,7 @@ def _unusable(problem: Problem, batch: Batch) -> Said | None:
 
 
 def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[str, dict[str, float | None]]]:
-    """One row per parameter; a non-finite value is None."""
+    """The rows of a study, one per parameter; a non-finite value is None."""
     rows = []
     for k, r in enumerate(problem.ranges):
         values = {name: float(found[key][k]) for name, key in columns.items()}

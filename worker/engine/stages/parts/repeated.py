@@ -29,7 +29,7 @@ def cases(context: Context, asked: Sequence[Asked], calls: int | None = None) ->
 
 
 def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold: float, confidence: float) -> Calls:
-    """What these independent calls show."""
+    """What the independent calls of a case show."""
     violating = sum(v is not None and v <= threshold for v in values)
     failed = sum(v is None for v in values)
     low, high = claims.interval(violating, len(values), confidence, failed)

@@ -49,7 +49,7 @@ class Noise:
 
     @staticmethod
     def given(realised: Realised) -> Noise:
-        """For evaluations that all simulate the realisations stated in the campaign."""
+        """The noise of evaluations that all simulate the realisations stated in the campaign."""
         if not realised.random:
             return Noise()
         seeds = words(listed([str(seed) for seed in realised.seeds]))
@@ -58,8 +58,8 @@ class Noise:
 
     @staticmethod
     def of_calls(context: Context, single: bool) -> Noise | None:
-        """For evaluations of a simulator that does not repeat, by single calls or combined as the campaign states; None
-        for any other system."""
+        """The noise of a simulator that does not repeat, evaluated by single calls or combined as the campaign states;
+        None for any other system."""
         simulator = context.campaign.simulator
         if simulator is None or not noise.noisy(context):
             return None
@@ -132,7 +132,7 @@ class Sample:
         )
 
     def unclaimed(self, points: str, why: str) -> Statement:
-        """The same without a bound, and the reason for that."""
+        """The statement without a bound, and the reason for that."""
         estimate = say(" (an estimate of ", percent(self.violations / self.size), ")") if self.size else ()
         said = say(
             *(count(self.violations, "violations"), " of ", count(self.size, "samples"), f" {points} violate the "),

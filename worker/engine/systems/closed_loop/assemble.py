@@ -136,7 +136,7 @@ class Loop:
         return self._plain[name, library]  # type: ignore[no-any-return]
 
     def kernel(self, name: str) -> Any:
-        """The same function as a kernel, for other compiled code."""
+        """The loop as a kernel, for other compiled code."""
         return vars(self.module)[name]
 
     @property

@@ -41,7 +41,7 @@ class Flights:
 
     @property
     def step(self) -> float:
-        """[s]"""
+        """The time step [s]."""
         return self.campaign.given_scenario.step
 
     def vector(self, values: Mapping[str, float]) -> Floats:

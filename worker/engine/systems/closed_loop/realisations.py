@@ -60,7 +60,7 @@ class Realisations(Realised):
         return realised
 
     def only(self, seed: int) -> Realisations:
-        """The same components under a single realisation."""
+        """The realisations reduced to a single one."""
         return replace(self, seeds=(seed,), combine="worst")
 
     def combined(self, costs: Floats, status: NDArray[np.uint8], reasons: Mapping[int, str]) -> tuple[Batch, Any]:

@@ -31,7 +31,7 @@ class Called(Simulated):
         self.step = inner.step if isinstance(inner, Simulated) else None
 
     def fresh(self) -> System:
-        """Without any state of earlier calls; what is compared in fresh processes is not tried again."""
+        """The simulator without any state of earlier calls; what is compared in fresh processes is not tried again."""
         fresh = self.inner.fresh()
         return Called(fresh, self.asked.model_copy(update={"retries": 0}), borrowed=fresh is self.inner)
 
@@ -40,7 +40,7 @@ class Called(Simulated):
         return None if halved is None else Called(halved, self.asked.model_copy(update={"retries": 0}))
 
     def single(self) -> System:
-        """With one call for each evaluation; failed ones are still tried again."""
+        """The simulator with one call for each evaluation; failed ones are still tried again."""
         once = self.asked.model_copy(update={"repeats": None})
         return Called(self.inner, once) if self.asked.retries else self.inner
 
@@ -80,7 +80,7 @@ class Called(Simulated):
         return batch_of([self._combined(rows[k : k + calls]) for k in range(0, len(rows), calls)])
 
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
-        """Of one further call, not tried again."""
+        """The trace of one further call, which is not tried again."""
         return self.inner.trace(name, values, seed)
 
     def warm(self) -> None:
@@ -94,7 +94,7 @@ class Called(Simulated):
             self.inner.close()
 
     def _tried(self, vectors: Floats) -> tuple[Batch, Reasons]:
-        """Each vector by one call; those that failed or timed out again, up to the number of retries."""
+        """Evaluate each vector by one call; what failed or timed out is tried again, up to the number of retries."""
         batch, reasons = self.inner.evaluate(vectors)
         costs, status, first = batch.costs.copy(), batch.status.copy(), dict(reasons)
         for _ in range(self.asked.retries):
@@ -111,7 +111,7 @@ class Called(Simulated):
         return Batch(costs, status), reasons
 
     def _attempt(self, vector: Floats) -> Future[Evaluated]:
-        """One call in a slot; one that failed or timed out again, up to the number of retries."""
+        """Evaluate by one call in a slot; what failed or timed out is tried again, up to the number of retries."""
         found: Future[Evaluated] = Future()
 
         def ended(future: Future[Evaluated], left: int, before: str) -> None:

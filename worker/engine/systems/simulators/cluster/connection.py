@@ -161,7 +161,7 @@ class Connection:
         )
 
     async def _look_around(self, client: Client, deadline: float) -> None:
-        """What the scheduler does, and its first worker."""
+        """Read the state of the scheduler and its first worker."""
         try:
             self._saturation = await asyncio.wait_for(client.run_on_scheduler(node.saturation), ATTEMPT)
         except (ImportError, AttributeError) as error:

@@ -172,7 +172,7 @@ def _drop(key: str, slot: NodeSlot) -> None:
 
 
 def _reap_later() -> None:
-    """With the lock held."""
+    """Start the timer that ends idle slots, if none is running; the caller holds the lock."""
     global _reaper
     if _reaper is None:
         _reaper = threading.Timer(IDLE / 4, _reap)

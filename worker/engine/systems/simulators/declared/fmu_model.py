@@ -126,7 +126,7 @@ def _model(stated: Any) -> Model:
 
 
 def _variable(stated: Any) -> Variable:
-    """With what its declared type adds."""
+    """The variable with what its declared type adds."""
 
     def own(attribute: str) -> Any:
         value = getattr(stated, attribute)

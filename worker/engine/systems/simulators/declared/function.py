@@ -270,7 +270,7 @@ def _check_settings(s: Settings) -> None:
 
 
 def in_units(declaration: Declaration) -> Declaration:
-    """The same with floats for all numbers, as JSON and campaigns have them."""
+    """The declaration with floats for all numbers, as JSON and campaigns have them."""
     parameters = {
         name: replace(p, low=float(p.low), high=float(p.high), nominal=float(p.usual))
         for name, p in declaration.parameters.items()

@@ -158,7 +158,7 @@ class Unit:
             raise Failed(f"the model {what} at t = {reached:g} s, before {self.job['stop']:g} s")
 
     def _read(self, references: Any, count: int, values: Any) -> None:
-        """So many variables by their references, arrays of C."""
+        """Read variables by their references, as arrays of C."""
         fmu = self._fmu
         if self.job["fmi"] == 2:
             fmu.fmi2GetReal(fmu.component, references, count, values)

@@ -113,7 +113,7 @@ class SlotPool:
             self._woken = self._wakes = -1
 
     def _wake(self) -> None:
-        """With the lock held: the pipe must not be closed meanwhile."""
+        """Wake the thread of the pool; the caller holds the lock, so that the pipe is not closed meanwhile."""
         if self._wakes >= 0:
             with contextlib.suppress(BlockingIOError):  # a full pipe wakes it too
                 os.write(self._wakes, b"x")
@@ -179,7 +179,7 @@ class SlotPool:
         self._watch_writes(slot)
 
     def _handle(self, slot: Slot, descriptor: int) -> None:
-        """One event of a slot: output, an answer, room to write, or its death."""
+        """Handle one event of a slot: output, an answer, room to write, or its death."""
         if descriptor == slot.logs:
             slot.read_output()
         elif descriptor == slot.writes:

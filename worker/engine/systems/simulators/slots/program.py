@@ -33,7 +33,7 @@ class Program:
     ids: bool = False
 
     def placed(self, slot: int) -> Program:
-        """The same for one slot."""
+        """The program for one slot."""
 
         def at(text: str) -> str:
             return text.replace("{slot}", str(slot))

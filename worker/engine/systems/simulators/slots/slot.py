@@ -174,7 +174,7 @@ class Slot:
         return pipe in self.ended
 
     def _chunks(self, descriptor: int) -> list[bytes]:
-        """What a pipe has now, 16 chunks at most."""
+        """The bytes that a pipe has now, 16 chunks at most."""
         found: list[bytes] = []
         with contextlib.suppress(BlockingIOError):
             while len(found) < 16:

@@ -39,7 +39,7 @@ def pytest_addoption(parser: pytest.Parser, pluginmanager: pytest.PytestPluginMa
 
 @pytest.hookimpl(trylast=True)
 def pytest_group_of(item: pytest.Item) -> str:
-    """By default."""
+    """The group of a test by default."""
     return item.nodeid.partition("::")[0]
 
 

@@ -206,7 +206,7 @@ class Campaign(Strict):
     @field_validator("uncertain")
     @classmethod
     def _in_order(cls, uncertain: dict[str, Uncertain]) -> dict[str, Uncertain]:
-        """The parameters by name, small letters first (m, J): axes of a search must not depend on the order in a file."""
+        """The parameters by name, small letters first (m, J): a search's axes must not depend on a file's order."""
         return dict(sorted(uncertain.items(), key=lambda item: item[0].swapcase()))
 
     @model_validator(mode="after")

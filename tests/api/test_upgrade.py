@@ -146,7 +146,7 @@ def test_every_page_reads_it(engine: sa.Engine, folder: Path) -> None:
     service.stop()
 
 
-def test_a_sign_off_of_the_same_results_still_stands(engine: sa.Engine, signed: str) -> None:
+def test_a_sign_off_of_the_same_results_stays_valid(engine: sa.Engine, signed: str) -> None:
     with read(engine) as reader:
         now = results_digest(reader, 1)
         held = dict(reader.execute(sa.select(Signoff.name, Signoff.digest)).all())

@@ -25,7 +25,7 @@ LONGEST = 300_000
 
 
 def verdicts(browser: Browser) -> dict[str, float]:
-    """Both times [s] on a service with one worker; the warm one is the median of several runs."""
+    """The cold and the warm time [s] on a service with one worker; the warm one is the median of several runs."""
     with tempfile.TemporaryDirectory() as folder:
         kernels = Path(folder, "kernels")
         kernels.mkdir()

@@ -108,7 +108,7 @@ def evaluations(task: Task) -> tuple[int, bool]:
 
 
 def summary(tasks: list[Task], spent: list[tuple[int, bool]]) -> dict[str, dict[str, dict[str, Any]]]:
-    """By method and function: seeds that succeeded and expected evaluations, None if none succeeded."""
+    """The seeds that succeeded and the expected evaluations, by method and function; None if none succeeded."""
     found: dict[str, dict[str, dict[str, Any]]] = {}
     for method in dict.fromkeys(t.method for t in tasks):
         found[method] = {}

@@ -142,7 +142,7 @@ def states(service: Service) -> dict[str, str]:
 
 
 def simulators(service: Service) -> list[Any]:
-    """Those of live workers."""
+    """The simulators of live workers."""
     with read(service.engine) as connection:
         return list(workers.simulators(connection))
 

@@ -88,7 +88,7 @@ def visit(service: Service, browser: Browser) -> Iterator[Visit]:
 
 @pytest.fixture(scope="module")
 def filled(service: Service) -> Service:
-    """The same service with a run that is cleared, one that is violated, one in work, one that waits, one removed."""
+    """The service with a run that is cleared, one that is violated, one running, one queued, one removed."""
     document = load_file(library()["unicycle_static"]).document()
     with service.signed_in() as client:
         submit(client, document, "Full box")

@@ -63,7 +63,7 @@ class OnUnitCube:
 
     @property
     def minimisers(self) -> Floats:
-        """Those inside the unit cube (k, n)."""
+        """The minimisers inside the unit cube (k, n)."""
         of = self.of
         points = (of.minimisers - of.low) / (of.high - of.low) + self.shift
         return points[((points >= 0.0) & (points <= 1.0)).all(axis=1)]

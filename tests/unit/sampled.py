@@ -25,7 +25,7 @@ PROBABILITY = 0.02
 
 
 def quantile(share: float) -> float:
-    """Of d, for shares below one half: u + v is at most s with probability s^2 / 2."""
+    """The quantile of d, for fractions below one half: u + v is at most s with probability s^2 / 2."""
     return THRESHOLD - 0.2 + float(np.sqrt(2 * share))
 
 

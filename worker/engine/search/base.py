@@ -151,7 +151,7 @@ AT_ONCE = 256
 
 
 def independently(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Floats | Several, Batch, list[str]]:
-    """Advance several searches in slots: each continues as soon as its own points have ended. Returns their sentences."""
+    """Advance several searches in slots: each continues once its own points have ended. Returns their sentences."""
     said = [""] * len(searches)
     wanted: dict[int, Floats] = {}
     begun = 0

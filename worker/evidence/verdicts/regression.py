@@ -62,7 +62,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
 def _known(
     problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, label: str | None, stands: bool
 ) -> FindingChange:
-    """A finding of the baseline; stands: whether it is the baseline's lowest one in the basin of the finding `label`."""
+    """A finding of the baseline; stands: whether it is the baseline's lowest one in the basin of `label`."""
     run, threshold = str(problem.campaign.baseline and problem.campaign.baseline.run), problem.threshold
     was = before.cost - threshold
     if again.cost is None:

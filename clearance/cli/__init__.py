@@ -37,7 +37,7 @@ class UnreachableError(Exception):
 
 
 class _Interrupted(Exception):
-    """Ctrl-C; the message states what it left behind, if the command has said so."""
+    """Ctrl-C; the message states what it left behind, if the command reported it."""
 
 
 class _Commands(TyperGroup):

@@ -86,7 +86,7 @@ def _cancelled(service: Client, run: str) -> str:
 
 
 def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun:
-    """The run as its files state it; a service of an earlier version knows no labels and no baseline."""
+    """The run as its files state it; an earlier version of the service has no labels and no baseline."""
     from campaigns.results import Verdict
 
     document, compared = found.document, found.baseline

@@ -23,7 +23,7 @@ Token = Annotated[
     str,
     typer.Option(
         "--token-file", metavar="FILE", show_default=False,
-        help="File that holds an API token; else the token is in CLEARANCE_TOKEN.",
+        help="File with an API token; default: the token in CLEARANCE_TOKEN.",
     ),
 ]  # fmt: skip
 PATIENCE = 120.0

@@ -25,7 +25,7 @@ CANNOT = (
 
 def verify_trail(
     noted: Annotated[
-        str, typer.Option("--head", metavar="NUMBER:HASH", help="A head noted earlier.", show_default=False)
+        str, typer.Option("--head", metavar="NUMBER:HASH", help="A head that was noted earlier.", show_default=False)
     ] = "",
     file: Annotated[
         Path | None,

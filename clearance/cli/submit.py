@@ -45,7 +45,7 @@ def submit(
     baseline: launch.Baseline = "",
     reuse: Annotated[
         bool,
-        typer.Option("--reuse", help="Take an earlier verdict on the same campaign by the same code, if there is one."),
+        typer.Option("--reuse", help="Reuse an earlier verdict of the same campaign and code, if there is one."),
     ] = False,
     junit: launch.Junit = None,
     summary: launch.Summary = None,

@@ -79,7 +79,7 @@ class VerdictParts(Answer):
 
 
 class Run(Answer):
-    """A run: where it stands, and its verdict once it is done."""
+    """A run: its state, and its verdict once it is done."""
 
     id: str
     """R-0001"""

@@ -9,7 +9,7 @@ Indices = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 NEAR = 25
-"""Rows kept on either side of a closest approach."""
+"""Rows on either side of a closest approach that are never left out."""
 
 
 def even(count: int, most: int) -> Indices:

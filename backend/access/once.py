@@ -44,7 +44,7 @@ class Once:
         """The answer of the work, or the stored answer of the first request.
 
         kind: the type of the answer. work: writes in the given transaction. made: names what was made, for sentences.
-        present: of a stored answer, what it is now, if that may say less than it did.
+        present: the present form of a stored answer, if that may contain less than the stored one.
         """
         answers: TypeAdapter[Answer] = TypeAdapter(kind)
         with self.engine.begin() as writer:

@@ -1,4 +1,4 @@
-"""What a run of a campaign usually takes: evaluations and time, and where both are known from. Start at `estimate`."""
+"""What a run of a campaign usually takes: evaluations and time, and where both are known from."""
 
 from __future__ import annotations
 

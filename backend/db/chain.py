@@ -49,7 +49,7 @@ def digest(row: Mapping[str, Any]) -> str:
 
 
 class Verified(NamedTuple):
-    """The outcome: sentences that say what is wrong with which row, and the head of the rows that were read."""
+    """The outcome: sentences on what is wrong with which row, and the head of the rows that were read."""
 
     faults: list[str]
     head: Head

@@ -1,4 +1,4 @@
-"""What an evaluation of a simulator took, as runs or `clearance check-simulator` measured it. Start at `newest`."""
+"""What an evaluation of a simulator took, as runs or `clearance check-simulator` measured it."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Reads and writes evaluations that were completed before an earlier one of their stage.
 
-The chunks contain a stage's evaluations without a gap; these wait beside them.
+The chunks contain a stage's evaluations without a gap; these wait next to them.
 """
 
 from __future__ import annotations

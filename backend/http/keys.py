@@ -27,9 +27,9 @@ Key = Annotated[
     ),
 ]
 KEPT = 50
-"""Answers that are kept for a user, so that no user fills the disk; the keys themselves stay."""
+"""Answers that are stored for a user, so that no user fills the disk; the keys themselves stay."""
 LARGEST = 1_000_000
-"""Bytes of an answer that is kept, compressed."""
+"""Bytes of an answer that is stored, compressed."""
 
 
 @dataclass(frozen=True)

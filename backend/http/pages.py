@@ -24,7 +24,7 @@ FONTS = {
     "assets/inter.woff2": "inter-latin-wght-normal-*.woff2",
     "assets/mono.woff2": "jetbrains-mono-latin-wght-normal-*.woff2",
 }
-"""Addresses of the built fonts for the plain pages, which do not know the hashes in their names."""
+"""Addresses of the built fonts for the plain pages, whose names contain hashes."""
 _STYLE = (
     '@font-face{font-family:Inter;src:url(ROOT/assets/inter.woff2) format("woff2");'
     "font-weight:100 900;font-display:swap}"

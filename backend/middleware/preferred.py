@@ -114,7 +114,7 @@ def _described(operation: Mapping[str, Any]) -> dict[str, Any] | None:
 
 
 def with_times(value: Any, schema: Mapping[str, Any], known: Mapping[str, Any], name: str = "") -> Any:
-    """The value with times as text; schema: what the document says of it; name: of the field that it is."""
+    """The value with times as text; schema: its description in the document; name: of the field that it is."""
     if "$ref" in schema:
         schema = known[schema["$ref"].rsplit("/", 1)[-1]]
     options = schema.get("anyOf") or schema.get("oneOf")

@@ -58,7 +58,7 @@ async def begin(request: Request, next: str = "") -> Response:  # noqa: A002
 
 @router.get(RETURN)
 async def finish(request: Request, engine: Engine) -> Response:
-    """Accept the provider's answer: open a session, or say why not."""
+    """Accept the provider's answer: open a session, or give the reason for refusing."""
     provider, browser = _provider(request), browser_of(request)
     try:
         if provider is None:

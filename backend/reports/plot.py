@@ -93,7 +93,7 @@ class Axes:
     def text(
         self, x: float, y: float, words: object, anchor: str = "middle", colour: str = INK3, weight: int = 400
     ) -> None:
-        """Text at a position [px], with a white outline that keeps it readable on lines."""
+        """Text at a position [px], with a white outline, so that it is readable on lines."""
         form = (
             '<text x="{:.1f}" y="{:.1f}" text-anchor="{}" fill="{}" font-weight="{}" paint-order="stroke" '
             'stroke="#fff" stroke-width="3" stroke-linejoin="round">{}</text>'

@@ -133,7 +133,7 @@ def similar(reader: sa.Connection, ids: Sequence[str], every: sa.CompoundSelect[
 
 
 def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
-    """What a reader of the status must know besides: exports have it as well."""
+    """Further notes for a reader of the status: exports have them as well."""
     if ignored.violated:
         runs = ", ".join(run_name(run_id) for run_id in ignored.violated[:MOST_NAMED])
         rest = len(ignored.violated) - MOST_NAMED

@@ -1,6 +1,6 @@
 """The argument as YAML in Goal Structuring Notation, in the form of gsn2x 4.
 
-Only evidence that stands is a solution: cleared, signed off, unchanged. What is not yet evidence is a context of an
+Only valid evidence is a solution: cleared, signed off, unchanged. What is not yet evidence is a context of an
 undeveloped goal; a violation is a counter-solution that defeats the goal of its requirement, which nothing supports.
 Sources: GSN Community Standard 3 (SCSC-141C), with its dialectic extension; gsn2x, "Syntax in YAML". Read `argument`.
 """

@@ -29,7 +29,7 @@ def reason(reader: sa.Connection, run_id: int) -> str | None:
 def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, str]:
     """Why runs have not started: one sentence for each of them that is queued.
 
-    Times in it are rounded, so that a page that is told of every change is not told every second.
+    Times in it are rounded, so that a page that receives every change does not receive one every second.
     """
     asked = sa.select(Run.id, Run.needs, Run.not_before).where(Run.id.in_(run_ids), Run.state == "queued")
     queued = reader.execute(asked).all()

@@ -1,6 +1,6 @@
 """Wrong login links and invitations in the audit trail: a bounded number of rows, each with the number of attempts.
 
-They come from clients that nobody has authenticated: neither may they fill the disk, nor wait for other writers. The
+They come from unauthenticated clients: neither may they fill the disk, nor wait for other writers. The
 codes are not recorded.
 """
 

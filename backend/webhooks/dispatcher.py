@@ -68,7 +68,7 @@ class Dispatcher:
                     await self._apart(partial(box.record, message, sent))
                     if sent.error is not None:
                         _log.warning("webhook %s, attempt %d: %s", message.id, message.attempt, sent.error)
-            except Exception:  # the task must survive: without it nothing would be sent, and nothing would say so
+            except Exception:  # the task must survive: without it no message would be sent, without any error
                 _log.exception("the webhook of %s could not be served; trying again", target.origin)
             await asyncio.sleep(PERIOD)
 

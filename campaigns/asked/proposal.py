@@ -42,7 +42,7 @@ class Budget:
 class Proposal:
     """Searches, the time that they take in all [s], and the sentence that says why these; without searches: why none.
 
-    note: what else to know of them, the end of the sentence. The other stages of a run, such as certify and validate,
+    note: further information on them, the end of the sentence. The other stages of a run, such as certify and validate,
     take evaluations in addition.
     """
 

@@ -1,4 +1,4 @@
-"""The 3D view that a simulator declares: which columns of its trace are positions of what, and what stands still.
+"""The 3D view that a simulator declares: which columns of its trace are positions of what, and what does not move.
 
 Stored with each trace, so that a view needs nothing else.
 """

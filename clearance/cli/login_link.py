@@ -49,7 +49,7 @@ def login_link(
 
 
 def _found() -> Path:
-    """The data folder of the only service that runs, else the one in this folder; the message states where it searched."""
+    """The data folder of the only service that runs, else the one in this folder; an error names where it searched."""
     here, running = DATA.absolute(), services()
     if any(Path(service.data) == here for service in running):
         return DATA

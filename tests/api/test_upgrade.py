@@ -1,7 +1,7 @@
 """Runs stored by an earlier version: after the migration all their results are readable everywhere.
 
 `stored/revision-0009.sqlite3.gz` was written by the code of that revision: case 1 with a step of 0.01 s, two searches,
-certify, Morris and Sobol; R-0001 is violated, R-0002 inconclusive. Start at `test_findings_hold_their_evidence`.
+certify, Morris and Sobol; R-0001 is violated, R-0002 inconclusive.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Criteria other than separation against closed forms for known motions, and against traces.
 
-A vehicle made for this drifts along a straight line, and rolls and pulls as its parameters say. Start at `flown`.
+A vehicle made for this drifts along a straight line, and rolls and pulls as its parameters say.
 """
 
 from __future__ import annotations

@@ -152,7 +152,7 @@ class _Child:
         self._numbers = itertools.count(1)
         self._asked: dict[int, _Asked] = {}
         self._left: set[int] = set()
-        """Requests that were given up while the process started; it answers them nevertheless."""
+        """Requests that timed out while the process started; it answers them nevertheless."""
         self._ready = False
         self._begun = self._heard = time.monotonic()
         self._lock = threading.Lock()

@@ -69,7 +69,7 @@ class Recordings:
     async def page(
         self, run_id: int, flight: str, dark: bool = False, known: str = "", gone: Gone | None = None
     ) -> Recorded | str:
-        """The page of a flight, "F1" or "nominal"; only its tag if the client knows it.
+        """The page of a flight, "F1" or "nominal"; only its tag if the client has it.
 
         404 if there is no such run or stored flight; 503 if too many are being created. gone: as in `Capacity.run`.
         """

@@ -20,7 +20,7 @@ from worker.engine.kernels.bind import Function, identity, plain, rebuilt
 
 LARGE = 1e300
 KEPT = 256
-"""How many samples of noise are kept: a sample is drawn again for every slope of its period."""
+"""How many samples of noise are stored: a sample is drawn again for every slope of its period."""
 
 
 def floor(x: Any) -> Any:

@@ -32,7 +32,7 @@ class Batch(NamedTuple):
 class Several:
     """A request of several groups of points at once, each by its number; the batch of one group is received.
 
-    The others go on: the next request adds further groups, or none. `answered` is the number of the received group,
+    The others continue: the next request adds further groups, or none. `answered` is the number of the received group,
     which is the first of those begun to be complete. Only for a `Space` with slots.
     """
 

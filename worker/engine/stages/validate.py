@@ -227,7 +227,7 @@ def _curves(context: Context, named: Sequence[Finding]) -> Iterator[Curve]:
 
 
 def _agreement(words: Words, cases: Sequence[Validation]) -> tuple[bool, Said]:
-    """Whether all cases are validated, and the sentence that says so."""
+    """Whether all cases are validated, and the sentence that states so."""
     wrong = [c.name for c in cases if not c.ok]
     apart = [c.name for c in cases if c.violates and not c.agrees]
     agreed = [c.name for c in cases if c.agrees]

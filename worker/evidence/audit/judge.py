@@ -27,7 +27,7 @@ from worker.evidence.audit.regression import evaluated, regression
 AT_MOST, SPOT_CHECKS = 200, 200
 """The numbers of stored violations and of random evaluations that a run simulates again."""
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
-"""Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
+"""Words in the first sentence of these verdicts; any other states that nothing may be claimed."""
 SEARCHED = {"global": 25, "local": 3}
 """By the kind of methods that can agree: the fewest evaluations per parameter that count as a search."""
 BESIDE = ("outside", "lowest", "mean")

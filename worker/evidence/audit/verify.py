@@ -49,7 +49,7 @@ def counts(run: Run, here: Any) -> dict[str, Any]:
 
 
 def verify(run: Run) -> tuple[bool, list[str]]:
-    """Whether the verdict follows, and the sentence that says so, or every disagreement in a sentence."""
+    """Whether the verdict follows, and the sentence that states so, or every disagreement in a sentence."""
     wrong, unknown = list[str](), dict[str, None]()
     for rule in (evaluations, findings, cases, statistics, verdict):
         try:
@@ -65,7 +65,7 @@ def verify(run: Run) -> tuple[bool, list[str]]:
 
 
 def same(stated: Any, found: Any) -> bool:
-    """Equal, numbers but for rounding; NaN is a value that there is not, stated as null."""
+    """Equal, numbers up to rounding; NaN is a missing value, stated as null."""
     if isinstance(found, float | int) and isinstance(stated, float | int):
         return math.isclose(stated, found, rel_tol=1e-9, abs_tol=1e-15)
     return bool(stated == (found if found == found else None))

@@ -24,7 +24,7 @@ from worker.evidence.verdicts.evidence import Evidence
 
 ORDER = list(Standing)
 IS = {Standing.SAME: "the same"}
-"""A standing as it is said of a finding, where it is not the word itself."""
+"""A standing in the words of a sentence, where it is not the word itself."""
 NAMED = 3
 """Findings that the sentence names."""
 
@@ -36,7 +36,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
         return None
     policy, matched = problem.campaign.regression, evidence.validation.since
     rows = list(zip(baseline.cases, result.cases, matched, strict=True))
-    # Of several findings of the baseline in one basin, the lowest one stands for it.
+    # Of several findings of the baseline in one basin, the lowest one represents it.
     lowest: dict[str | None, float] = {}
     for case, _, label in rows:
         lowest[label] = min(case.cost, lowest.get(label, case.cost))

@@ -40,7 +40,7 @@ OBSTACLES = {2: "circle", 3: "sphere"}
 
 
 class NoParameters(NamedTuple):
-    """Of the stand-in controller."""
+    """The parameters of the stand-in controller, of which it has none."""
 
 
 @kernel

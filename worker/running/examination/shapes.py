@@ -12,7 +12,7 @@ from worker.engine.kernels.views import Body, Body3, Errors, Seen, Sight, Surrou
 
 @dataclass(frozen=True)
 class Number:
-    """One number; finite unless it says otherwise."""
+    """One number; finite unless stated otherwise."""
 
     text: str = "a number"
 

@@ -45,7 +45,7 @@ from worker.running.processes import memory
 heap.loaded()
 
 PROBLEMS = 16
-"""Number of problems kept in memory; the least recently used one is dropped."""
+"""Number of problems in memory; the least recently used one is dropped."""
 
 ROWS = 400
 MOST_DRAWS = 2**53

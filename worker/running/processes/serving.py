@@ -26,7 +26,7 @@ STEADY = 60.0
 """A process that ran at least this long before it died is restarted without delay [s]."""
 
 LARGEST_LOG = 10_000_000
-"""A log larger than this is replaced by a new one; the previous log is kept as .old.log [bytes]."""
+"""A log larger than this is replaced by a new one; the previous log is renamed to .old.log [bytes]."""
 
 
 WARNING = "WARNING clearance: "

@@ -44,7 +44,7 @@ def meaning(content: bytes) -> str:
 
 
 def _tokens(node: Any, tokens: list[str]) -> None:
-    """A syntax tree without positions, comments and strings that stand alone; the same in every version of Python."""
+    """A syntax tree without positions, comments and loose strings; the same in every version of Python."""
     if isinstance(node, ast.AST):
         tokens.append(type(node).__name__)
         for name in node._fields:

@@ -59,7 +59,7 @@ NARROW = 0.05
 LATELY = 6
 """Evaluations per parameter over which the improvement of a descent is measured."""
 SETTLED = 1e-5
-"""An improvement by less than this fraction of the spread of the costs is none."""
+"""An improvement by less than this fraction of the spread of the costs does not count."""
 BEHIND = Ended("converged", "it would not come below the lowest cost found")
 AROUND = 2.0
 """Radius, in deviations of a first generation, within which earlier evaluations enter a new model."""

@@ -104,7 +104,7 @@ def search(context: Context, position: int, found: Found) -> Search:
 def settle(context: Context, position: int, found: Found) -> bool:
     """Make the lowest stored evaluation the worst case if the budget ended too early; returns whether that was needed.
 
-    Of the basins not yet distinguished, the lowest are kept, as many as the campaign retains.
+    Of the basins not yet distinguished, the lowest are stored, as many as the campaign retains.
     """
     lower = _lower(context, position, found, settled=True)
     if lower is not None:

@@ -20,7 +20,7 @@ from worker.engine.search.methods import direct
 from worker.engine.stages.parts.store import Columns
 
 DIVIDE = {"direct": direct.divided, "direct_l": partial(direct.divided, biased=True)}
-"""The methods that keep rectangles."""
+"""The methods that divide the box into rectangles."""
 
 DIGITS = 12
 """Decimals by which centres are distinguished, enough for sides of 3^-24."""

@@ -46,7 +46,7 @@ def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold:
 
 
 def agreement(validated: Sequence[Validation]) -> tuple[bool, Said]:
-    """Whether all cases are validated, and the sentence that says what their calls show."""
+    """Whether all cases are validated, and the sentence on what their calls show."""
     parts = [say(case(v.name), " ", v.repeats.said) for v in validated if v.repeats is not None]
     of = say("in independent calls, each in a fresh process, ", joined(", ", parts))
     unknown = [case(v.name) for v in validated if not v.ok]

@@ -55,7 +55,7 @@ class SlotDriver(Driver):
         super()._store(columns, ahead)
 
     def _first_of(self, request: Several) -> tuple[Batch, bool]:
-        """The batch of the group that is complete first; the other groups go on."""
+        """The batch of the group that is complete first; the other groups continue."""
         for number, points in request.groups:
             self.groups[number], spent = self._indices(points, None)
             if spent:

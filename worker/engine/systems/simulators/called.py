@@ -131,7 +131,7 @@ class Called(Simulated):
         return found
 
     def _combined(self, calls: Sequence[Evaluated]) -> Evaluated:
-        """The calls of one evaluation as one: of the worst call all results, else each result by itself.
+        """The calls of one evaluation as one: of the worst call all results, else each result on its own.
 
         The reason is that of the first call that failed, or that succeeded only when tried again.
         """

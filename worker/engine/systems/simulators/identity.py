@@ -41,7 +41,7 @@ class _Reader:
         self.sink = hashlib.sha256()
         self.unknown = ""
         self.seen: dict[int, Any] = {}
-        """By id, and held, so that no id is used twice."""
+        """Objects by id, referred to here so that no id is used twice."""
 
     def put(self, *parts: object) -> None:
         for part in parts:

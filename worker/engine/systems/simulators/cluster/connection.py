@@ -38,7 +38,7 @@ task that follows the release of a result: one evaluation at a time took twice a
 CONFIGURED = {
     # A worker takes no task ahead: it would wait behind a long one while another worker is idle.
     "distributed.scheduler.worker-saturation": 1.0,
-    # `pool` counts the deaths: the scheduler cannot tell the evaluation at fault from others of its task.
+    # `pool` counts the deaths: the scheduler cannot distinguish the evaluation at fault from others of its task.
     "distributed.scheduler.allowed-failures": 0,
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
@@ -49,7 +49,7 @@ CONFIGURED = {
 class Connection:
     """A client of a cluster in an event loop of its own; `acquire` returns it.
 
-    changed: called in the loop whenever the number of threads has changed; lost: when the cluster is given up.
+    changed: called in the loop whenever the number of threads has changed; lost: when the cluster counts as lost.
     """
 
     def __init__(self, evaluator: Evaluator) -> None:

@@ -87,7 +87,7 @@ class DaskPool:
         return self._connection.evaluator.slots or max(1, self._connection.threads)
 
     def submit(self, request: Request) -> Future[Outcome]:
-        """Queue one evaluation; raises RuntimeError once closed, `EvaluatorLost` once the cluster was given up."""
+        """Queue one evaluation; raises RuntimeError once closed, `EvaluatorLost` once the cluster counts as lost."""
         future: Future[Outcome] = Future()
         with self._lock:
             if self._failure is not None:
@@ -163,7 +163,7 @@ class DaskPool:
         except Exception as error:
             self._again(batch)
             if client is not None and self._connection.connected is not client:
-                return  # whatever it says, the connection was lost
+                return  # whatever the error, the connection was lost
             self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.given}: {_said(error)}"))
         else:
             self._deliver(batch, done)

@@ -182,7 +182,7 @@ LARGEST = 200_000
 """The largest descriptor that is read [bytes]."""
 
 LONGEST = 400
-"""Characters of what a reader of YAML said."""
+"""Characters of a message of the reader of YAML."""
 
 
 def read(folder: Path) -> Described:

@@ -231,7 +231,7 @@ class SlotPool:
         return f"it wrote {len(messages)} JSON objects in answer to {asked} {'request' if asked == 1 else 'requests'}"
 
     def _fail_next(self) -> None:
-        """An answer too many is seen only while nothing waits: what waits next fails, so that it is reported."""
+        """A surplus answer is noticed only while no request waits: the next request fails, so that it is reported."""
         with self._lock:
             job = self._waiting.popleft() if self._waiting else None
         if job is not None:
@@ -259,7 +259,7 @@ class SlotPool:
         self._finish(job, outcome)
 
     def _replace(self, slot: Slot, why: str) -> None:
-        """A new process for this one; the evaluation at fault is answered, those behind it go back to the front."""
+        """Replace the process; the evaluation at fault is answered, those behind it return to the head of the queue."""
         if why == "late":
             slot.where_it_hangs()
         self._unregister(slot)

@@ -242,7 +242,7 @@ class Trace(Base):
     name: orm.Mapped[str] = orm.mapped_column(sa.String(12), primary_key=True)
     """nominal, F1, F2, ..."""
     columns: orm.Mapped[list[Any]]
-    """[{name, symbol, unit, group}] in the order of the columns; the groups are listed in `campaigns.trace`."""
+    """[{name, symbol, unit, group}] in the order of the columns; the groups are listed in `campaigns.results.trace`."""
     rows: orm.Mapped[int]
     data: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """float64, (rows, columns)."""

@@ -272,11 +272,11 @@ class System(ABC):
         """
 
     def fresh(self) -> System:
-        """The same system without any state of earlier evaluations, which the caller closes; itself if it has none."""
+        """The system without any state of earlier evaluations, which the caller closes; itself if it has no state."""
         return self
 
     def single(self) -> System:
-        """The same system with one call for each evaluation; itself if that is what it does."""
+        """The system with one call for each evaluation; itself if it already works so."""
         return self
 
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:

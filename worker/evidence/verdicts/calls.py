@@ -54,7 +54,7 @@ def stated(problem: Problem, checks: list[Check]) -> list[Said]:
 
 
 def repeated(problem: Problem, violation: Finding) -> Said:
-    """In how many of its independent calls a finding violates, as a sentence; empty for a system that repeats."""
+    """How many of the independent calls of a finding violate, as a sentence; empty for a system that repeats."""
     repeats = None if violation.validation is None else violation.validation.repeats
     if repeats is None:
         return ()

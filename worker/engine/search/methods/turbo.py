@@ -134,7 +134,7 @@ def _chosen(
 
 
 def lowest_of(samples: Floats, labels: Floats | None) -> NDArray[np.intp]:
-    """For each sample (q, p) the candidate with the lowest cost among those that succeed by the labels drawn with it.
+    """The candidate of each sample (q, p) with the lowest cost among those that succeed by the labels drawn with it.
 
     Where none succeeds, the one with the lowest label. No candidate is chosen twice.
     """

@@ -59,8 +59,8 @@ def violating(context: Context, nominal: Validation, best: Sequence[Incumbent]) 
 
 
 def confirmed(context: Context, also: Sequence[Confirmed]) -> list[Confirmed]:
-    """Of stored violations that one independent call confirmed, the lowest that further calls, by which it was not
-    chosen, confirm."""
+    """The lowest stored violation that one independent call confirmed, if further calls, by which it was not chosen,
+    confirm it, too."""
     for stored, _ in also[:AT_MOST]:
         (validation,) = repeated.cases(context, [(stored.case.name, stored.point, stored.cost)])
         if validation.violates:

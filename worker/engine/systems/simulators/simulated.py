@@ -53,11 +53,11 @@ class Simulated(System):
         return {p.path: float(v) for p, v in zip(self.parameters, vector[: len(self.parameters)], strict=True)}
 
     def fresh(self) -> System:
-        """The same simulator, without any state of earlier evaluations."""
+        """The simulator without any state of earlier evaluations."""
         return type(self)(self.entry, self.opening)
 
     def halved(self) -> Simulated | None:
-        """The same simulator at half its step, which the caller closes; None without a step."""
+        """The simulator with its step halved, which the caller closes; None without a step."""
         return None
 
     @property

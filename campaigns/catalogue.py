@@ -13,6 +13,7 @@ from pydantic import ConfigDict, Field
 from campaigns.documented import Documented
 from campaigns.documents import JsonObject
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
+from campaigns.versions import CodeParts
 
 Kind = Literal["component", "method", "simulator"]
 """What another package or the operator may add."""
@@ -194,6 +195,10 @@ class Catalogue(Entry):
     """Of the files of simulators, by name, when this was published; not in snapshots, and omitted if empty."""
     own: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)] = {}
     """Of the files of the operator's own components, by file, when this was published; not in snapshots."""
+    code: Annotated[CodeParts | None, Field(exclude_if=lambda given: given is None, json_schema_extra=_no_default)] = (
+        None
+    )
+    """Of the code, by part, when this was published; not in snapshots."""
     unusable: Annotated[
         list[UnusableEntry], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)
     ] = []

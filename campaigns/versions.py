@@ -20,12 +20,30 @@ MOST = 3
 
 @dataclass(frozen=True)
 class Code:
-    """The code of an installation that can change a number, without comments and docstrings."""
+    """The code of an installation that can change a number of a run, without comments and docstrings."""
 
     digest: str
     """SHA-256 over the digests of the modules, 64 hexadecimal digits."""
     modules: dict[str, str]
     """The digest of each module by its name."""
+
+
+class OtherCode(ValueError):
+    """The run was begun by other code, packages or components; the message states the differences as clauses."""
+
+
+class CodeParts(BaseModel):
+    """The digests of an installation's code by part, each with everything that it imports, without documentation."""
+
+    model_config = ConfigDict(frozen=True)
+    systems: dict[str, str]
+    """By kind: see `campaigns.identity`."""
+    stages: dict[str, str]
+    methods: dict[str, str]
+    components: dict[str, str]
+    """By role and name: "vehicle unicycle"."""
+    simulators: dict[str, str] = {}
+    """Of other packages, by name."""
 
 
 class Processor(BaseModel):
@@ -43,7 +61,9 @@ class Versions(BaseModel):
 
     model_config = ConfigDict(frozen=True)
     code: str | None = None
-    """Digest of the sources of components, search methods and stages, without comments and docstrings."""
+    """Digest of the engine and of the parts of it that the campaign uses; see `campaigns.identity`."""
+    model: str | None = None
+    """The same without stages and search methods: what evaluates a case. None: not stored by earlier versions."""
     loop: str | None = None
     """Digest of the compiled closed loop: every function and constant in it, by value."""
     packages: dict[str, str] = {}

@@ -7,15 +7,13 @@ simulates them again and compares; it also fails when a campaign or the code of 
 
 from __future__ import annotations
 
-from worker.running.runs import sources  # first: it records the files before they are loaded
+from worker.running.runs import identity
 
 # isort: split
-import ast
 import hashlib
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from functools import cache
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -110,36 +108,11 @@ def code_of(flights: Flights) -> str:
         return kernel
 
     rebuilt(flights.loop.filled_template(), {}, note)
-    known = sources.code().modules
+    known = identity.loaded()
     wanted = [name for name in known if name in reached or name.startswith(f"{LOOP}.")]
-    whole = "".join(f"{name}:{known[name]};" for name in sorted(_closure(wanted)))
+    modules = sorted(name for name in identity.closure(wanted).modules if name.startswith(PARTS))
+    whole = "".join(f"{name}:{known[name].digest};" for name in modules)
     return hashlib.sha256(whole.encode()).hexdigest()[:16]
-
-
-def _closure(names: Iterable[str]) -> set[str]:
-    """The modules and those that they import, directly or not."""
-    found, waiting = set[str](), list(names)
-    while waiting:
-        name = waiting.pop()
-        if name not in found:
-            found.add(name)
-            waiting += _imported(name)
-    return found
-
-
-@cache
-def _imported(name: str) -> tuple[str, ...]:
-    return tuple(_imports(name))
-
-
-def _imports(name: str) -> Iterator[str]:
-    for node in ast.walk(ast.parse(sources.LOADED.files[name])):
-        asked: list[str] = []
-        if isinstance(node, ast.Import):
-            asked = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            asked = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-        yield from (one for one in asked if one.startswith(PARTS) and one in sources.LOADED.files)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The code digests of installations, by module; stored once for all runs of the same code."""
+"""The code digests of runs and installations, by module; stored once for all runs of the same code."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sqlalchemy as sa
 
 from backend.db.engine import insert, now
 from backend.db.tables import CatalogueDocument, CodeVersion
-from campaigns.versions import Code, Versions, differences, differing
+from campaigns.versions import Code, CodeParts
 
 
 def store(writer: sa.Connection, code: Code) -> None:
@@ -16,8 +16,14 @@ def store(writer: sa.Connection, code: Code) -> None:
 
 
 def published(reader: sa.Connection) -> str | None:
-    """The code digest of the newest worker; None if no worker has published one."""
-    return reader.scalar(sa.select(CatalogueDocument.code).order_by(CatalogueDocument.published.desc()).limit(1))
+    """The digest of all code of the newest worker; None if no worker has published one."""
+    return reader.scalar(sa.select(CatalogueDocument.code))
+
+
+def installed(reader: sa.Connection) -> CodeParts | None:
+    """The code of the newest worker by part; None if no worker has published it."""
+    found = (reader.scalar(sa.select(CatalogueDocument.document)) or {}).get("code")
+    return None if found is None else CodeParts.model_validate(found)
 
 
 def modules(reader: sa.Connection, digest: str | None) -> dict[str, str]:
@@ -25,13 +31,7 @@ def modules(reader: sa.Connection, digest: str | None) -> dict[str, str]:
     return reader.scalar(sa.select(CodeVersion.modules).where(CodeVersion.digest == digest)) or {}
 
 
-def changed(reader: sa.Connection, then: str | None, now: str | None) -> list[str]:
-    """The modules that differ between two codes; empty unless both are stored."""
-    before, after = modules(reader, then), modules(reader, now)
-    return differing(before, after) if before and after else []
-
-
-def others(reader: sa.Connection, then: Versions, here: Versions, code: Code) -> list[str]:
-    """The differences between the installation that ran a run and this one, as clauses."""
-    before = modules(reader, then.code)
-    return differences(then, here, differing(before, code.modules) if before else [])
+def changed(reader: sa.Connection, then: str | None) -> list[str]:
+    """The modules of a run's code that are others or gone at the newest worker; empty unless both are stored."""
+    before, after = modules(reader, then), modules(reader, published(reader))
+    return sorted(name for name, digest in before.items() if after.get(name) != digest) if after else []

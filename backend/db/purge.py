@@ -23,6 +23,7 @@ from backend.db.tables import (
     Run,
     RunBaseline,
     RunLabel,
+    RunRefusal,
     RunSources,
     RunText,
     Signoff,
@@ -83,6 +84,8 @@ def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
             RunText,
             RunSources,
             RunLabel,
+            RunRefusal,
+            RunRefusal,
             RunBaseline,
         ):
             writer.execute(sa.delete(table).where(table.run_id == run_id))

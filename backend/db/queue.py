@@ -14,7 +14,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db import labels, requirements, sizes, snapshots
+from backend.db import labels, refusals, requirements, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
@@ -124,16 +124,17 @@ class Queue:
     def __init__(self, engine: sa.Engine, lease: float = LEASE) -> None:
         self.engine, self.lease = engine, lease
 
-    def claim(self, worker: str, simulators: Sequence[str] = ()) -> Claim | None:
-        """Claim the next run under a new fence; None if there is none for a worker with these simulators.
+    def claim(self, worker: str, simulators: Sequence[str] = (), installation: str = "") -> Claim | None:
+        """Claim the next run under a new fence; None if there is none for a worker with these simulators and this code.
 
         Order: priority, then the owner with the fewest active runs, then age. Runs that cannot be retried (cancelled
         while their worker was gone, or out of attempts) are ended on the way.
         """
-        while self._any_ready(simulators):
+        able = _able(simulators, installation)
+        while self._any_ready(able):
             with self.engine.begin() as connection:
                 at = now(connection)
-                row = connection.execute(self._next(at, simulators)).first()
+                row = connection.execute(self._next(at, able)).first()
                 if row is None:
                     return None
                 if not self._ended(connection, row, at):
@@ -173,11 +174,13 @@ class Queue:
     def give_back(self, claim: Claim) -> None:
         """Release the run on an orderly shutdown of the worker; this attempt does not count."""
         with self.engine.begin() as connection:
-            row = _locked(connection, claim)
-            if row.state == "cancelling":
-                return self._end(connection, claim, "cancelled")
-            free = {"state": "queued", "lease_until": 0.0, "not_before": 0.0, "attempts": max(0, row.attempts - 1)}
-            return fenced(connection, claim, **free)
+            self._release(connection, claim)
+
+    def refuse(self, claim: Claim, installation: str, text: str) -> None:
+        """Return a run that other code began to the queue, for a worker of another installation; no attempt counts."""
+        with self.engine.begin() as connection:
+            self._release(connection, claim)
+            refusals.store(connection, claim.run_id, installation, text)
 
     def fail(self, claim: Claim, why: str) -> None:
         """End the run as failed with the reason `why`; there is no further attempt."""
@@ -189,20 +192,27 @@ class Queue:
         with self.engine.begin() as connection:
             self._end(connection, claim, "cancelled")
 
+    def _release(self, connection: sa.Connection, claim: Claim) -> None:
+        row = _locked(connection, claim)
+        if row.state == "cancelling":
+            return self._end(connection, claim, "cancelled")
+        free = {"state": "queued", "lease_until": 0.0, "not_before": 0.0, "attempts": max(0, row.attempts - 1)}
+        return fenced(connection, claim, **free)
+
     def _end(self, connection: sa.Connection, claim: Claim, state: str, error: str | None = None) -> None:
         error = error and error[:LONGEST_ERROR]
         fenced(connection, claim, state=state, finished=now(connection), lease_until=0.0, error=error)
 
-    def _any_ready(self, simulators: Sequence[str]) -> bool:
+    def _any_ready(self, able: sa.ColumnElement[bool]) -> bool:
         """Checked before claiming, so that an idle worker never writes."""
         with read(self.engine) as connection:
-            found = sa.select(Run.id).where(_ready(now(connection)), _able(simulators)).limit(1)
+            found = sa.select(Run.id).where(_ready(now(connection)), able).limit(1)
             return connection.scalar(found) is not None
 
-    def _next(self, at: float, simulators: Sequence[str]) -> sa.Executable:
+    def _next(self, at: float, able: sa.ColumnElement[bool]) -> sa.Executable:
         return (
             sa.select(*_CLAIMED)
-            .where(_ready(at), _able(simulators))
+            .where(_ready(at), able)
             .order_by(*_order(at))
             .limit(1)
             .with_for_update(skip_locked=True, of=Run)
@@ -259,9 +269,10 @@ def _ready(at: float) -> sa.ColumnElement[bool]:
     )
 
 
-def _able(simulators: Sequence[str]) -> sa.ColumnElement[bool]:
-    """Whether a worker with these simulators may claim a run; any worker may end one that is being cancelled."""
-    return sa.or_(Run.needs.is_(None), Run.needs.in_(simulators), Run.state == "cancelling")
+def _able(simulators: Sequence[str], installation: str) -> sa.ColumnElement[bool]:
+    """Whether a worker with these simulators and this code may claim a run; any may end one that is being cancelled."""
+    has = sa.or_(Run.needs.is_(None), Run.needs.in_(simulators))
+    return sa.or_(sa.and_(has, ~refusals.by(installation)), Run.state == "cancelling")
 
 
 def _needed(campaign: Campaign, catalogue: Catalogue | None) -> str | None:

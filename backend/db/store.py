@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db import codes, evaluations_ahead, sizes, snapshots, sources
+from backend.db import codes, continuation, evaluations_ahead, sizes, snapshots, sources
 from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
@@ -27,20 +27,12 @@ from campaigns.checked.snapshot import values_changed
 from campaigns.documents import JsonObject
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
-from campaigns.runs import run_name
-from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord, Trace, join
-from campaigns.versions import Code, Versions, other_code
+from campaigns.runs import StageState
+from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord, Trace, join
+from campaigns.versions import Code, OtherCode, Versions, differences, differing
 
 PATIENCE = 120.0
 """How long a write is retried while the database is unreachable or locked [s]."""
-
-
-class OtherComponents(ValueError):
-    """The run was started with components that differ from this installation's."""
-
-
-class OtherCode(ValueError):
-    """The run was started by other code or packages, whose results may differ from this installation's."""
 
 
 class RunStore:
@@ -51,11 +43,25 @@ class RunStore:
         self._run = claim.run_id
 
     def describe(self, campaign: Campaign, catalogue: Catalogue) -> None:
-        """Store the component descriptions of this installation; raises `OtherComponents` if the run used others.
+        """Store the component descriptions of this installation; raises `OtherCode` if the run used others.
 
         The catalogue at submission may have been published by another worker.
         """
         self._write(lambda connection: self._describe(connection, campaign, catalogue))
+
+    def begun(self) -> Begun | None:
+        """What began the run; None if nothing has been evaluated."""
+        with read(self.engine) as connection:
+            return self._begun(connection) if self._has_begun(connection) else None
+
+    def cited(self) -> Cited | None:
+        """The run whose evaluations this one begins with; None if it begins without any, or has begun."""
+        with read(self.engine) as connection:
+            row = connection.execute(sa.select(Run.carries, Run.continues).where(Run.id == self._run)).one()
+            if not row.carries or row.continues is None or self._has_begun(connection):
+                return None
+            found = continuation.evaluations(connection, row.continues)
+            return Cited(self._begun(connection, row.continues), continuation.stages(connection, row.continues), found)
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
         """Store the plan of a new run; returns every stage in its current state."""
@@ -165,20 +171,26 @@ class RunStore:
         others = [] if snapshot is None else values_changed(campaign, snapshot, catalogue)
         if others:
             detail = "; ".join(others)
-            raise OtherComponents(
-                f"it was started with components that differ from this worker's ({detail}): submit it again"
-            )
+            raise OtherCode(detail)
 
     def _check_code(self, connection: sa.Connection, versions: Versions, code: Code) -> None:
-        begun = (Stage.run_id == self._run, sa.or_(Stage.state != "waiting", Stage.evaluations > 0))
-        if connection.scalar(sa.select(Stage.position).where(*begun).limit(1)) is None:
+        if not self._has_begun(connection):
             codes.store(connection, code)
             fenced(connection, self.claim, flown=versions.model_dump(mode="json"))
             return
-        stored = connection.scalar(sa.select(Run.flown).where(Run.id == self._run))
-        others = codes.others(connection, Versions.of(stored), versions, code)
+        begun = self._begun(connection)
+        others = differences(begun.versions, versions, differing(begun.modules, code.modules) if begun.modules else [])
         if others:
-            raise OtherCode(other_code(run_name(self._run), others))
+            raise OtherCode("; ".join(others))
+
+    def _has_begun(self, connection: sa.Connection) -> bool:
+        begun = (Stage.run_id == self._run, sa.or_(Stage.state != StageState.WAITING, Stage.evaluations > 0))
+        return connection.scalar(sa.select(Stage.position).where(*begun).limit(1)) is not None
+
+    def _begun(self, connection: sa.Connection, run_id: int | None = None) -> Begun:
+        of = sa.select(Run.flown).where(Run.id == (self._run if run_id is None else run_id))
+        versions = Versions.of(connection.scalar(of))
+        return Begun(versions, codes.modules(connection, versions.code))
 
     def _plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:
         fenced(connection, self.claim, planned=sum(stage.planned for stage in stages))
@@ -188,7 +200,7 @@ class RunStore:
             connection.execute(sa.insert(Stage), plans)
             return [StageRecord(stage) for stage in stages]
         if [(row.kind, row.method) for row in rows] != [(stage.kind, stage.method) for stage in stages]:
-            raise ValueError("the stages of this run were planned by another version of Clearance; submit it again")
+            raise OtherCode("its stages were planned by another version")
         return [
             StageRecord(StagePlan(row.kind, row.method, row.planned), row.state, row.seconds, as_result(row.result))
             for row in rows

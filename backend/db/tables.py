@@ -24,6 +24,7 @@ from backend.db.tables_installed import SimulatorMeasurement as SimulatorMeasure
 from backend.db.tables_keys import RequestKey as RequestKey
 from backend.db.tables_labels import RunBaseline as RunBaseline
 from backend.db.tables_labels import RunLabel as RunLabel
+from backend.db.tables_refusals import RunRefusal as RunRefusal
 from backend.db.tables_requirements import Requirement as Requirement
 from backend.db.tables_requirements import RequirementFile as RequirementFile
 from backend.db.tables_requirements import RunRequirement as RunRequirement
@@ -80,6 +81,8 @@ class Run(Base):
     finished: orm.Mapped[float | None]
     continues: orm.Mapped[int | None] = orm.mapped_column(sa.ForeignKey("runs.id"))
     """The run whose searches this one extends with larger budgets."""
+    carries: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
+    """Whether it begins with those evaluations of the run that it continues which its worker may use."""
     snapshot: orm.Mapped[str | None] = orm.mapped_column(sa.ForeignKey("catalogue_snapshots.digest"))
     """Digest of the snapshot of its components; None for runs older than snapshots."""
     flown: orm.Mapped[JsonObject | None]
@@ -262,6 +265,8 @@ class Worker(Base):
     run_id: orm.Mapped[int | None]
     simulators: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
     """The simulators that it has, see `SimulatorEntry.version`."""
+    installation: orm.Mapped[str] = orm.mapped_column(sa.String(64), default="", server_default="")
+    """Digest of the files and packages that its process has loaded; empty until that is ready."""
     doing: orm.Mapped[JsonObject | None]
     """What it does besides the stages of its run, see `backend.db.workers.Doing`."""
 

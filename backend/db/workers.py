@@ -99,9 +99,15 @@ def doing(connection: sa.Connection, name: str, run_id: int, what: str = "", sec
     connection.execute(sa.update(Worker).where(Worker.name == name).values(doing=told))
 
 
-def beat(connection: sa.Connection, name: str, run_id: int | None, simulators: Sequence[str] = ()) -> None:
-    """Record a heartbeat of the worker, the run that it executes, and the simulators that it has."""
-    values = {"beat": now(connection), "run_id": run_id, "simulators": list(simulators)}
+def beat(
+    connection: sa.Connection,
+    name: str,
+    run_id: int | None,
+    simulators: Sequence[str] = (),
+    installation: str = "",
+) -> None:
+    """Record a heartbeat of the worker, the run that it executes, and the simulators and code that it has."""
+    values = {"beat": now(connection), "run_id": run_id, "simulators": list(simulators), "installation": installation}
     connection.execute(sa.update(Worker).where(Worker.name == name).values(**values))
 
 

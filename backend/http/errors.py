@@ -88,6 +88,8 @@ KINDS = {
     "draft-changed": Kind(409, "Another user has saved the draft since it was opened."),
     "no-webhook": Kind(409, "The settings name no webhook."),
     "no-verdict": Kind(409, "The run has no verdict to sign off."),
+    "not-waiting": Kind(409, "The run does not wait for the code that began it."),
+    "not-continuable": Kind(409, "No evaluation of the run can be used by the installed code."),
     "not-removable": Kind(409, "A run is running, or has a valid sign-off."),
     "notes-changed": Kind(409, "Another user has changed the notes since they were read."),
     "other-version": Kind(409, "The run's campaign was stored by another version of Clearance."),

@@ -14,9 +14,11 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, SweepRun
 from backend.requirements.standing import Model
 from campaigns import Catalogue
+from campaigns.asked.load import load_document
 from campaigns.asked.requirements import definition
+from campaigns.identity import code_of
 from campaigns.runs import run_name
-from campaigns.versions import Versions, short
+from campaigns.versions import CodeParts, Versions, short
 
 CHUNK = 500
 """Values that are read in one statement."""
@@ -26,7 +28,7 @@ CHUNK = 500
 class Present:
     """code, catalogue: of the newest worker; newest: run and definition by the name of a campaign."""
 
-    code: str | None
+    code: CodeParts | None
     catalogue: Catalogue | None
     newest: Mapping[str, tuple[int, str]]
 
@@ -51,13 +53,13 @@ def present(reader: sa.Connection, names: Collection[str]) -> Present:
         found = sa.select(Run.id, CampaignRow.name, CampaignRow.document)
         found = found.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(last))
         newest |= {row.name: (int(row.id), definition(row.document)) for row in reader.execute(found)}
-    return Present(codes.published(reader), published(reader), newest)
+    return Present(codes.installed(reader), published(reader), newest)
 
 
 def model(flown: Any) -> Model:
     """What ran a run, from the versions stored with it."""
     versions = Versions.of(flown)
-    return Model(versions.code, tuple(sorted(versions.components.items())), versions.simulator)
+    return Model(versions.code, versions.model, tuple(sorted(versions.components.items())), versions.simulator)
 
 
 def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], flown: Any) -> Iterator[str]:
@@ -69,10 +71,13 @@ def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], f
     if now.code is None or now.catalogue is None:
         yield "no worker has published the code to compare it with"
         return
+    code = code_of(load_document(document, f"the campaign of {run_name(run_id)}"), now.code)
     if versions.code is None:
         yield "its code is not stored, so a change of the model cannot be excluded"
-    elif versions.code != now.code:
-        yield f"the code has changed (sha256 {short(versions.code)}, now {short(now.code)})"
+    elif code is None:
+        yield "a part of it is no longer installed"
+    elif versions.code != code:
+        yield f"the code has changed (sha256 {short(versions.code)}, now {short(code)})"
     for file, digest in versions.components.items():
         if now.catalogue.own.get(file) != digest:
             yield f"components/{file} {'has changed' if file in now.catalogue.own else 'is no longer installed'}"

@@ -22,9 +22,11 @@ ORDER: tuple[Status, ...] = ("violated", "inconclusive", "no verdict", "suspect"
 
 @dataclass(frozen=True)
 class Model:
-    """What ran a run, as digests: the code, the operator's own components, the simulator; None: not stored."""
+    """What ran a run, as digests: all code, that which evaluates, the operator's own components, the simulator; None:
+    not stored."""
 
     code: str | None
+    evaluating: str | None = None
     own: tuple[tuple[str, str], ...] = ()
     simulator: str | None = None
 
@@ -33,7 +35,10 @@ class Model:
         simulators = None in (self.simulator, other.simulator) or self.simulator == other.simulator
         if None in (self.code, other.code):  # then the digests of own components were not stored either
             return simulators
-        return simulators and self.code == other.code and self.own == other.own
+        same = self.code == other.code
+        if None not in (self.evaluating, other.evaluating):  # methods and stages may differ
+            same = self.evaluating == other.evaluating
+        return simulators and same and self.own == other.own
 
 
 @dataclass(frozen=True)

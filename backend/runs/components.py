@@ -12,6 +12,7 @@ from backend.runs.schemas import RunComponents
 from campaigns import Catalogue
 from campaigns.checked.snapshot import changes, snapshot
 from campaigns.documents import JsonObject
+from campaigns.identity import code_of
 from campaigns.versions import Versions
 
 
@@ -20,8 +21,9 @@ def components(reader: sa.Connection, run_id: int) -> RunComponents:
     asked = service.campaign(reader, run_id)
     kept = snapshots.of_run(reader, run_id)
     digest, versions = reader.execute(sa.select(Run.snapshot, Run.flown).where(Run.id == run_id)).one()
-    then, now = Versions.of(versions).code, codes.published(reader)
-    changes_of_code = [*codes.changed(reader, then, now), *_own(Versions.of(versions), published(reader))]
+    then, now = Versions.of(versions).code, code_of(asked, codes.installed(reader))
+    others = [] if then == now else codes.changed(reader, then)
+    changes_of_code = [*others, *_own(Versions.of(versions), published(reader))]
     code: JsonObject = {"code": then, "code_installed": now, "code_changes": changes_of_code}
     if kept is None:
         return RunComponents(digest=None, catalogue=snapshot(asked, required(reader)), changes=[], **code)

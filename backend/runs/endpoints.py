@@ -10,6 +10,7 @@ from fastapi.concurrency import run_in_threadpool
 from pydantic import Field
 
 from backend.access.auth import CurrentVisitor
+from backend.access.once import OnceOnly
 from backend.db.engine import read
 from backend.http import bodies
 from backend.http.deps import Engine, Reader
@@ -18,7 +19,7 @@ from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
 from backend.http.schema import RunName, Seconds
-from backend.runs import edits, listing, removal, service, submission, texts
+from backend.runs import edits, listing, onward, removal, service, submission, texts
 from backend.runs.asked import Asked, AskedFor
 from backend.runs.code import changes
 from backend.runs.components import components
@@ -212,6 +213,29 @@ def get_run_campaign(run: RunName, request: Request, reader: Reader) -> Response
 def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Cancel a run: queued ones at once, running ones within a second; one that has ended is unchanged."""
     return edits.cancel(engine, [service.number(run)], visitor)[0]
+
+
+@router.post("/runs/{run}/restart", responses=problems("not-found", "not-waiting", "idempotency-key-reused"))
+def restart_run(run: RunName, visitor: CurrentVisitor, once: OnceOnly) -> RunSummary:
+    """Begin a run again that waits for the code that began it; its evaluations are discarded."""
+    run_id = service.number(run)
+    return once.do(RunSummary, lambda writer: onward.restart(writer, run_id, visitor), lambda made: made.id)
+
+
+@router.post(
+    "/runs/{run}/continuation",
+    status_code=status.HTTP_201_CREATED,
+    responses=LOCATION
+    | problems("not-found", "not-waiting", "not-continuable", "invalid-campaign", "idempotency-key-reused"),
+)
+def continue_run(
+    run: RunName, request: Request, response: Response, visitor: CurrentVisitor, once: OnceOnly
+) -> RunSummary:
+    """Continue a run that waits for the code that began it as a new run, with the evaluations that are still valid."""
+    run_id = service.number(run)
+    made = once.do(RunSummary, lambda writer: onward.carry_on(writer, run_id, visitor), lambda found: found.id)
+    response.headers["Location"] = at(request.url.path.replace(f"{run}/continuation", made.id))
+    return made
 
 
 @router.delete("/runs/{run}", responses=problems("not-found", "not-removable", "purged", "changed"))

@@ -66,13 +66,17 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
             row,
             units,
             counts.of(row, excluded.get(row.id, 0))
-            | {"stage": working.get(row.id), "waits": waits.get(row.id), "doing": doing.get(row.id)}
+            | {"stage": working.get(row.id), **_waiting(waits.get(row.id)), "doing": doing.get(row.id)}
             | {"labels": labelled.get(row.id, {})}
             | {"group": None, "superseded_by": None}
             | grouped.get(row.id, {}),
         )
         for row in rows
     ]
+
+
+def _waiting(found: waiting.Waits | None) -> dict[str, str | None]:
+    return {"waits": found and found.text, "other_code": found and found.other_code}
 
 
 def _summary(row: Any, units: Units, others: dict[str, Any]) -> RunSummary:

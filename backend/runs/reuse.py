@@ -9,6 +9,7 @@ from backend.db import codes
 from backend.db.tables import Run
 from backend.runs.components import components
 from campaigns import Campaign
+from campaigns.identity import code_of
 from campaigns.runs import RunState, run_name
 from campaigns.versions import Versions, short
 
@@ -22,7 +23,7 @@ def reusable(reader: sa.Connection, campaign: Campaign) -> int | None:
     Code, descriptions, the operator's own components and the simulator must be the installed ones, as far as workers
     publish them; what is not stored with a run is not taken for equal.
     """
-    installed, catalogue = codes.published(reader), published(reader)
+    installed, catalogue = code_of(campaign, codes.installed(reader)), published(reader)
     if installed is None or catalogue is None:
         return None
     ended = (Run.state == RunState.DONE, Run.verdict.is_not(None), Run.removed.is_(None), Run.purged.is_(None))

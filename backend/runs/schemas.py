@@ -150,12 +150,15 @@ class RunSummary(Schema):
     """The running stage."""
     waits: str | None
     """Why a queued run has not started; None for any other."""
+    other_code: str | None
+    """What differs between the code that began it and that of every running worker, as clauses; None if it does not
+    wait for that."""
     doing: RunDoing | None
     """What its worker does besides the stages, such as compiling; None if nothing."""
     attempts: int
     worker: str | None
     continues: str | None
-    """The run whose searches this one extends, R-0001."""
+    """The run whose searches this one extends, or whose evaluations it begins with, R-0001."""
     pinned: bool
     best_so_far: list[tuple[int, float]]
     """Convergence history: evaluations and the lowest cost within them, thinned for a sparkline."""

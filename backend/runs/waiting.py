@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
-from typing import Any
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import sqlalchemy as sa
 
+from backend.db import refusals
 from backend.db.engine import now
 from backend.db.queue import waiting_order
 from backend.db.tables import Run, Worker
 from backend.db.workers import SEEN, Doing, last_seen
 from backend.runs.schemas import RunDoing
-from campaigns.runs import run_name
+from campaigns.claims.numbers import count
+from campaigns.runs import RunState, run_name
 
 MOST_NAMED = 3
 """Largest number of runs that are named as the reason why another one waits."""
@@ -21,29 +23,34 @@ MOST_NAMED = 3
 _COMPILING = "Compiling your closed loop{about}, once: it is stored for later runs."
 
 
-def reason(reader: sa.Connection, run_id: int) -> str | None:
-    """Why the run has not started, as one sentence; None if it is not queued."""
-    return reasons(reader, [run_id]).get(run_id)
+class Waits(NamedTuple):
+    """Why a run waits, a sentence; other_code: what differs from the code that began it, where it waits for that."""
+
+    text: str
+    other_code: str | None = None
 
 
-def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, str]:
-    """Why runs have not started: one sentence for each of them that is queued.
+def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]:
+    """Why runs wait: one for each of them that is queued.
 
     Times in it are rounded, so that a page that receives every change does not receive one every second.
     """
-    asked = sa.select(Run.id, Run.needs, Run.not_before).where(Run.id.in_(run_ids), Run.state == "queued")
+    asked = sa.select(Run.id, Run.needs, Run.not_before, Run.evaluations).where(
+        Run.id.in_(run_ids), Run.state == RunState.QUEUED
+    )
     queued = reader.execute(asked).all()
     if not queued:
         return {}
     at = now(reader)
-    workers = reader.execute(sa.select(Worker.beat, Worker.run_id, Worker.simulators)).all()
+    workers = reader.execute(sa.select(Worker.beat, Worker.run_id, Worker.simulators, Worker.installation)).all()
     live = [worker for worker in workers if worker.beat > at - SEEN]
     if not live:
         text = _no_worker(last_seen(reader), at)
-        return {row.id: text for row in queued}
+        return {row.id: Waits(text) for row in queued}
     order = list(reader.scalars(waiting_order(at)))
     position = {run_id: k for k, run_id in enumerate(order, 1)}
-    return {row.id: _one(row, live, at, position.get(row.id)) for row in queued}
+    refused = refusals.of(reader, [row.id for row in queued])
+    return {row.id: _of(row, live, at, position.get(row.id), refused.get(row.id, {})) for row in queued}
 
 
 def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing]:
@@ -66,10 +73,18 @@ def told(known: Doing) -> RunDoing:
     return RunDoing(sentence=_COMPILING.format(about=about), since=known.since, seconds=known.seconds)
 
 
-def _one(row: Any, live: Sequence[Any], at: float, position: int | None) -> str:
+def _of(row: Any, live: Sequence[Any], at: float, position: int | None, refused: Mapping[str, str]) -> Waits:
     able = [worker for worker in live if row.needs is None or row.needs in worker.simulators]
     if not able:
-        return _no_simulator(row.needs or "", len(live))
+        return Waits(_no_simulator(row.needs or "", len(live)))
+    same = [worker for worker in able if worker.installation not in refused]
+    if not same:
+        differs = list(refused.values())[-1]
+        return Waits(_other_code(differs, row.evaluations), differs)
+    return Waits(_one(row, live, same, at, position))
+
+
+def _one(row: Any, live: Sequence[Any], able: Sequence[Any], at: float, position: int | None) -> str:
     if row.not_before > at:
         return f"It is tried again in {10 * math.ceil((row.not_before - at) / 10)} s."
     if all(worker.run_id is not None for worker in able):
@@ -98,6 +113,14 @@ def _busy(runs: Sequence[int], live: int, position: int | None) -> str:
 def _no_worker(last: float | None, at: float) -> str:
     seen = "" if last is None else f"; the last one was seen {_ago(at - last)}"
     return f"No worker is running{seen}. Start one with `clearance worker`."
+
+
+def _other_code(differs: str, evaluations: int) -> str:
+    return (
+        f"Other code began it than the running workers have: {differs}. Start a worker of the version that began it, "
+        f"and it continues; or begin it again, without its {count(evaluations)} evaluations; or continue it as a new "
+        "run, with the evaluations that are still valid."
+    )
 
 
 def _no_simulator(needs: str, live: int) -> str:

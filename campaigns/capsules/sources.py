@@ -12,8 +12,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-OWN = "worker.engine.components.own"
-"""The package whose modules are the files of the operator's folders."""
+_OWN = re.compile(r"worker\.(engine\.)?components\.own\.(?P<stem>.+)")
+"""The modules that are files of the operator's folders, by their name of today and by that of earlier versions."""
 MOST_FILES, LARGEST, LARGEST_OF_ALL = 60, 2 * 2**20, 8 * 2**20
 """Of the sources of a run: number of files, and size of each and of all [bytes]."""
 
@@ -41,13 +41,13 @@ class SourceFile(_Part):
     @property
     def own(self) -> bool:
         """Whether it is a file of the operator's folders."""
-        return self.module.startswith(f"{OWN}.")
+        return _OWN.fullmatch(self.module) is not None
 
     @property
     def file(self) -> str:
         """Where it is below its folder: my_robot.py, acme/robots/__init__.py."""
-        if self.own:
-            return f"{self.module.removeprefix(f'{OWN}.')}.py"
+        if own := _OWN.fullmatch(self.module):
+            return f"{own['stem']}.py"
         path = self.module.replace(".", "/")
         return f"{path}/__init__.py" if self.package else f"{path}.py"
 
@@ -78,7 +78,7 @@ class Sources(_Part):
         for file in self.files:
             if hashlib.sha256(texts[file.module]).hexdigest() != file.digest:
                 return f"the text of {file.file} in it was changed"
-            nested = file.own and "." in file.module.removeprefix(f"{OWN}.")
-            if nested or (_OURS.fullmatch(file.module) and not file.own):
+            own = _OWN.fullmatch(file.module)
+            if (own and "." in own["stem"]) or (_OURS.fullmatch(file.module) and not own):
                 return f"{file.module} in it is no component of the operator or of another package"
         return ""

@@ -16,6 +16,7 @@ from campaigns.results import StageResult, TraceHead
 from campaigns.results.trace import TraceColumn
 from campaigns.runs import StageState
 from campaigns.stages.found import StageKind
+from campaigns.versions import Versions
 
 Floats = NDArray[np.float64]
 
@@ -68,6 +69,21 @@ class Trace:
     columns: list[TraceColumn]
     data: Floats
     meta: TraceHead
+
+
+class Begun(NamedTuple):
+    """The versions behind the evaluations of a run, and the digests of its modules, as far as they are stored."""
+
+    versions: Versions
+    modules: dict[str, str]
+
+
+class Cited(NamedTuple):
+    """The run whose evaluations another one begins with: its stages, and their evaluations by position."""
+
+    begun: Begun
+    stages: list[StageRecord]
+    evaluations: dict[int, Columns]
 
 
 def join(chunks: Sequence[Columns]) -> Columns | None:

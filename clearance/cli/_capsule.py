@@ -91,7 +91,7 @@ def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program
     from campaigns.results import NominalResult
     from campaigns.versions import Versions
     from worker.running.catalogue.installed import catalogue
-    from worker.running.runs import sources
+    from worker.running.runs import identity
 
     verdict, nominal = store.verdict, store.stages[0].result
     said = ("", "") if verdict is None else (str(verdict.verdict), words(verdict.said))
@@ -103,7 +103,7 @@ def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program
             campaign_digest=campaign.digest,
             finding=finding,
             versions=store.versions or Versions(),
-            modules=sources.code().modules,
+            modules=identity.code(campaign).modules,
             components=snapshot(campaign, catalogue()),
             measured=nominal.measured if isinstance(nominal, NominalResult) else None,
             trajectories=[(Trajectory(name=t.name, columns=t.columns, head=t.meta), t.data) for t in traces],

@@ -90,7 +90,7 @@ def _refuse_others(path: Path, capsule: Capsule, texts: Mapping[str, bytes]) -> 
         recorded = capsule.versions.components if file.own else capsule.modules
         if not file.own and not recorded:
             continue
-        if recorded.get(file.file if file.own else file.module) != meaning(texts[file.module]):
+        if recorded.get(file.file if file.own else file.module) != meaning(texts[file.module]).digest:
             raise WrongInputError(
                 f"{path} cannot be replayed: the text of {file.file} in it is not the one that the run recorded, so it "
                 "was changed"

@@ -173,12 +173,12 @@ def _opened(run: str, recorded: Recorded, permitted: str) -> Problem:
 def _compared(recorded: Recorded, problem: Problem) -> tuple[list[str], list[str]]:
     """What differs from the installation, and from the machine, that made the run."""
     from campaigns.versions import differences, differing
-    from worker.running.runs import sources
+    from worker.running.runs import identity
     from worker.running.runs.provenance import versions
     from worker.running.runs.replay import other_machine
 
-    now = versions(problem.system)
-    modules = differing(dict(recorded.modules), sources.code().modules) if recorded.modules else None
+    now = versions(recorded.campaign, problem.system)
+    modules = differing(dict(recorded.modules), identity.code(recorded.campaign).modules) if recorded.modules else None
     return differences(recorded.versions, now, modules), other_machine(recorded.versions, now)
 
 

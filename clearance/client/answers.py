@@ -115,6 +115,10 @@ class Run(Answer):
     stage: StageProgress | None
     waits: str | None = None
     """Why a queued run has not started."""
+    other_code: str | None = None
+    """What differs from the code that began it, where it waits for that."""
+    continues: str | None = None
+    """The run that it continues, R-0001."""
     pinned: bool = False
     group: str | None = None
     """Its concurrency group; a newer run of the same group and owner cancels it."""

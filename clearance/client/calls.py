@@ -152,6 +152,16 @@ def cancel(run: Named) -> Call[answers.Run]:
     return Call("POST", "/runs/{run}/cancel", answers.Run, _of(run))
 
 
+def restart(run: Named) -> Call[answers.Run]:
+    """Begin a run again that waits for the code that began it; its evaluations are discarded."""
+    return Call("POST", "/runs/{run}/restart", answers.Run, _of(run))
+
+
+def carry_on(run: Named) -> Call[answers.Run]:
+    """Continue a run that waits for the code that began it as a new run, with the evaluations that are still valid."""
+    return Call("POST", "/runs/{run}/continuation", answers.Run, _of(run))
+
+
 def findings(run: Named) -> Call[list[answers.Finding]]:
     """The distinct worst cases, the worst first."""
     return Call("GET", "/runs/{run}/findings", list[answers.Finding], _of(run))

@@ -14,7 +14,7 @@ from campaigns.documents import JsonObject
 from clearance.function.result import Held
 from clearance.local.results import write_evidence, write_results
 from clearance.local.summary import summary
-from worker.running.runs import sources
+from worker.running.runs import identity
 
 
 def save(held: Held, folder: Path) -> Path:
@@ -55,7 +55,7 @@ def _page(engine: sa.Engine, held: Held) -> str:
     stored.plan([record.plan for record in store.stages])
     assert store.versions is not None
     assert store.verdict is not None
-    stored.record_versions(store.versions, sources.code())
+    stored.record_versions(store.versions, identity.code(campaign))
     if store.sources is not None:
         stored.record_sources(*store.sources)
     for position, record in enumerate(store.stages):

@@ -14,9 +14,9 @@ from backend.db import workers
 from backend.db.engine import connect, default_url, migrate, migration_lock, read
 from backend.db.migrate import config
 from backend.db.queue import Queue
-from backend.db.store import OtherCode, RunStore
+from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run
-from campaigns.versions import Code, Versions, differences
+from campaigns.versions import Code, OtherCode, Versions, differences
 from tests.api.catalogue import CATALOGUE
 from tests.api.finished import search
 from tests.api.reported import PLAN, finish_fully

@@ -49,7 +49,7 @@ def main() -> None:
     found: dict[str, Any] = unicycle(problem) | pioneer() | aircraft() | methods.measure()
     found |= functions.measure() | slots.measure()
     found["second_process_first_eval_s"] = second_process()
-    cpu = versions(problem.system).cpu
+    cpu = versions(problem.campaign, problem.system).cpu
     found |= {"cpu": cpu.model if cpu else "", "cores": os.cpu_count(), "python": platform.python_version()}
     (BUILD / "bench.json").write_text(json.dumps(found, indent=2) + "\n")
     width = max(map(len, found))

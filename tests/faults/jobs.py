@@ -67,7 +67,7 @@ def flying(campaign: Campaign, store: Store) -> Verdict:
     if compiled:
         problem.system.warm()
     records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
-    provenance.begin(store, problem.system, campaign)
+    provenance.begin(store, problem.system, campaign, records)
     if records[0].state != "done":
         store.begin(0)
         batch, _ = problem.evaluate(problem.nominal_point[None, :])

@@ -284,7 +284,7 @@ def test_a_queued_run_reports_what_it_waits_for(database: sa.Engine) -> None:
         run_id = submit(connection, asked, name="a", tags=[], owner="ada", planned=1, catalogue=HAS)
 
         def why() -> str:
-            return waiting.reason(connection, run_id) or ""
+            return waiting.reasons(connection, [run_id])[run_id].text
 
         assert why() == "No worker is running. Start one with `clearance worker`."
         workers.arrive(connection, "one")
@@ -302,4 +302,4 @@ def test_a_queued_run_reports_what_it_waits_for(database: sa.Engine) -> None:
         connection.execute(sa.update(Run).where(Run.id == run_id).values(not_before=now(connection) + 30))
         assert why() == "It is tried again in 30 s."
         connection.execute(sa.update(Run).where(Run.id == run_id).values(state="running"))
-        assert waiting.reason(connection, run_id) is None
+        assert waiting.reasons(connection, [run_id]) == {}

@@ -17,6 +17,7 @@ from tests.unit.cases import campaign, case1
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.store import StagePlan
+from worker.running.catalogue.installed import methods
 from worker.running.runs.store import MemoryStore
 
 THRESHOLD = 0.5
@@ -58,4 +59,4 @@ def context(asked: Campaign, flown: Any = None, problem: Problem | None = None, 
     planned = [StagePlan("certify", None, 1)]
     store.plan(planned)
     seeded = asked if seed is None else asked.model_copy(update={"seed": seed})
-    return Context(seeded, problem or case1(), flown or evaluate(), store, plan=planned)
+    return Context(seeded, problem or case1(), flown or evaluate(), store, plan=planned, methods=methods())

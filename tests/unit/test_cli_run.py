@@ -39,7 +39,7 @@ SHORT = {"scenario__horizon": 4.0}
 @pytest.fixture(autouse=True)
 def every_run_audited(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever the command runs in this process is audited before it is printed."""
-    monkeypatch.setattr(importlib.import_module("clearance.cli.run"), "summary", audited_summary)
+    monkeypatch.setattr(importlib.import_module("clearance.local.summary"), "summary", audited_summary)
 
 
 @pytest.fixture

@@ -46,7 +46,14 @@ def context(campaign: Campaign, function: Function) -> Context:
     searches = [StagePlan("search", s.method, s.evaluations) for s in campaign.stages.search]
     planned = [StagePlan("nominal", None, 1), *searches, StagePlan("validate", None, 10**6)]
     store.plan(planned)
-    made = Context(campaign, case1(), lambda points, seeds=None: (batch(function(points)), {}), store, plan=planned)
+    made = Context(
+        campaign,
+        case1(),
+        lambda points, seeds=None: (batch(function(points)), {}),
+        store,
+        plan=planned,
+        methods=methods(),
+    )
     nominal = float(function(case1().nominal_point[None, :])[0])
     made.results[0] = NominalResult(cost=nominal, margin=nominal - case1().threshold, status="ok")
     return made

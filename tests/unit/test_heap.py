@@ -25,7 +25,7 @@ def test_what_starts_a_process_imports_it_before_anything_else(file: str) -> Non
     imports = [n for n in tree.body if isinstance(n, (ast.Import, ast.ImportFrom))]
     names = [f"{getattr(n, 'module', '')} {n.names[0].name}" for n in imports if "__future__" not in ast.unparse(n)]
     first = ["worker.running.runs sources"] if file in SIMULATING else []
-    first += ["worker.running.processes blas"] if file.startswith("worker/") else []
+    first += ["worker.running.processes blas"] if not file.startswith("backend/") else []
     assert names[: len(first) + 1] == [*first, "campaigns heap"]
     ends = [n.lineno for n in ast.walk(tree) if isinstance(n, ast.Expr) and ast.unparse(n) == "heap.loaded()"]
     assert len(ends) == 1

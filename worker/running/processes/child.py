@@ -30,10 +30,10 @@ import sqlalchemy as sa
 from backend.db import workers
 from backend.db.engine import connect, write
 from backend.db.queue import Claim, LostLease
-from backend.db.store import PATIENCE, OtherCode, OtherComponents, RunStore
+from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError, Catalogue
-from campaigns.asked.load import load_document
 from campaigns.documents import JsonObject
+from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
 
 Execute = Callable[[Campaign, Store], Any]
@@ -53,15 +53,19 @@ def main() -> None:
     from worker.running.catalogue.digests import with_digests
     from worker.running.catalogue.installed import catalogue
     from worker.running.processes import memory
+    from worker.running.runs import identity
 
-    document, code = catalogue(), sources.code()
+    document, code = catalogue(), identity.installation()
     heap.loaded()
     memory.bound()
     fresh = not sources.stale()
     if fresh:
-        published = with_digests(document).model_copy(update={"own": sources.own(sources.own_modules())})
+        published = with_digests(document).model_copy(
+            update={"own": sources.own(sources.own_modules()), "code": identity.code_parts()}
+        )
         write(engine, lambda connection: workers.publish(connection, published, code), PATIENCE)
-    _send(answers, {"ready": True, "fresh": fresh, "simulators": [s.version for s in document.simulators]})
+    here = {"simulators": [s.version for s in document.simulators], "installation": sources.LOADED.digest}
+    _send(answers, {"ready": True, "fresh": fresh, **here})
     serve(engine, execute, document, requests, answers)
 
 
@@ -81,16 +85,21 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
-    """Execute a claim. Outcomes: `done`, `lost` (lease), `unusable` (cannot be retried), `failed` (this attempt)."""
+    """Execute a claim.
+
+    Outcomes: `done`, `lost` (lease), `refused` (other code began it), `unusable` (cannot be retried), `failed` (this
+    attempt).
+    """
     from worker.engine.stages.parts.base import ReplayMismatch
     from worker.engine.systems.base import CampaignUnusable
     from worker.engine.systems.closed_loop import compilation
     from worker.running.catalogue.own import blamed
     from worker.running.processes import memory
+    from worker.running.runs import begun
 
     try:
-        campaign = load_document(claim.document, f"run {claim.run_id}")
         store = RunStore(engine, claim)
+        campaign = begun.readable(claim.document, f"run {claim.run_id}", store)
         store.describe(campaign, components)
         with compilation.reported(partial(_report, engine, claim, "compiling"), partial(_report, engine, claim)):
             verdict = execute(campaign, store)
@@ -98,7 +107,9 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
             return {"outcome": "failed", "text": "the runner ended without a verdict"}
     except LostLease:
         return {"outcome": "lost", "text": ""}
-    except (CampaignUnusable, CampaignError, OtherComponents, OtherCode, ReplayMismatch) as error:
+    except OtherCode as error:
+        return {"outcome": "refused", "text": str(error)}
+    except (CampaignUnusable, CampaignError, ReplayMismatch) as error:
         return {"outcome": "unusable", "text": str(error)}
     except MemoryError:  # the next attempt would need as much memory
         traceback.print_exc()

@@ -69,6 +69,8 @@ class Supervisor:
         self._wakeup = Wakeup()
         self.simulators: list[str] = []
         """The simulators of the child."""
+        self.installation = ""
+        """Digest of the code that the child has loaded."""
         self._next_beat = 0.0
         self._failures = 0
 
@@ -91,7 +93,7 @@ class Supervisor:
         child = self._ready_child()
         if child is None or self._wakeup.signal is not None:
             return
-        claim = self.queue.claim(self.name, self.simulators)
+        claim = self.queue.claim(self.name, self.simulators, self.installation)
         if claim is None:
             self._wakeup.wait(POLL)
             return
@@ -127,7 +129,7 @@ class Supervisor:
                 return False
             self._next_beat = time.monotonic() + self.queue.lease / 5
             cancelling = self.queue.beat(claim)
-            self._notify(workers.beat, claim.run_id, self.simulators)
+            self._notify(workers.beat, claim.run_id, self.simulators, self.installation)
             return cancelling
         except sa.exc.OperationalError as error:
             log.warning("run %d: heartbeat failed, the database did not respond: %s", claim.run_id, error.orig)
@@ -149,6 +151,7 @@ class Supervisor:
         settle: dict[str, Callable[[], None]] = {
             "died": lambda: queue.retry(claim, ending.text),
             "failed": lambda: queue.retry(claim, ending.text),
+            "refused": lambda: queue.refuse(claim, self.installation, ending.text),
             "unusable": lambda: queue.fail(claim, ending.text),
             "cancelled": lambda: queue.cancelled(claim),
             "stopped": lambda: queue.give_back(claim),
@@ -182,7 +185,7 @@ class Supervisor:
                 answer = child.receive(WATCH)
                 if answer is not None:
                     self._failures = 0
-                    self.simulators = answer["simulators"]
+                    self.simulators, self.installation = answer["simulators"], answer["installation"]
                     self._next_beat = 0.0
                     return child if answer["fresh"] else None
                 self._beat_idle()
@@ -221,9 +224,9 @@ class Supervisor:
     def _beat_idle(self) -> None:
         if time.monotonic() >= self._next_beat:
             self._next_beat = time.monotonic() + self.queue.lease / 5
-            self._notify(workers.beat, None, self.simulators)
+            self._notify(workers.beat, None, self.simulators, self.installation)
 
-    def _notify(self, what: Callable[..., None], *values: int | list[str] | None) -> None:
+    def _notify(self, what: Callable[..., None], *values: int | list[str] | str | None) -> None:
         write(self.engine, lambda connection: what(connection, self.name, *values), 0.0)
 
     def _despite_outage(self, work: Callable[[], None]) -> None:

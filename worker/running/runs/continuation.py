@@ -24,7 +24,7 @@ from campaigns.versions import Versions, differences, differing, other_code
 from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
-from worker.running.runs import sources
+from worker.running.runs import identity
 from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
@@ -109,7 +109,7 @@ def refuse_other_code(new: Campaign, then: Versions, modules: dict[str, str] | N
 
     `modules` are the digests of its modules, if stored. Fields that were not stored are not compared.
     """
-    here, code = versions(opened.system(new)), sources.code()
+    here, code = versions(new, opened.system(new)), identity.code(new)
     others = differences(then, here, differing(modules, code.modules) if modules else None)
     if others:
         raise CannotContinue(other_code("it", others))

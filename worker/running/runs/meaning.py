@@ -1,4 +1,4 @@
-"""What a module's text means: a digest of its syntax tree, without comments and docstrings, computed once per text.
+"""What a module's text means: a digest of its syntax tree without documentation, and what it imports; once per text.
 
 To compute those of the whole installation takes a second of processor time, at the start of every process that
 simulates: they are stored by the digest of the text.
@@ -13,17 +13,33 @@ import json
 import os
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from types import CodeType
+from typing import Any, NamedTuple
 
 from worker.engine.kernels.folder import cache_folder
 
-_DIGEST = re.compile(r"[0-9a-f]{16}")
+_NAME = re.compile(r"worker(\.\w+)+")
 
 
-def meanings(files: Mapping[str, bytes]) -> dict[str, str]:
-    """The digest of each module by its name, from its content."""
+class Import(NamedTuple):
+    """One imported name: of a module (with leading dots if relative), its name there ("" for the whole), and here."""
+
+    module: str
+    name: str
+    here: str
+
+
+class Meaning(NamedTuple):
+    """16 hexadecimal digits, and the imports that are executed: not those for annotations alone."""
+
+    digest: str
+    imports: tuple[Import, ...] = ()
+
+
+def meanings(files: Mapping[str, bytes]) -> dict[str, Meaning]:
+    """The meaning of each module by its name, from its content."""
     texts = {name: hashlib.sha256(content).hexdigest() for name, content in files.items()}
     file = _file()
     stored = _stored(file)
@@ -33,14 +49,16 @@ def meanings(files: Mapping[str, bytes]) -> dict[str, str]:
     return {name: known[text] for name, text in texts.items()}
 
 
-def meaning(content: bytes) -> str:
-    """A digest of a module by its syntax tree; of a compiled module, by its bytes. 16 hexadecimal digits."""
+def meaning(content: bytes) -> Meaning:
+    """The meaning of a module by its syntax tree; of a compiled module, by its bytes."""
     tokens: list[str] = []
     try:
-        _tokens(ast.parse(content), tokens)
+        tree = ast.parse(content)
+        _tokens(tree, tokens)
     except (SyntaxError, ValueError):
-        return hashlib.sha256(content).hexdigest()[:16]
-    return hashlib.sha256("\0".join(tokens).encode("utf-8", "surrogatepass")).hexdigest()[:16]
+        return Meaning(hashlib.sha256(content).hexdigest()[:16])
+    digest = hashlib.sha256("\0".join(tokens).encode("utf-8", "surrogatepass")).hexdigest()[:16]
+    return Meaning(digest, tuple(dict.fromkeys(_imports(tree))))
 
 
 def _tokens(node: Any, tokens: list[str]) -> None:
@@ -62,29 +80,56 @@ def _tokens(node: Any, tokens: list[str]) -> None:
         tokens.append(repr(node))
 
 
+def _imports(node: ast.AST) -> Iterator[Import]:
+    """The imports at any depth of the module; modules that generated code names are texts."""
+    if isinstance(node, ast.Import):
+        yield from (Import(alias.name, "", alias.asname or alias.name) for alias in node.names)
+    elif isinstance(node, ast.ImportFrom):
+        module = "." * node.level + (node.module or "")
+        yield from (Import(module, alias.name, alias.asname or alias.name) for alias in node.names)
+    elif isinstance(node, ast.If) and ast.unparse(node.test) in ("TYPE_CHECKING", "typing.TYPE_CHECKING"):
+        for other in node.orelse:
+            yield from _imports(other)
+    elif isinstance(node, ast.Constant) and isinstance(node.value, str) and _NAME.fullmatch(node.value):
+        yield Import(node.value, "", "")
+    else:
+        for child in ast.iter_child_nodes(node):
+            yield from _imports(child)
+
+
 def _file() -> Path:
-    """Where this installation stores digests; other code computes other ones, and stores them elsewhere.
+    """Where this installation stores meanings; other code computes other ones, and stores them elsewhere.
 
     The code is that which runs: the text of this file may have been edited since.
     """
-    codes = [(code.co_code, code.co_names, code.co_consts) for code in (meaning.__code__, _tokens.__code__)]
+    codes = [_essence(function.__code__) for function in (meaning, _tokens, _imports)]
     key = hashlib.sha256(f"{sys.version} {Path(__file__).parent} {codes}".encode())
     return cache_folder() / "meanings" / f"{key.hexdigest()[:32]}.json"
 
 
-def _stored(file: Path) -> dict[str, str]:
-    """Digests by the digest of the text; empty where nothing can be read."""
+def _essence(code: CodeType) -> tuple[object, ...]:
+    """What a function executes, without addresses and lines."""
+    inner = [_essence(each) if isinstance(each, CodeType) else each for each in code.co_consts]
+    return code.co_code, code.co_names, inner
+
+
+def _stored(file: Path) -> dict[str, Meaning]:
+    """Meanings by the digest of the text; empty where nothing can be read."""
     try:
         found: Any = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return {text: _read(*one) for text, one in found.items()}
+    except (OSError, ValueError, TypeError, AttributeError):
         return {}
-    if not isinstance(found, dict) or not all(isinstance(d, str) and _DIGEST.fullmatch(d) for d in found.values()):
-        return {}
-    return found
 
 
-def _store(file: Path, known: Mapping[str, str]) -> None:
-    """Store the digests of the present texts only, so that the file does not grow; nothing if it cannot be written."""
+def _read(digest: Any, imports: Any) -> Meaning:
+    if not isinstance(digest, str) or len(digest) != 16 or not digest.isalnum():
+        raise ValueError(f"{digest!r:.40} is not a digest of 16 hexadecimal digits")
+    return Meaning(digest, tuple(Import(str(module), str(name), str(here)) for module, name, here in imports))
+
+
+def _store(file: Path, known: Mapping[str, Meaning]) -> None:
+    """Store the meanings of the present texts only, so that the file does not grow; nothing if it cannot be written."""
     draft = file.with_suffix(f".{os.getpid()}")
     with contextlib.suppress(OSError):
         draft.parent.mkdir(parents=True, exist_ok=True)

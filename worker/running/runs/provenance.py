@@ -6,6 +6,7 @@ Stored when the first stage of a run begins; a run begun by other code is refuse
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
@@ -13,29 +14,36 @@ from llvmlite import binding
 from numba.core.codegen import get_host_cpu_features
 
 from campaigns.asked.spec import Campaign
+from campaigns.identity import model_of
 from campaigns.versions import Processor, Versions
-from worker.engine.stages.parts.store import Store
+from worker.engine.stages.parts.store import StageRecord, Store
 from worker.engine.systems.base import System
-from worker.running.runs import sources
+from worker.running.runs import identity, sources
 from worker.running.runs.added import added
+from worker.running.runs.carried import carry
 
 
-def begin(store: Store, system: System, campaign: Campaign) -> None:
-    """Store the present versions, and the source of what is not shipped; raises `backend.db.store.OtherCode` if the run
-    was begun by other code."""
-    store.record_versions(versions(system), sources.code())
+def begin(store: Store, system: System, campaign: Campaign, records: Sequence[StageRecord]) -> None:
+    """Store the present versions, the source of what is not shipped, and the evaluations that a new run begins with.
+
+    Raises `OtherCode` if the run was begun by other code.
+    """
+    here = versions(campaign, system)
+    store.record_versions(here, identity.code(campaign))
+    carry(store, here, records)
     found = added(campaign)
     if found is not None:
         store.record_sources(*found)
 
 
-def versions(system: System) -> Versions:
-    """The versions of the code and packages of this process, the processor, the system."""
+def versions(campaign: Campaign, system: System) -> Versions:
+    """The versions of the code and packages that a run of the campaign uses, the processor, the system."""
     return Versions(
         clearance=version("clearance"),
         python=platform.python_version(),
-        code=sources.code().digest,
-        packages=dict(sources.LOADED.packages),
+        code=identity.code(campaign).digest or None,
+        model=model_of(campaign, identity.code_parts()),
+        packages=identity.packages(campaign),
         system=f"{platform.system()} {platform.machine()}",
         cpu=_processor(),
         lanes=system.settings.lanes,

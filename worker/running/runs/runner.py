@@ -52,7 +52,7 @@ def execute(
     problem = problem or opened.problem(campaign)
     problem.system.warm()
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
-    begin(store, problem.system, campaign)
+    begin(store, problem.system, campaign, records)
     evaluate = InProcess(problem, threads)
     planned = [record.plan for record in records]
     context = Context(campaign, problem, evaluate, store, cancelled, progress, plan=planned, methods=methods())
@@ -62,7 +62,7 @@ def execute(
                 context.results[position] = record.result
             else:
                 _carry_out(context, position, record)
-        verdict = conclude(problem, _evidence(context), versions(problem.system))
+        verdict = conclude(problem, _evidence(context), versions(campaign, problem.system))
         store.conclude(verdict)
         return verdict
     finally:

@@ -13,33 +13,16 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from worker.engine.components.own import folders, listed
 
-if TYPE_CHECKING:  # no module is loaded before its files are recorded
-    from campaigns.versions import Code
-
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "pymoo", "SALib")
-"""Third-party packages that can change a number."""
+"""Third-party packages that can change a number, where a run uses them."""
 
 GROUPS = ("clearance.components", "clearance.methods", "clearance.simulators")
-OURS = ("campaigns", "worker", "backend.db")
-APART = (
-    *(
-        "backend.db",
-        "campaigns.heap",
-        "clearance.__main__",
-        "clearance.cli",
-        "worker.running.processes",
-        "worker.running.examination",
-    ),
-    "worker.running.skeletons",
-)
-"""Modules that start processes, store, print, examine: they are loaded again when they change, but change no number."""
+OURS = ("campaigns", "worker")
 OWN = "worker.engine.components.own"
 """The operator's own components: of each run, those that it uses are recorded apart from the code."""
 
@@ -95,28 +78,12 @@ def stale() -> bool:
     return False
 
 
-@cache
-def code() -> Code:
-    """The loaded code that can change a number, without documentation."""
-    from campaigns.versions import Code
-    from worker.running.runs.meaning import meanings
-
-    modules = meanings(
-        {
-            name: content
-            for name, content in sorted(LOADED.files.items())
-            if not any(name == apart or name.startswith(f"{apart}.") for apart in (*APART, OWN))
-        }
-    )
-    whole = "".join(f"{name}:{digest};" for name, digest in modules.items())
-    return Code(hashlib.sha256(whole.encode()).hexdigest(), modules)
-
-
 def own(modules: Iterable[str]) -> dict[str, str]:
     """The digests of these modules of the operator, without documentation, by file: `my_robot.py`."""
     from worker.running.runs.meaning import meaning
 
-    return {f"{name.rpartition('.')[2]}.py": meaning(LOADED.files[name]) for name in modules if name in LOADED.files}
+    known = [name for name in modules if name in LOADED.files]
+    return {f"{name.rpartition('.')[2]}.py": meaning(LOADED.files[name]).digest for name in known}
 
 
 def own_modules() -> list[str]:

@@ -32,6 +32,9 @@ class MemoryStore:
             self.stages = [StageRecord(plan) for plan in stages]
         return list(self.stages)
 
+    def cited(self) -> None:
+        return None
+
     def record_versions(self, versions: Versions, code: Code) -> None:
         self.versions = versions
 

@@ -14,6 +14,7 @@ from campaigns.capsules.sources import Sources
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.stored.records import (
     Ahead,
+    Cited,
     Columns,
     Floats,
     StagePlan,
@@ -47,6 +48,9 @@ class Store(Protocol):
 
     def record_sources(self, files: Sources, texts: Mapping[str, bytes]) -> None:
         """Store the sources of the run's components that are not shipped, with their texts by module."""
+
+    def cited(self) -> Cited | None:
+        """The run whose evaluations this one begins with; None if it begins without any, or has begun."""
 
     def begin(self, position: int) -> None:
         """Mark a stage running."""

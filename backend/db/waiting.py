@@ -1,0 +1,75 @@
+"""The two ways on for a run that waits for the code that began it, besides a worker of that code.
+
+`restart` discards what was evaluated; `carry` begins a new run, whose worker takes over what it may use of it.
+"""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+
+from backend.db import labels, refusals, sizes
+from backend.db.engine import now
+from backend.db.queue import submit
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import (
+    EvaluationAhead,
+    EvaluationChunk,
+    Finding,
+    Run,
+    RunBaseline,
+    RunSources,
+    Stage,
+    Trace,
+)
+from campaigns.asked.spec import Campaign
+from campaigns.catalogue import Catalogue
+from campaigns.documents import JsonObject
+from campaigns.runs import RunState, run_name
+from campaigns.stages.plan import plan
+
+_RESULTS = (EvaluationAhead, EvaluationChunk, Stage, Finding, Trace, RunSources)
+
+
+def restart(writer: sa.Connection, run_id: int) -> bool:
+    """Put a waiting run back to where it was when it was submitted; false if it does not wait for its code."""
+    if not _waits(writer, run_id):
+        return False
+    for table in _RESULTS:
+        writer.execute(sa.delete(table).where(table.run_id == run_id))
+    refusals.clear(writer, run_id)
+    of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
+    empty: JsonObject = {
+        "attempts": 0,
+        "started": None,
+        "flown": None,
+        "error": None,
+        "evaluations": 0,
+        "failed_evaluations": 0,
+    }
+    empty |= {"nominal_cost": None, "worst_cost": None, "worst_method": None, "best_so_far": [], "carries": False}
+    size = sizes.of_document(writer.execute(of).scalar_one())
+    writer.execute(sa.update(Run).where(Run.id == run_id).values(**empty, size=size, not_before=0.0))
+    return True
+
+
+def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue) -> int | None:
+    """Queue a new run that continues a waiting one, which is cancelled; None if it does not wait for its code."""
+    if not _waits(writer, run_id):
+        return None
+    old = writer.execute(sa.select(Run.name, Run.tags, Run.owner, Run.priority).where(Run.id == run_id)).one()
+    planned = sum(stage.planned for stage in plan(campaign))
+    given = labels.of_runs(writer, [run_id]).get(run_id, {})
+    found = submit(writer, campaign, **old._asdict(), planned=planned, catalogue=catalogue, given=given)
+    writer.execute(sa.update(Run).where(Run.id == found).values(continues=run_id, carries=True))
+    baseline = sa.select(RunBaseline.__table__).where(RunBaseline.run_id == run_id)
+    for row in writer.execute(baseline).mappings().all():
+        writer.execute(sa.insert(RunBaseline).values({**row, "run_id": found}))
+    ended = {"state": RunState.CANCELLED, "cancel": True, "finished": now(writer)}
+    ended |= {"error": f"It was continued as {run_name(found)}."}
+    writer.execute(sa.update(Run).where(Run.id == run_id).values(**ended))
+    return found
+
+
+def _waits(writer: sa.Connection, run_id: int) -> bool:
+    of = sa.select(Run.id).where(Run.id == run_id, Run.state == RunState.QUEUED).with_for_update()
+    return writer.scalar(of) is not None and bool(refusals.of(writer, [run_id]))

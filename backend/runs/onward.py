@@ -1,0 +1,61 @@
+"""Ways on for a run that other code began: begin it again, or continue it as a new run. See `backend.runs.waiting`."""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+
+from backend.access.own import require_own
+from backend.catalog.service import required
+from backend.db import audit, codes, waiting
+from backend.db.access import Visitor
+from backend.db.tables import Run
+from backend.http import bodies
+from backend.http.errors import RefusedError, not_found
+from backend.runs import service
+from backend.runs.schemas import RunSummary
+from campaigns import CampaignError, check
+from campaigns.identity import model_of
+from campaigns.runs import run_name
+from campaigns.versions import Versions
+
+
+def restart(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
+    """Begin a run again without its evaluations; 409 unless it waits for its code, 403 if it is another user's."""
+    _own(writer, run_id, visitor)
+    lost = writer.scalar(sa.select(Run.evaluations).where(Run.id == run_id))
+    if not waiting.restart(writer, run_id):
+        raise _not_waiting(run_id)
+    audit.note(writer, visitor, "run.restarted", run_name(run_id), {"evaluations": lost})
+    return service.summary(writer, run_id)
+
+
+def carry_on(writer: sa.Connection, run_id: int, visitor: Visitor) -> RunSummary:
+    """Continue a run as a new one; as `restart`, and 409 if no evaluation may be used, 422 for an unusable campaign."""
+    _own(writer, run_id, visitor)
+    campaign, catalogue = service.campaign(writer, run_id), required(writer)
+    if problems := check(campaign, catalogue):
+        raise bodies.invalid(CampaignError(run_name(run_id), problems))
+    model = Versions.of(writer.scalar(sa.select(Run.flown).where(Run.id == run_id))).model
+    if model is None or model != model_of(campaign, codes.installed(writer)):
+        detail = (
+            f"the code that evaluates differs between {run_name(run_id)} and the newest worker, so none of its "
+            f"evaluations can be used: begin it again, or start a worker of its version"
+        )
+        raise RefusedError(409, "not-continuable", detail)
+    found = waiting.carry(writer, run_id, campaign, catalogue)
+    if found is None:
+        raise _not_waiting(run_id)
+    audit.note(writer, visitor, "run.continued", run_name(found), {"continues": run_name(run_id)})
+    return service.summary(writer, found)
+
+
+def _own(writer: sa.Connection, run_id: int, visitor: Visitor) -> None:
+    owner = writer.scalar(sa.select(Run.owner).where(Run.id == run_id))
+    if owner is None:
+        raise not_found("run", run_name(run_id))
+    require_own(writer, visitor, owner, run_name(run_id))
+
+
+def _not_waiting(run_id: int) -> RefusedError:
+    detail = f"{run_name(run_id)} does not wait for the code that began it; only such a run is begun again or continued"
+    return RefusedError(409, "not-waiting", detail)

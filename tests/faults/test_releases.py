@@ -1,0 +1,165 @@
+"""A release while runs are in flight: what may change a number keeps a run waiting, nothing else stops one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+import sqlalchemy as sa
+
+from backend.db import refusals, waiting
+from backend.db.engine import connect, migrate, read
+from backend.db.queue import submit
+from backend.db.tables import EvaluationChunk
+from backend.runs import waiting as reasons
+from campaigns import Campaign
+from campaigns.runs import RunState
+from campaigns.versions import Versions
+from tests.faults.cases import campaign
+from tests.faults.processes import kill, until
+from tests.faults.releases import Release, begin
+from tests.faults.stored import Stored
+from worker.running.catalogue.installed import catalogue
+
+CIRCLE = {"component": "circle", "parameters": {"position": {"x": 4.0, "y": 4.0}}}
+SCENARIO = {**campaign().document()["scenario"], "obstacles": [CIRCLE]}
+QUICK = campaign(scenario={**SCENARIO, "horizon": 1.0, "step": 0.01})
+IMPORTS = "from __future__ import annotations\n"
+EDITED = f"{IMPORTS}\nEDITED = 1.0\n"
+SHIFTED = ("worker/engine/components/vehicles/unicycle.py", "return 1.0 / p.m,", "return 1.001 / p.m,")
+OTHER_METHOD = ("worker/engine/search/methods/direct.py", IMPORTS, EDITED)
+
+
+class Service(Stored):
+    """A database, and what the service says of a run."""
+
+    def __init__(self, folder: Path) -> None:
+        self.url = f"sqlite:///{folder}/clearance.sqlite3"
+        migrate(self.url)
+        self.engine = connect(self.url)
+
+    def submitted(self, asked: Campaign) -> int:
+        with self.engine.begin() as connection:
+            return submit(connection, asked, name="another", tags=[], owner="", planned=0, catalogue=catalogue())
+
+    def refused(self, run_id: int) -> str:
+        """What differs, by the latest refusal; empty while there is none."""
+        with read(self.engine) as reader:
+            return next(iter(refusals.of(reader, [run_id]).get(run_id, {}).values()), "")
+
+    def waits(self, run_id: int) -> reasons.Waits | None:
+        with read(self.engine) as reader:
+            return reasons.reasons(reader, [run_id]).get(run_id)
+
+    def evaluated(self, run_id: int, position: int) -> list[bytes]:
+        """The costs that a stage has stored."""
+        of = sa.select(EvaluationChunk.costs).where(
+            EvaluationChunk.run_id == run_id, EvaluationChunk.position == position
+        )
+        with read(self.engine) as reader:
+            return list(reader.scalars(of.order_by(EvaluationChunk.first)))
+
+
+@pytest.fixture
+def service(tmp_path: Path) -> Iterator[Service]:
+    made = Service(tmp_path)
+    yield made
+    made.engine.dispose()
+
+
+class Edit(NamedTuple):
+    file: str
+    old: str
+    new: str
+    differs: str = ""
+    """The module that is named; empty if the run simply continues."""
+
+
+EDITS = {
+    "the words of a verdict": Edit("worker/evidence/verdicts/sentence.py", "Nothing may be claimed: ", "No claim: "),
+    "the audit": Edit("worker/evidence/audit/__init__.py", '"""', '"""Edited. '),
+    "a component that it does not use": Edit("worker/engine/components/avoiders/orca.py", IMPORTS, EDITED),
+    "a component that it uses": Edit(*SHIFTED, "worker.engine.components.vehicles.unicycle"),
+    "the kernel": Edit("worker/engine/kernels/maths.py", IMPORTS, EDITED, "worker.engine.kernels.maths"),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS.values(), ids=EDITS)
+def test_a_run_begun_by_one_version_and_continued_by_another(service: Service, tmp_path: Path, edit: Edit) -> None:
+    [run_id] = begin(service.engine, QUICK)
+    begun = service.run(run_id)
+    with Release(tmp_path / "release", edit[:3]).worker(service.url, "new") as worker:
+        if not edit.differs:
+            ended = service.ended(run_id)
+            assert (ended.state, ended.error, ended.flown) == (RunState.DONE, None, begun.flown), worker.text()
+            return
+        until(lambda: service.refused(run_id), "it is refused")
+        assert f"(modules: {edit.differs}" in service.refused(run_id)
+        until(lambda: (found := service.waits(run_id)) and found.other_code, "the service says so")
+        waits = service.waits(run_id)
+        assert waits is not None
+        assert waits.text.startswith("Other code began it than the running workers have: the code digest was ")
+        meanwhile = service.submitted(QUICK)
+        assert service.ended(meanwhile).state == RunState.DONE
+        still = service.run(run_id)
+        assert (still.state, still.attempts, still.evaluations) == (RunState.QUEUED, begun.attempts, 1)
+        assert still.fence == begun.fence + 1, "it is claimed once"
+
+
+def test_three_ways_on(service: Service, tmp_path: Path) -> None:
+    """A worker of the old version; a new beginning; a new run with what is valid, here all but what DIRECT chose."""
+    old, anew, carried = begin(service.engine, QUICK, 3)
+    with Release(tmp_path / "release", OTHER_METHOD).worker(service.url, "new"):
+        until(lambda: all(service.refused(run) for run in (old, anew, carried)), "all are refused")
+        with service.engine.begin() as writer:
+            assert waiting.restart(writer, anew)
+            further = waiting.carry(writer, carried, QUICK, catalogue())
+        assert further is not None
+        assert service.ended(anew).state == RunState.DONE
+        assert service.ended(further).state == RunState.DONE
+    before, after = Versions.of(service.run(old).flown), Versions.of(service.run(anew).flown)
+    assert before.code != after.code
+    assert before.model == after.model is not None
+    assert (service.run(carried).state, service.run(further).continues) == (RunState.CANCELLED, carried)
+    assert service.evaluated(further, 0) == service.evaluated(carried, 0), "the nominal stage is carried over"
+    with service.engine.begin() as writer:
+        assert not waiting.restart(writer, anew), "it does not wait"
+        assert waiting.carry(writer, further, QUICK, catalogue()) is None
+    with Release(tmp_path / "same").worker(service.url, "old"):
+        ended = service.ended(old)
+    assert (ended.state, Versions.of(ended.flown).code) == (RunState.DONE, before.code)
+
+
+def test_a_rolling_upgrade_with_runs_in_flight(service: Service, tmp_path: Path) -> None:
+    """A worker dies and one of the next version comes while runs are in flight: none fails, none mixes versions."""
+    scenario = {**SCENARIO, "horizon": 30.0, "step": 0.002}
+    asked = campaign(scenario=scenario, stages={"search": [{"method": "direct", "evaluations": 4000}]})
+    runs = [service.submitted(asked) for _ in range(4)]
+    old, new = Release(tmp_path / "old"), Release(tmp_path / "new", SHIFTED)
+    with ExitStack() as stack:
+        first, second = (stack.enter_context(old.worker(service.url, f"old-{i}", "--lease", "5")) for i in (1, 2))
+        until(in_flight(service, runs), "both search")
+        kill(*first.family())  # as a machine that is turned off
+        stack.enter_context(new.worker(service.url, "new-1", "--lease", "5"))
+        until(lambda: any(service.refused(run) for run in runs), "the first run is left to the old version")
+        until(lambda: all(service.run(run).state == RunState.DONE for run in runs), "all end", 200.0)
+        assert second.process.poll() is None
+    bits: dict[str | None, set[bytes]] = {}
+    for run in map(service.run, runs):
+        assert run.error is None
+        bits.setdefault(Versions.of(run.flown).code, set()).add(b"".join(service.evaluated(run.id, 1)))
+    assert [len(same) for same in bits.values()] == [1, 1], "both ran some, and all runs of a version have its bits"
+    assert len(set.union(*bits.values())) == 2, "whose numbers differ"
+
+
+def in_flight(service: Service, runs: list[int]) -> Callable[[], bool]:
+    """Whether two of them are being searched."""
+
+    def found() -> bool:
+        rows: list[Any] = [service.run(run) for run in runs]
+        return sum(row.state == RunState.RUNNING and row.evaluations > 100 for row in rows) >= 2
+
+    return found

@@ -1,0 +1,45 @@
+"""Whether this installation may continue a run, asked before anything is opened or compiled. Read `readable`."""
+
+from __future__ import annotations
+
+import platform
+from typing import Protocol
+
+from campaigns import Campaign, CampaignError
+from campaigns.asked.load import load_document
+from campaigns.documents import JsonObject
+from campaigns.stored.records import Begun
+from campaigns.versions import OtherCode, Versions, differences, differing
+from worker.running.runs import identity
+
+
+class OfRun(Protocol):
+    """What knows by which code a run was begun."""
+
+    def begun(self) -> Begun | None:
+        """None if nothing has been evaluated."""
+
+
+def readable(document: JsonObject, source: str, run: OfRun) -> Campaign:
+    """The campaign of a run that this installation may execute; raises `OtherCode` if other code began it, and
+    `CampaignError` if it cannot be read."""
+    begun = run.begun()
+    try:
+        campaign = load_document(document, source)
+    except CampaignError as error:
+        if begun is None or begun.versions.code is None:
+            raise
+        raise OtherCode(f"this version cannot read its campaign ({error})") from None
+    others = [] if begun is None else _others(begun, campaign)
+    if others:
+        raise OtherCode("; ".join(others))
+    return campaign
+
+
+def _others(begun: Begun, campaign: Campaign) -> list[str]:
+    """What differs as far as it is known without opening the system; the rest is compared when the run is begun."""
+    here = identity.code(campaign)
+    if begun.versions.code and not here.digest:
+        return ["a component, method or stage of it is not installed here"]
+    now = Versions(code=here.digest, python=platform.python_version(), packages=identity.packages(campaign))
+    return differences(begun.versions, now, differing(begun.modules, here.modules) if begun.modules else [])

@@ -1,0 +1,51 @@
+"""Evaluations of a run that other code began, as far as a new run may begin with them.
+
+A stored evaluation is sound if what evaluates is the same to the digest; the evaluations of a stage are replayed if
+what chooses its points is the same, too. From the first stage that is not, everything is evaluated. Read `carry`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from campaigns.stored.records import Begun, Cited, StageRecord
+from campaigns.versions import Versions, differences
+from worker.engine.stages.parts.store import Store
+from worker.running.runs import identity
+
+
+def carry(store: Store, versions: Versions, records: Sequence[StageRecord]) -> None:
+    """Store the sound evaluations of the run that this one continues; nothing if there are none."""
+    cited = store.cited()
+    if cited is not None and not unsound(cited.begun.versions, versions):
+        for position in _replayed(cited, records):
+            store.append(position, 0, cited.evaluations[position])
+
+
+def unsound(then: Versions, now: Versions) -> list[str]:
+    """Why evaluations of other versions may differ from those of these, as clauses; empty if they cannot."""
+    found = differences(then.model_copy(update={"code": None}), now)
+    if then.model is None:
+        found.append("what evaluated them was not stored")
+    elif then.model != now.model:
+        found.append("the code that evaluates has changed")
+    return found
+
+
+def _replayed(cited: Cited, records: Sequence[StageRecord]) -> list[int]:
+    """The positions of the stages that request the same points, until the first one that may not."""
+    found: list[int] = []
+    for position, (before, record) in enumerate(zip(cited.stages, records, strict=False)):
+        if before.plan != record.plan or not _same(cited.begun, record):
+            break
+        if position not in cited.evaluations:
+            break
+        found.append(position)
+    return found
+
+
+def _same(begun: Begun, record: StageRecord) -> bool:
+    """Whether the modules that choose the points of a stage were the same."""
+    known = identity.loaded()
+    wanted = identity.choosing(record.plan.kind, record.plan.method)
+    return all(begun.modules.get(name) == known[name].digest for name in wanted)

@@ -91,7 +91,7 @@ def main() -> int:
 
 
 def server_config(app: FastAPI) -> uvicorn.Config:
-    """Sockets without per-message deflate, which makes the 3D view thirteen times slower; own logging is kept."""
+    """Sockets without per-message deflate, which makes the 3D view thirteen times slower; our logging is retained."""
     settings: Settings = app.state.settings
     return uvicorn.Config(
         app,

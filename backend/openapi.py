@@ -1,7 +1,7 @@
 """The OpenAPI document; `python -m backend.openapi [FILE]` writes it for the front end's client generator.
 
 FastAPI derives it from the endpoints. This module adds the schemas that endpoints only reference: problem documents,
-the campaign, event payloads. Start reading at `install`.
+the campaign, event payloads.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The service's settings, from environment variables `CLEARANCE_*`. Start reading at `Settings.load`."""
+"""The service's settings, from environment variables `CLEARANCE_*`."""
 
 from __future__ import annotations
 

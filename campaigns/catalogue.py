@@ -1,7 +1,6 @@
 """The catalogue as data: which components, methods and simulators an installation has, with units, bounds and text.
 
 The worker publishes it to the database; the API, the launch form and `campaigns.checked.check` read nothing else.
-Start reading at `Catalogue`.
 """
 
 from __future__ import annotations

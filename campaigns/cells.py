@@ -1,7 +1,4 @@
-"""CSV files (RFC 4180) whose cells a spreadsheet cannot take for formulas. Source: OWASP, "CSV Injection".
-
-Start reading at `Writer`.
-"""
+"""CSV files (RFC 4180) whose cells a spreadsheet cannot take for formulas. Source: OWASP, "CSV Injection"."""
 
 from __future__ import annotations
 
@@ -28,7 +25,7 @@ class Writer:
         self._writer.writerow([safe(cell) for cell in cells])
 
     def writerows(self, rows: Iterable[Iterable[object]]) -> None:
-        """Write some."""
+        """Write several rows."""
         self._writer.writerows([safe(cell) for cell in row] for row in rows)
 
 

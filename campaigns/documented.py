@@ -1,7 +1,7 @@
 """The base of all pydantic models: the text below a field is its description in JSON schemas.
 
 As pydantic's `use_attribute_docstrings`, but read when a schema is made, which most processes never do: reading the
-source of 240 classes took a quarter of the time to import them. Start reading at `Documented`.
+source of 240 classes took a quarter of the time to import them.
 """
 
 from __future__ import annotations

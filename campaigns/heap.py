@@ -1,7 +1,7 @@
 """Garbage collection of a process: what it loads lives as long as it does, and is not searched for cycles.
 
 The modules that start a process import this first, so that loading some 300,000 objects is not interrupted, and call
-`loaded` once all is loaded. Nor are these objects searched when the process ends. Start reading at `loaded`.
+`loaded` once all is loaded. Nor are these objects searched when the process ends.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ gc.disable()
 
 
 def loaded() -> None:
-    """From here on only what is made later is searched for cycles, unless whoever loads this wants none searched."""
+    """Exclude all that exists now from the search for cycles, unless the process searches for none."""
     if _ENABLED:
         gc.freeze()
         gc.set_threshold(NEW, 10, 10)

@@ -1,4 +1,4 @@
-"""Labels of a run, such as branch: main, commit: 4f2a91c: what a CI job knows of it. Start reading at `parsed`."""
+"""Labels of a run, such as branch: main, commit: 4f2a91c: what a CI job states of it."""
 
 from __future__ import annotations
 

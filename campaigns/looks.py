@@ -1,7 +1,7 @@
 """The appearance of components and methods: colours, markers, shapes, and the parameters that give sizes.
 
 A component or method declares its look, the catalogue contains it, and pages, scenes and reports use it, independent of
-its name. Start reading at `MethodLook`.
+its name.
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ _SWEEP = re.compile(r"S-([0-9]{1,9})")
 
 
 def run_name(run_id: int) -> str:
-    """R-0001 of 1."""
+    """The name of a run: R-0001 for number 1."""
     return f"R-{run_id:04d}"
 
 
@@ -48,7 +48,7 @@ def run_number(name: str) -> int | None:
 
 
 def sweep_name(sweep_id: int) -> str:
-    """S-0001 of 1."""
+    """The name of a sweep: S-0001 for number 1."""
     return f"S-{sweep_id:04d}"
 
 

@@ -1,7 +1,7 @@
 """The printed name of a parameter: its symbol, with its part of the campaign where others have the same symbol.
 
 Two obstacles have the same symbols, and a number must be traceable to one of them: "y of obstacle 1". Files contain the
-path, `obstacles.0.position.y`. `frontend/src/format/names.ts` writes the same names. Start reading at `labels`.
+path, `obstacles.0.position.y`. `frontend/src/format/names.ts` writes the same names.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ Indices = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 NEAR = 25
-"""Rows kept on either side of a closest approach."""
+"""Rows on either side of a closest approach that are never left out."""
 
 
 def even(count: int, most: int) -> Indices:
@@ -40,5 +40,5 @@ def around(count: int, most: int, middle: int) -> Indices:
 
 
 def near(count: int, middle: int, reach: int) -> Indices:
-    """Those of `count` rows that are at most `reach` from the middle."""
+    """The indices of `count` rows that are at most `reach` from the middle."""
     return np.arange(max(0, middle - reach), min(count, middle + reach + 1))

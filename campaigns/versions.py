@@ -1,7 +1,7 @@
 """The versions behind a run: code, compiled loop, packages, machine; and the differences between two of them.
 
 They cover everything outside the campaign that can change a number. They are stored when the first stage of a run
-begins; other versions can neither resume nor extend that run. Start reading at `differences`.
+begins; other versions can neither resume nor extend that run.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class Versions(Documented):
 
     @staticmethod
     def of(document: Any) -> Versions:
-        """From a stored document; fields missing in earlier versions stay empty."""
+        """The versions from a stored document; fields missing in earlier versions stay empty."""
         known = document if isinstance(document, dict) else {}
         cpu = known.get("cpu")
         return Versions.model_validate({**known, "cpu": cpu if isinstance(cpu, dict) else None})

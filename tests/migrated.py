@@ -1,4 +1,4 @@
-"""Databases of the newest form, copied from one that was migrated once in a process. Start reading at `migrated`."""
+"""Databases of the newest form, copied from one that was migrated once in a process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Synthetic results of the right types, for tests of storage and display. Start reading at `nominal`."""
+"""Synthetic results of the right types, for tests of storage and display."""
 
 from __future__ import annotations
 

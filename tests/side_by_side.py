@@ -1,7 +1,7 @@
 """`pytest --processes N`: collects once, then runs groups of tests in N forks of the process that has collected.
 
 pytest-xdist collects in every process, which took a twentieth of the suite's processor time. The hook `pytest_group_of`
-tells which tests stay together. A fork that dies is reported and replaced. Start reading at `pytest_runtestloop`.
+tells which tests stay together. A fork that dies is reported and replaced.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def pytest_addoption(parser: pytest.Parser, pluginmanager: pytest.PytestPluginMa
 
 @pytest.hookimpl(trylast=True)
 def pytest_group_of(item: pytest.Item) -> str:
-    """By default."""
+    """The group of a test by default."""
     return item.nodeid.partition("::")[0]
 
 

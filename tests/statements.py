@@ -1,4 +1,4 @@
-"""Statements are compiled once for all SQLite databases of the tests, not once for each. Start reading at `share`.
+"""Statements are compiled once for all SQLite databases of the tests, not once for each.
 
 SQLAlchemy keeps compiled statements with their engine, by dialect, as it must where databases differ in version and
 settings. A service has one engine; the tests have thousands, all of one version with the same settings.

@@ -1,7 +1,7 @@
 """Asks the advisory sources of PyPI and npm about everything that is locked: `make advisories`.
 
 A source that does not answer, or does not know the packages, is named as such: that is no result. The exit status is
-1 if there are advisories, 2 if a source could not be asked. Start reading at `main`.
+1 if there are advisories, 2 if a source could not be asked.
 """
 
 from __future__ import annotations

@@ -3,7 +3,6 @@
 The flights are stored in the repository, so that no page waits for a simulation and no service compiles for a picture.
 They are simulated by the closed loop itself in its plain form: without a compiler, and alike on every machine. A test
 simulates them again and compares; it also fails when a campaign or the code of its loop has changed since.
-Start reading at `drawn`.
 """
 
 from __future__ import annotations

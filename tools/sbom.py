@@ -1,7 +1,7 @@
 """Writes the bill of materials of a release, CycloneDX 1.5 as JSON: `make sbom`.
 
 build/sbom/python.cdx.json lists requirements.lock, with the licences of what is installed; build/sbom/pages.cdx.json
-lists frontend/package-lock.json, written by npm. Both are validated against the schema of CycloneDX. Start at `main`.
+lists frontend/package-lock.json, written by npm. Both are validated against the schema of CycloneDX.
 """
 
 from __future__ import annotations

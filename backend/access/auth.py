@@ -2,7 +2,7 @@
 
 A browser authenticates with a session cookie, a program with `Authorization: Bearer` (RFC 6750). Writes and sockets
 must come from the service's own pages (RFC 6454, Origin), or from a frame of theirs by its key, see
-`backend.access.frames`. Start reading at `Guard`.
+`backend.access.frames`.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class Guard:
             await respond(refused, scope["path"])(scope, receive, send)
 
     async def _voucher(self, scope: Scope, connection: HTTPConnection, rule: Rule) -> Voucher | None:
-        """Who opened the frame that this comes from; never by a cookie, which such a frame does not send."""
+        """Who opened the frame that a request comes from; never found by a cookie, which such a frame does not send."""
         if not rule.framed or connection.headers.get("origin") != OPAQUE:
             return None
         return await self.frames.voucher(scope["path"])

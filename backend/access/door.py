@@ -1,7 +1,7 @@
 """Authenticates requests with its own threads and connections, so that it responds while the rest is busy.
 
 Reading never waits for a writer. The use of a token is recorded in the background: the request neither waits for it
-nor fails with it. Start reading at `Door`.
+nor fails with it.
 """
 
 from __future__ import annotations

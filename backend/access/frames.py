@@ -2,7 +2,7 @@
 
 A page of a signed-in user makes the key, writes it into the address of its frame, and asks the service for the view
 with this key. While that request waits, and only then, a socket with the key is that user's. Sources: HTML, 7.1.5,
-sandboxing; RFC 6454, 7.3 (`Origin: null`). Start reading at `Frames`.
+sandboxing; RFC 6454, 7.3 (`Origin: null`).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Frames:
     """The keys for which pages wait; used on one event loop."""
 
     def __init__(self, patience: float = PATIENCE) -> None:
-        """patience: [s]."""
+        """patience: how long a socket may wait for its page [s]."""
         self.waiting, self._patience = 0, patience
         self._vouchers: dict[tuple[str, str], list[Voucher]] = {}
         self._changed, self._most = asyncio.Event(), MOST_WAITING

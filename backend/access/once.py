@@ -1,6 +1,6 @@
 """Writes that a repeated request with the same Idempotency-Key does not do again.
 
-An endpoint that makes something takes a `Once` and does its work in one of its transactions. Start reading at `Once`.
+An endpoint that makes something takes a `Once` and does its work in one of its transactions.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Once:
         """The answer of the work, or the stored answer of the first request.
 
         kind: the type of the answer. work: writes in the given transaction. made: names what was made, for sentences.
-        present: of a stored answer, what it is now, if that may say less than it did.
+        present: the present form of a stored answer, if that may contain less than the stored one.
         """
         answers: TypeAdapter[Answer] = TypeAdapter(kind)
         with self.engine.begin() as writer:
@@ -60,7 +60,7 @@ class Once:
             return present(reader, stored)
 
     def do_secretly(self, work: Work[Answer], made: str, otherwise: str) -> Answer:
-        """The same for an answer with a secret, which is stored nowhere: a repeated request is refused (409).
+        """Do an operation whose answer has a secret, which is stored nowhere: a repeated request is refused (409).
 
         otherwise: what to do about it.
         """
@@ -93,7 +93,7 @@ async def _once(request: Request, engine: Engine, visitor: CurrentVisitor, key: 
 
 
 def _digest(request: Request, body: bytes) -> str:
-    """Of all that an operation depends on: the path parameters, the query, the body."""
+    """The digest of all that an operation depends on: the path parameters, the query, the body."""
     head = json.dumps([request.path_params, request.url.query], sort_keys=True)
     return hashlib.sha256(head.encode() + b"\0" + body).hexdigest()
 

@@ -1,6 +1,6 @@
 """Limits the rate of requests of each session and token: a bucket of a minute's requests, which refills evenly.
 
-Source: RFC 2697 (token bucket). Start reading at `Rates.wait`.
+Source: RFC 2697 (token bucket).
 """
 
 from __future__ import annotations

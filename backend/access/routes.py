@@ -1,4 +1,4 @@
-"""Finds the rule of a request, in the order in which the application's routes are matched. Start reading at `Rules`.
+"""Finds the rule of a request, in the order in which the application's routes are matched.
 
 The guard decides before the framework selects a route. Both take the first route of which path and method match, from
 the same list, so they select the same one; a test compares them.
@@ -49,7 +49,7 @@ class Rules:
         ]
 
     def of(self, scope: Scope) -> Rule:
-        """The rule of a request or socket; an unknown address is for whoever is signed in, to be told that."""
+        """The rule of a request or socket; an unknown address is for all who are signed in, who are answered 404."""
         method, path = "SOCKET" if scope["type"] == "websocket" else _method(scope["method"]), scope["path"]
         for route in self._routes:
             if method in route.methods and route.pattern.match(path):

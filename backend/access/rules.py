@@ -2,7 +2,7 @@
 
 This table is the only place where that is decided; `backend.access.routes` enforces it and refuses to start a service
 with a route that is not here. What a route does beyond that (own runs, own sign-offs) is in `backend.access.own` and in
-the services. `docs/access.md` shows the table. Start reading at `RULES`.
+the services. `docs/access.md` shows the table.
 """
 
 from __future__ import annotations

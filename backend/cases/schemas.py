@@ -1,4 +1,4 @@
-"""The schemas of an evaluation of a simulator on request. Start reading at `CaseRequest` and `CaseAnswer`."""
+"""The schemas of an evaluation of a simulator on request."""
 
 from __future__ import annotations
 

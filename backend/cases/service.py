@@ -1,4 +1,4 @@
-"""Validates a what-if request of a simulator, evaluates it and builds the response. Start reading at `asked`.
+"""Validates a what-if request of a simulator, evaluates it and builds the response.
 
 Simulators are code of the operator, so that they run in a child process of the service, as flights do, which evaluates
 in processes of its own. The service's machine must have the simulator of the run.

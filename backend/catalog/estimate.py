@@ -1,4 +1,4 @@
-"""What a run of a campaign usually takes: evaluations and time, and where both are known from. Start at `estimate`."""
+"""What a run of a campaign usually takes: evaluations and time, and where both are known from."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class _Earlier(NamedTuple):
 def estimate(
     reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, seconds: Callable[[int], float | None]
 ) -> Estimate:
-    """As in the newest run of the same campaign, or else the range of such runs.
+    """The numbers of the newest run of the same campaign, or else the range of such runs.
 
     seconds: the working time of so many evaluations of a scenario; None if unknown.
     """
@@ -80,7 +80,7 @@ def _estimate(stages: list[EstimatedStage], evaluations: Total, said: str, time:
 
 
 def _scaled(seconds: Callable[[int], float | None], evaluations: Total) -> _Time:
-    """At the speed of earlier runs, which is that of the usual number."""
+    """A time at the speed of earlier runs, which is that of the usual number of evaluations."""
     time = seconds(evaluations.usual)
     if time is None:
         return _Time(None, None, None, UNKNOWN)

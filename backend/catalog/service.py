@@ -1,4 +1,4 @@
-"""The catalogue that the workers publish, and the check of campaigns against it. Start reading at `checked`."""
+"""The catalogue that the workers publish, and the check of campaigns against it."""
 
 from __future__ import annotations
 

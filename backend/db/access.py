@@ -45,7 +45,7 @@ _OF_USER = (User.role, User.disabled, User.password.is_not(None).label("has_pass
 
 
 class AccessError(ValueError):
-    """A token cannot be created or revoked; the message says why and what to do."""
+    """A token cannot be created or revoked; the message gives the reason and what to do."""
 
 
 @dataclass(frozen=True)

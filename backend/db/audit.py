@@ -1,7 +1,7 @@
 """The audit trail: who did what, and when. Rows are only added, each with the hash of the one before it.
 
 Writers take turns at the row of `AuditHead` until they commit. On PostgreSQL a transaction must therefore lock all
-other rows first and call `note` last, or two transactions may wait for each other. Start reading at `note`.
+other rows first and call `note` last, or two transactions may wait for each other.
 """
 
 from __future__ import annotations

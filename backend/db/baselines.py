@@ -1,4 +1,4 @@
-"""The run that a launch is compared with: named, or the newest one with a label. Start reading at `resolved`."""
+"""The run that a launch is compared with: named, or the newest one with a label."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ Each row holds the SHA-256 of itself as canonical JSON, which includes the hash 
 removes, inserts or reorders a row must compute all later hashes again. The chain cannot prove that this was not done:
 anyone who may write the database can rewrite the whole of it. A head (number and hash of the newest row) that was noted
 elsewhere shows that, and shows rows that are missing at the end. Source: Crosby and Wallach, "Efficient Data Structures
-for Tamper-Evident Logging" (USENIX Security 2009), section 2. Start reading at `faults`.
+for Tamper-Evident Logging" (USENIX Security 2009), section 2.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def digest(row: Mapping[str, Any]) -> str:
 
 
 class Verified(NamedTuple):
-    """The outcome: sentences that say what is wrong with which row, and the head of the rows that were read."""
+    """The outcome: sentences on what is wrong with which row, and the head of the rows that were read."""
 
     faults: list[str]
     head: Head

@@ -1,7 +1,7 @@
 """Extends the searches of a run: a new run that cites the old one and starts with its evaluations.
 
 The transaction that creates the new run also claims it for the caller, so that no worker takes it. When that lease
-expires, any worker can resume it. Start reading at `begin`.
+expires, any worker can resume it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What an evaluation of a simulator took, as runs or `clearance check-simulator` measured it. Start at `newest`."""
+"""What an evaluation of a simulator took, as runs or `clearance check-simulator` measured it."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _of_checks(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measur
 
 
 def _cost(measured: Measured, run: str | None, at: float | None, host: str = "") -> Cost | None:
-    """None if it has no time of a call."""
+    """The cost of an evaluation as measured; None if the measurement has no time of a call."""
     if not (measured.call_seconds and measured.slots):
         return None
     return Cost(

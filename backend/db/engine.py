@@ -1,7 +1,7 @@
 """Opens the database: SQLite in WAL mode or PostgreSQL; `engine.begin()` writes, `read(engine)` reads.
 
 Source: SQLite, "Write-Ahead Logging" and "Transaction" (sqlite.org/lang_transaction.html): a deferred transaction that
-turns into a writer can fail at once whatever the timeout, an immediate one waits its turn. Start reading at `connect`.
+turns into a writer can fail at once whatever the timeout, an immediate one waits its turn.
 """
 
 from __future__ import annotations

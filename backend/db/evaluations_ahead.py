@@ -1,6 +1,6 @@
 """Reads and writes evaluations that were completed before an earlier one of their stage.
 
-The chunks contain a stage's evaluations without a gap; these wait beside them. Start reading at `store`.
+The chunks contain a stage's evaluations without a gap; these wait next to them.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from campaigns.stored.records import Ahead, Columns
 
 
 def read(connection: sa.Connection, run_id: int, position: int) -> Ahead | None:
-    """Those of a stage by index; None if there are none."""
+    """The evaluations ahead of a stage by index; None if there are none."""
     of = (EvaluationAhead.run_id == run_id, EvaluationAhead.position == position)
     rows = connection.execute(sa.select(EvaluationAhead).where(*of).order_by(EvaluationAhead.place)).all()
     if not rows:

@@ -1,4 +1,4 @@
-"""Concurrency groups: a newer run of a group supersedes those that have not ended. Start reading at `superseded`.
+"""Concurrency groups: a newer run of a group supersedes those that have not ended.
 
 Group and successor of a run are rows of `run_labels` whose keys begin with @, which no label can: they are found by the
 same index, and `backend.db.labels` leaves them out.

@@ -2,7 +2,6 @@
 
 Such a user is the one whose `created_by` is the identity's digest. It is written once, when the user is created, so no
 identity can take over a user who was invited, and a provider's user has neither password nor invitation.
-Start reading at `sign_in`.
 """
 
 from __future__ import annotations

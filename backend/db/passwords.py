@@ -1,4 +1,4 @@
-"""Passwords as Argon2id hashes (RFC 9106), with the parameters in the hash. Start reading at `matches`.
+"""Passwords as Argon2id hashes (RFC 9106), with the parameters in the hash.
 
 Source of the parameters and of the rules: OWASP Password Storage and Authentication Cheat Sheets; NIST SP 800-63B-4,
 3.1.1.2: a minimum length, and no rules about kinds of characters.

@@ -1,6 +1,6 @@
 """Which installations cannot continue a run that other code began: their workers leave it to others.
 
-A run that is refused waits in the queue; nothing of it is lost. Start reading at `store`.
+A run that is refused waits in the queue; nothing of it is lost.
 """
 
 from __future__ import annotations

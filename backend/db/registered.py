@@ -1,7 +1,7 @@
 """The services that run for this user on this machine, so that a command finds them from any folder.
 
 Every service has a file in `folder()`, which it locks for as long as it runs: a file without a lock is left over from a
-service that was killed. Start reading at `services`.
+service that was killed.
 """
 
 from __future__ import annotations

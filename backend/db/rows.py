@@ -1,4 +1,4 @@
-"""Rows of the tables as records, and records as rows. Start reading at `as_columns` and `blobs`."""
+"""Rows of the tables as records, and records as rows."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The tables as a runner's store: the `Store` of `worker.engine.stages` for one claim, every write under its fence.
 
 Each method is one transaction that first touches the run's row under the claim's fence: a worker that has lost its
-lease writes nothing. Start reading at `RunStore.append`.
+lease writes nothing.
 """
 
 from __future__ import annotations

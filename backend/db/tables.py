@@ -1,7 +1,6 @@
 """The tables: campaigns, drafts, runs (the queue), stages, evaluations in column chunks, findings, traces, access.
 
-Arrays are little-endian float64 in BLOBs, row-major. Start reading at `Run`; the lease columns are explained in
-`backend.db.queue`.
+Arrays are little-endian float64 in BLOBs, row-major. The lease columns are explained in `backend.db.queue`.
 """
 
 from __future__ import annotations
@@ -245,7 +244,7 @@ class Trace(Base):
     name: orm.Mapped[str] = orm.mapped_column(sa.String(12), primary_key=True)
     """nominal, F1, F2, ..."""
     columns: orm.Mapped[list[Any]]
-    """[{name, symbol, unit, group}] in the order of the columns; the groups are listed in `campaigns.trace`."""
+    """[{name, symbol, unit, group}] in the order of the columns; the groups are listed in `campaigns.results.trace`."""
     rows: orm.Mapped[int]
     data: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """float64, (rows, columns)."""

@@ -22,6 +22,6 @@ class RequestKey(Base):
     made: orm.Mapped[str] = orm.mapped_column(sa.String(300))
     """What it made, as sentences name it: R-0001, the token 'ci'."""
     answer: orm.Mapped[bytes | None] = orm.mapped_column(sa.LargeBinary)
-    """Its answer, JSON compressed with zlib; None if it was a secret, is read anew, or was forgotten."""
+    """Its answer, JSON compressed with zlib; None if it was a secret, is read again, or was forgotten."""
     created: orm.Mapped[float]
     __table_args__ = (sa.Index("ix_request_keys_created", "user", "created"),)

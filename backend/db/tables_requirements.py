@@ -1,6 +1,6 @@
 """The tables of requirements: imported or written here, and stated by the campaigns of runs.
 
-Import them from `backend.db.tables`. Start reading at `RunRequirement`.
+Import them from `backend.db.tables`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Users: invited by a single-use link, with a role, disabled but never deleted. Start reading at `invite`."""
+"""Users: invited by a single-use link, with a role, disabled but never deleted."""
 
 from __future__ import annotations
 
@@ -163,13 +163,13 @@ def own_sign_offs(reader: sa.Connection) -> bool:
 
 
 def stored_own_sign_offs(reader: sa.Connection) -> bool | None:
-    """That setting as somebody chose it; None if nobody has."""
+    """The setting of sign-offs of one's own runs as an administrator chose it; None if none did."""
     stored = reader.scalar(sa.select(ServiceSetting.value).where(ServiceSetting.key == OWN_SIGN_OFFS))
     return bool(stored[0]) if stored else None
 
 
 def set_own_sign_offs(writer: sa.Connection, permitted: bool) -> None:
-    """Store that setting."""
+    """Store whether users may sign off their own runs."""
     writer.execute(sa.delete(ServiceSetting).where(ServiceSetting.key == OWN_SIGN_OFFS))
     writer.execute(sa.insert(ServiceSetting).values(key=OWN_SIGN_OFFS, value=[permitted]))
 

@@ -24,7 +24,7 @@ LIVE = 60.0
 """A worker is live if it sent a heartbeat within this time [s]; what it published stays for as long."""
 
 SEEN = 20.0
-"""People are told that a worker is alive if it sent a heartbeat within this time, ten times the usual interval [s]."""
+"""A worker counts as alive if it sent a heartbeat within this time, ten times the usual interval [s]."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def beat(
 
 
 def leave(connection: sa.Connection, name: str) -> None:
-    """Delete the entry of a worker after an orderly shutdown; only the time is kept."""
+    """Delete the entry of a worker after an orderly shutdown; only the time is stored."""
     connection.execute(sa.delete(Worker).where(Worker.name == name))
     connection.execute(sa.update(CatalogueDocument).values(departed=now(connection)))
 

@@ -1,4 +1,4 @@
-"""GET /events: progress as server-sent events. Start reading at `stream_events`."""
+"""GET /events: progress as server-sent events."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One poller for all listeners, however many pages are open. Start reading at `Hub.listen`."""
+"""One poller for all listeners, however many pages are open."""
 
 from __future__ import annotations
 

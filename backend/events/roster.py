@@ -1,6 +1,6 @@
 """Detects changes of the workers: one that starts, stops, falls silent, or goes to another run or stage.
 
-Read by time, because a worker that falls silent commits nothing. Start reading at `Roster.look`.
+Read by time, because a worker that falls silent commits nothing.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The content of the event stream besides run summaries and stages. Start reading at `NewImprovements`."""
+"""The content of the event stream besides run summaries and stages."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Detects changes in the database since the last poll: runs, and the stages and improvements of watched runs.
 
 On SQLite, `PRAGMA data_version` shows whether another connection has committed (sqlite.org/pragma.html); if not,
-nothing is read. Not thread-safe. Start reading at `Watch.look`.
+nothing is read. Not thread-safe.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The export files of a run: their list, and each file. Start reading at `list_exports`."""
+"""The export files of a run: their list, and each file."""
 
 from __future__ import annotations
 

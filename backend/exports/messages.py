@@ -1,6 +1,6 @@
 """The messages of an MCAP export and their JSON schemas: those of Foxglove by name and field, and one of our own.
 
-Foxglove's schemas have more fields; these are the ones that are written. Start reading at `SCHEMAS`.
+Foxglove's schemas have more fields; these are the ones that are written.
 """
 
 from __future__ import annotations

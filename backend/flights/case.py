@@ -1,4 +1,4 @@
-"""A case of a stored run with other parameters: read and validated, and the response. Start reading at `case`.
+"""A case of a stored run with other parameters: read and validated, and the response.
 
 What-if requests of scenarios (`service`) and of simulators (`backend/cases`) share it.
 """

@@ -1,4 +1,4 @@
-"""The schemas of a simulation on request. Start reading at `FlightRequest` and `FlightAnswer`."""
+"""The schemas of a simulation on request."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads a what-if request of a scenario and simulates it. Start reading at `asked`."""
+"""Reads a what-if request of a scenario and simulates it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Processes only the newest request of each client: older pending ones are refused. Start reading at `Turns.run`."""
+"""Processes only the newest request of each client: older pending ones are refused."""
 
 from __future__ import annotations
 

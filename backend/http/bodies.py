@@ -1,4 +1,4 @@
-"""Campaigns as request bodies: JSON or YAML, parsed by the same rules as a file. Start reading at `described`."""
+"""Campaigns as request bodies: JSON or YAML, parsed by the same rules as a file."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Limits long work: a few jobs at a time in their own threads, a short queue, and 503 beyond it.
 
 All other work runs in the 40 threads that requests share: long work there would block the whole service. Waiting jobs
-wait on the event loop and occupy no thread. Start reading at `Capacity`.
+wait on the event loop and occupy no thread.
 """
 
 from __future__ import annotations

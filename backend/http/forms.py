@@ -1,4 +1,4 @@
-"""The plain pages with which users sign in and accept invitations; they need no script. Start reading at `sign_in`."""
+"""The plain pages with which users sign in and accept invitations; they need no script."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Source: IETF draft "The Idempotency-Key HTTP Header Field". The key is taken in the transaction of the write itself, so
 that after a crash either both are stored or neither; a concurrent duplicate waits for that transaction. A key belongs
-to its user and operation, and stays. Most endpoints use `backend.access.once`. Start reading at `claimed`.
+to its user and operation, and stays. Most endpoints use `backend.access.once`.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ Key = Annotated[
     ),
 ]
 KEPT = 50
-"""Answers that are kept for a user, so that no user fills the disk; the keys themselves stay."""
+"""Answers that are stored for a user, so that no user fills the disk; the keys themselves stay."""
 LARGEST = 1_000_000
-"""Bytes of an answer that is kept, compressed."""
+"""Bytes of an answer that is stored, compressed."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Entity tags of what users edit, and the header If-Match: an edit of what has changed since it was read is refused.
 
 Source: RFC 9110, 8.8.3 and 13.1.1. A tag identifies what can be edited, not the progress of a run. An edit without the
-header is applied, as in earlier versions. Start reading at `require_match`.
+header is applied, as in earlier versions.
 """
 
 from __future__ import annotations

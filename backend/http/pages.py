@@ -1,7 +1,6 @@
 """Serves the built single-page application with deep links, and a few plain pages.
 
 Hashed assets are cached by browsers for a year; the page that names them is requested each time (RFC 9111).
-Start reading at `serve`.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ FONTS = {
     "assets/inter.woff2": "inter-latin-wght-normal-*.woff2",
     "assets/mono.woff2": "jetbrains-mono-latin-wght-normal-*.woff2",
 }
-"""Addresses of the built fonts for the plain pages, which do not know the hashes in their names."""
+"""Addresses of the built fonts for the plain pages, whose names contain hashes."""
 _STYLE = (
     '@font-face{font-family:Inter;src:url(ROOT/assets/inter.woff2) format("woff2");'
     "font-weight:100 900;font-display:swap}"
@@ -94,7 +93,7 @@ def unbuilt(folder: Path) -> str:
 
 
 def _not_built(folder: Path) -> HTMLResponse:
-    """That sentence as a page."""
+    """The sentence that the pages are not built, as a page."""
     said = html.escape(unbuilt(folder))
     said = re.sub("`(.+?)`|(CLEARANCE_PAGES|frontend/dist)", r"<code>\1\2</code>", said)
     return plain("The pages are not built", f"<p>{said[:1].upper()}{said[1:]}.</p>", 503)

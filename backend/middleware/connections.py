@@ -1,7 +1,7 @@
 """Limits that uvicorn lacks: the number of open connections, and the time a client may take to send or to read.
 
 Subclasses of uvicorn's HTTP/1.1 protocol and of its WebSocket protocol, which takes over after the upgrade. Source:
-OWASP Denial of Service Cheat Sheet, slow HTTP attacks. Start reading at `bounded`.
+OWASP Denial of Service Cheat Sheet, slow HTTP attacks.
 """
 
 from __future__ import annotations

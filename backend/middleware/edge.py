@@ -1,6 +1,6 @@
 """Checks the address of every request before it is parsed: host, length, characters, number of parameters.
 
-Sources: RFC 9110, 15.5.15 (414); RFC 3986. Start reading at `Edge`.
+Sources: RFC 9110, 15.5.15 (414); RFC 3986.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """The outermost middleware: security headers, a size limit on bodies, and a handler of internal errors.
 
 Pure ASGI, so that streams and sockets pass untouched. Sources: W3C CSP Level 3; OWASP HTTP Headers Cheat Sheet.
-Start reading at `Frame`.
 """
 
 from __future__ import annotations

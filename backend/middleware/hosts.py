@@ -1,7 +1,7 @@
 """The names by which browsers may call the service: an allow-list of the header Host.
 
 Against DNS rebinding, by which a page of another server reaches a service on this machine under that server's name.
-Sources: RFC 9110, 7.2 and 15.5.20 (421). Start reading at `Hosts`.
+Sources: RFC 9110, 7.2 and 15.5.20 (421).
 """
 
 from __future__ import annotations

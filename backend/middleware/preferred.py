@@ -1,7 +1,7 @@
 """Answers in the form that a client prefers: times as RFC 3339, lists in one envelope (RFC 7240, the header Prefer).
 
 Without the header, answers stay as they are. Only JSON that the OpenAPI document describes is changed: no file, no
-stream of events, nothing inside a campaign. Pure ASGI. Start reading at `Preferred`.
+stream of events, nothing inside a campaign. Pure ASGI.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class _Answer:
 
 
 def preferences(headers: Headers) -> frozenset[str]:
-    """Those that are known; others are ignored, as the standard has it."""
+    """The known preferences of a request; others are ignored, as the standard has it."""
     given = ",".join(headers.getlist("prefer")).lower()
     found = {re.sub(r'["\s]', "", part.partition(";")[0]) for part in given.split(",")}
     return frozenset(found & {TIMES, LISTS})

@@ -66,7 +66,7 @@ class Proxied:
 
 
 def _with_host(scope: Scope) -> Scope:
-    """With the host that the nearest proxy names; a proxy may append to what a client has sent, so the last counts."""
+    """The scope with the host that the nearest proxy names: the last one, as proxies may append to those sent."""
     given = [value for name, value in scope["headers"] if name == b"x-forwarded-host"]
     host = given[-1].rpartition(b",")[2].strip() if given else b""
     if not _HOST.fullmatch(host):

@@ -1,7 +1,6 @@
 """Simulates the nominal case of an edited campaign, one at a time, in a separate process from the viewers'.
 
 Requests whose client has disconnected while waiting are dropped, so that of many edits only the newest is simulated.
-Start reading at `Previews.simulate`.
 """
 
 from __future__ import annotations

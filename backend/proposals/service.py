@@ -1,4 +1,4 @@
-"""What an evaluation of a simulator took when it was last measured, and what to search with. Start at `proposal`."""
+"""What an evaluation of a simulator took when it was last measured, and what to search with."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The settings of the sign-in provider, checked at start. Start reading at `configured`."""
+"""The settings of the sign-in provider, checked at start."""
 
 from __future__ import annotations
 

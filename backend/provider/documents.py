@@ -1,6 +1,6 @@
 """The provider's own documents: its configuration and its keys, fetched when needed and stored for an hour.
 
-OpenID Connect Discovery 1.0, section 4; RFC 7517. Start reading at `Documents`.
+OpenID Connect Discovery 1.0, section 4; RFC 7517.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """/login/provider begins a sign-in at the provider, /login/provider/return ends it and leads back to where it began.
 
-A failure is a page with a sentence. Start reading at `begin`.
+A failure is a page with a sentence.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ async def begin(request: Request, next: str = "") -> Response:  # noqa: A002
 
 @router.get(RETURN)
 async def finish(request: Request, engine: Engine) -> Response:
-    """Accept the provider's answer: open a session, or say why not."""
+    """Accept the provider's answer: open a session, or give the reason for refusing."""
     provider, browser = _provider(request), browser_of(request)
     try:
         if provider is None:

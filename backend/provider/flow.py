@@ -1,6 +1,6 @@
 """The authorization code flow with PKCE, state and nonce, and the checks of the ID token.
 
-OpenID Connect Core 1.0, section 3.1; RFC 7636; RFC 9207; RFC 9700. Start reading at `Provider`.
+OpenID Connect Core 1.0, section 3.1; RFC 7636; RFC 9207; RFC 9700.
 """
 
 from __future__ import annotations

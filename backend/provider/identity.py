@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Identity:
-    """Who signed in, as the provider says."""
+    """Who signed in, as the provider states."""
 
     issuer: str
     subject: str

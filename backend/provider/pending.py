@@ -1,7 +1,7 @@
 """A sign-in that waits for the provider: state, nonce and PKCE verifier, in a signed cookie of the browser.
 
 Nothing of it is stored here, so a client cannot fill the memory. A state is single-use; used ones are remembered until
-they would expire. The key is new at every start: a restart ends the sign-ins that wait. Start reading at `Pending`.
+they would expire. The key is new at every start: a restart ends the sign-ins that wait.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Selects the figures of a report from the stored results. Start reading at `drawn`."""
+"""Selects the figures of a report from the stored results."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def drawn(held: Held) -> dict[str, object]:
 
 
 def _off(held: Held) -> dict[str, bool]:
-    """The figures whose axis does not include the criterion because it is too far away; their captions say so."""
+    """The figures whose axis does not include the criterion because it is too far away; their captions state so."""
     limit = held.of.threshold
     if limit is None:
         return {"off": False, "sensitivity_off": False, "sample_off": False}

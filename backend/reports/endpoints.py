@@ -1,4 +1,4 @@
-"""A run's report for a safety case, as HTML and as PDF, and the list of reports. Start reading at `get_report`."""
+"""A run's report for a safety case, as HTML and as PDF, and the list of reports."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """The figures of a report over time and evaluations: separation, convergence, sensitivity, tornado, histogram.
 
 Each function takes stored numbers and returns an SVG; the plan view is in `backend.reports.plan_view`.
-Start reading at `Case`.
 """
 
 from __future__ import annotations

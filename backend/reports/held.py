@@ -1,4 +1,4 @@
-"""The stored data of a run from which a report is made, read in one snapshot. Start reading at `load`."""
+"""The stored data of a run from which a report is made, read in one snapshot."""
 
 from __future__ import annotations
 

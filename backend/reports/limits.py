@@ -1,7 +1,4 @@
-"""The limits of the evidence: horizon, exclusions, noise, reference point of the distance.
-
-Start reading at `conditions`.
-"""
+"""The limits of the evidence: horizon, exclusions, noise, reference point of the distance."""
 
 from __future__ import annotations
 

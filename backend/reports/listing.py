@@ -1,4 +1,4 @@
-"""The list of reports: one for every run that has ended and is not removed. Start reading at `page`."""
+"""The list of reports: one for every run that has ended and is not removed."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def _arguments(folder: Path, target: Path) -> list[str]:
 
 
 def _run(command: list[str], folder: Path) -> str | None:
-    """None on success, empty after a timeout, else the error output. All its processes are ended."""
+    """Run the browser: None on success, empty after a timeout, else its error output. All its processes are ended."""
     environment = {**os.environ, "HOME": str(folder), "TMPDIR": str(folder), "XDG_CONFIG_HOME": str(folder)}
     with (folder / "said.txt").open("w+b") as said:
         process = subprocess.Popen(

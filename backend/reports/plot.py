@@ -1,6 +1,6 @@
 """Small charts as inline SVG: axes with round ticks, lines, marks, text; independent of the data model.
 
-The colours are those of the light theme, since a report is printed on white. Start reading at `Axes`.
+The colours are those of the light theme, since a report is printed on white.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class Axes:
     def text(
         self, x: float, y: float, words: object, anchor: str = "middle", colour: str = INK3, weight: int = 400
     ) -> None:
-        """Text at a position [px], with a white outline that keeps it readable on lines."""
+        """Text at a position [px], with a white outline, so that it is readable on lines."""
         form = (
             '<text x="{:.1f}" y="{:.1f}" text-anchor="{}" fill="{}" font-weight="{}" paint-order="stroke" '
             'stroke="#fff" stroke-width="3" stroke-linejoin="round">{}</text>'

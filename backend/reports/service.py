@@ -1,7 +1,4 @@
-"""The report of a run as one self-contained page: stored numbers and inline figures.
-
-Start reading at `report_html`.
-"""
+"""The report of a run as one self-contained page: stored numbers and inline figures."""
 
 from __future__ import annotations
 

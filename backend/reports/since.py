@@ -10,7 +10,7 @@ from campaigns.results.regression import Standing
 
 
 def changes(held: Held) -> dict[str, object] | None:
-    """The comparison with the baseline, or the sentence that says why there is none; None without a baseline."""
+    """The comparison with the baseline, or the sentence on why there is none; None without a baseline."""
     regression = None if held.verdict is None else held.verdict.regression
     if regression is None:
         asked = held.run.baseline

@@ -1,4 +1,4 @@
-"""Formats sentences, symbols and dates for a report, as on the pages. Start reading at `drawn`."""
+"""Formats sentences, symbols and dates for a report, as on the pages."""
 
 from __future__ import annotations
 

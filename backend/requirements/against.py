@@ -1,7 +1,7 @@
 """What speaks against evidence besides its own run: other runs of the campaign, removed runs, ids that look the same.
 
 A value below the threshold was found, whoever found it: a cancelled run, one of a sweep, one whose campaign does not
-state the requirement. Start reading at `against`.
+state the requirement.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ def similar(reader: sa.Connection, ids: Sequence[str], every: sa.CompoundSelect[
 
 
 def notes(ignored: Ignored, similar: Sequence[str]) -> Iterator[str]:
-    """What a reader of the status must know besides: exports have it as well."""
+    """Further notes for a reader of the status: exports have them as well."""
     if ignored.violated:
         runs = ", ".join(run_name(run_id) for run_id in ignored.violated[:MOST_NAMED])
         rest = len(ignored.violated) - MOST_NAMED

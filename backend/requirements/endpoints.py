@@ -1,4 +1,4 @@
-"""The matrix of requirements and runs, import and export. Start reading at `list_requirements`."""
+"""The matrix of requirements and runs, import and export."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The argument as YAML in Goal Structuring Notation, in the form of gsn2x 4.
 
-Only evidence that stands is a solution: cleared, signed off, unchanged. What is not yet evidence is a context of an
+Only valid evidence is a solution: cleared, signed off, unchanged. What is not yet evidence is a context of an
 undeveloped goal; a violation is a counter-solution that defeats the goal of its requirement, which nothing supports.
 Sources: GSN Community Standard 3 (SCSC-141C), with its dialectic extension; gsn2x, "Syntax in YAML". Read `argument`.
 """
@@ -32,7 +32,7 @@ class _Text(Dumper):
     """Writes lists on one line, and no aliases."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """gsn2x needs none."""
+        """Write no aliases, which gsn2x does not need."""
         return True
 
 
@@ -107,7 +107,7 @@ def _subgoal(
     claims: Mapping[str, str],
     address: str,
 ) -> str:
-    """Add the goal that one campaign meets its criterion, supported only by evidence that stands.
+    """Add the goal that one campaign meets its criterion, supported only by evidence that is valid.
 
     against: runs that found a value that would violate it, without a verdict that confirms it.
     """

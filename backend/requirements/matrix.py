@@ -1,4 +1,4 @@
-"""The matrix of requirements and runs. Start reading at `page`.
+"""The matrix of requirements and runs.
 
 Rows are all ids that are registered or that a run states; a requirement without a run is a row. Only the runs that a
 page shows are read in full, by the index of `run_requirements`.
@@ -147,7 +147,7 @@ def _shown(now: Standing, edges: Sequence[Edge], most: int) -> list[int]:
 
 
 def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present) -> dict[int, Known]:
-    """These runs in full: outcome, sign-offs against their results, and what has changed."""
+    """The runs in full: outcome, sign-offs against their results, and what has changed."""
     known: dict[int, Known] = {}
     ordered = sorted(run_ids)
     for first in range(0, len(ordered), CHUNK):

@@ -1,7 +1,4 @@
-"""What runs of now would be of: the newest definition of each campaign, and what the workers have installed.
-
-Start reading at `changes`.
-"""
+"""What runs of now would be of: the newest definition of each campaign, and what the workers have installed."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """Reads requirements from ReqIF files, and writes them as one. Source: OMG, Requirements Interchange Format 1.2.
 
 A file is stored byte by byte, so it is written back as it was; this module only finds ids and texts in it. A document
-type declaration is refused before anything in it is read: ReqIF has none, and entities are declared there. Start
-reading at `read`.
+type declaration is refused before anything in it is read: ReqIF has none, and entities are declared there.
 """
 
 from __future__ import annotations
@@ -75,7 +74,7 @@ class _Builder(Xml.TreeBuilder):
         return super().start(tag.rpartition("}")[2], attrs)
 
     def end(self, tag: str) -> Xml.Element:
-        """The same."""
+        """Close an element, whose name is without its namespace."""
         self.depth -= 1
         return super().end(tag.rpartition("}")[2])
 

@@ -1,4 +1,4 @@
-"""Imports, changes and exports requirements; the audit trail has every change. Start reading at `import_file`."""
+"""Imports, changes and exports requirements; the audit trail has every change."""
 
 from __future__ import annotations
 
@@ -231,7 +231,7 @@ def _row(one: Read, file_id: int | None, at: float, visitor: Visitor) -> dict[st
 
 
 def _cut(attributes: dict[str, str]) -> dict[str, str]:
-    """What the page shows of them; null characters cannot be stored."""
+    """The attributes as far as the page shows them; null characters cannot be stored."""
     some = list(attributes.items())[:MOST_ATTRIBUTES]
     return {key[:200].replace("\0", ""): value[:LONGEST_ATTRIBUTE].replace("\0", "") for key, value in some}
 

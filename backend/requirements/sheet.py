@@ -1,4 +1,4 @@
-"""Requirements and the matrix as CSV (RFC 4180). Start reading at `read`."""
+"""Requirements and the matrix as CSV (RFC 4180)."""
 
 from __future__ import annotations
 

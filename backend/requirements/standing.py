@@ -1,8 +1,8 @@
-"""Whether a requirement is met, from all runs whose campaigns state it. Pure functions; start reading at `standing`.
+"""Whether a requirement is met, from all runs whose campaigns state it. Pure functions.
 
-A requirement stands as its worst evidence does. Every campaign that states it, by name, must have evidence of its own;
-the evidence of a campaign is its newest run with a verdict, and every violation that nothing has changed since. A run
-that does not count as evidence, such as a cancelled one, can still speak against it.
+A requirement has the status of its worst evidence. Every campaign that states it, by name, must have evidence of its
+own; the evidence of a campaign is its newest run with a verdict, and every violation that nothing has changed since. A
+run that does not count as evidence, such as a cancelled one, can still speak against it.
 """
 
 from __future__ import annotations

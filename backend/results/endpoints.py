@@ -1,4 +1,4 @@
-"""A run's evaluations, findings and traces. Start reading at `get_evaluations`."""
+"""A run's evaluations, findings and traces."""
 
 from __future__ import annotations
 

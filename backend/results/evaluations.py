@@ -1,4 +1,4 @@
-"""Reads evaluations from their column chunks, thinned for charts. Start reading at `read`."""
+"""Reads evaluations from their column chunks, thinned for charts."""
 
 from __future__ import annotations
 

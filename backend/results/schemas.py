@@ -1,4 +1,4 @@
-"""The API schemas of evaluations, findings and traces. Start reading at `EvaluationSeries`."""
+"""The API schemas of evaluations, findings and traces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Findings and traces as stored. Start reading at `findings`."""
+"""Findings and traces as stored."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""What the address of a submission adds to its body: labels, baseline, reuse. A YAML body has no place for them.
-
-Start reading at `Asked`.
-"""
+"""What the address of a submission adds to its body: labels, baseline, reuse. A YAML body has no place for them."""
 
 from __future__ import annotations
 
@@ -44,7 +41,7 @@ class Asked:
         return given.model_copy(update=self.parts)
 
     def digest(self, body: bytes) -> str:
-        """Of the whole request, to distinguish a repeated request from another one with the same key."""
+        """The digest of the whole request: it distinguishes a repeated request from another one with the same key."""
         address = b"\0" + json.dumps(self.parts, sort_keys=True).encode() if self.parts else b""
         return hashlib.sha256(body + address).hexdigest()
 

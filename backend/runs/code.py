@@ -1,4 +1,4 @@
-"""The difference between the code of two runs, by source file. Start reading at `changes`."""
+"""The difference between the code of two runs, by source file."""
 
 from __future__ import annotations
 

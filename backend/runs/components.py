@@ -1,4 +1,4 @@
-"""The description of a run's components, and its differences from this installation. Start reading at `components`."""
+"""The description of a run's components, and its differences from this installation."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from backend.db.tables import Run, RunLabel
 from backend.runs.schemas import Facet, RunFacets
 
 MOST = 200
-"""Maximum number of values of each kind; those with the most runs are kept."""
+"""Maximum number of values of each kind; those with the most runs are listed."""
 
 
 def facets(reader: sa.Connection) -> RunFacets:

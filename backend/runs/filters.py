@@ -1,4 +1,4 @@
-"""The filters of the run list, as SQL conditions. Start reading at `Filters.conditions`."""
+"""The filters of the run list, as SQL conditions."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The run list: search, filters, sorting, and pages that stay stable while runs are added.
 
-Filters are in `backend.runs.filters`, orders and cursors in `backend.runs.order`. Start reading at `page`.
+Filters are in `backend.runs.filters`, orders and cursors in `backend.runs.order`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The orders of the run list, and the cursors that mark a position in them.
 
 Keyset pagination, not offsets (Winand, "Paging Through Results", use-the-index-luke.com): a cursor names the last row's
-pin, sort value and number. Pinned runs come first in every order. Start reading at `Order`.
+pin, sort value and number. Pinned runs come first in every order.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Order:
 
     @property
     def columns(self) -> list[sa.ColumnElement[Any]]:
-        """For ORDER BY."""
+        """The columns for ORDER BY."""
         down = self.sort.startswith("-")
         if self.sort.endswith("created"):
             return [Run.pinned.desc(), Run.id.desc() if down else Run.id.asc()]

@@ -1,4 +1,4 @@
-"""What the runs of one user may occupy: the queue, stored evaluations, space. Start reading at `refuse_beyond`."""
+"""What the runs of one user may occupy: the queue, stored evaluations, space."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The API schemas of requests about runs: submission, edits, several runs at once. Start reading at `RunSubmit`."""
+"""The API schemas of requests about runs: submission, edits, several runs at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The API schemas of runs: list, detail, what a submission returns. Start reading at `RunSummary`."""
+"""The API schemas of runs: list, detail, what a submission returns."""
 
 from __future__ import annotations
 

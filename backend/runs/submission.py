@@ -1,4 +1,4 @@
-"""Submission of runs: checked against the catalogue, given a baseline, queued once. Start reading at `submit`."""
+"""Submission of runs: checked against the catalogue, given a baseline, queued once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Why queued runs have not started, and what a running one does besides its stages. Read `reasons`."""
+"""Why queued runs have not started, and what a running one does besides its stages."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class Waits(NamedTuple):
 
 
 def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]:
-    """One for each of these runs that is queued.
+    """Why runs wait: one for each of them that is queued.
 
-    Times in it are rounded, so that a page that is told of every change is not told every second.
+    Times in it are rounded, so that a page that receives every change does not receive one every second.
     """
     asked = sa.select(Run.id, Run.needs, Run.not_before, Run.evaluations).where(
         Run.id.in_(run_ids), Run.state == RunState.QUEUED

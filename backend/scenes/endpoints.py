@@ -1,4 +1,4 @@
-"""The 3D view: its page at /view/R-0001/ and the socket behind it. Start reading at `view_page`."""
+"""The 3D view: its page at /view/R-0001/ and the socket behind it."""
 
 from __future__ import annotations
 

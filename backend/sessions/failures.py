@@ -1,7 +1,7 @@
 """Wrong login links and invitations in the audit trail: a bounded number of rows, each with the number of attempts.
 
-They come from clients that nobody has authenticated: neither may they fill the disk, nor wait for other writers. The
-codes are not recorded. Start reading at `Failures.wrong`.
+They come from unauthenticated clients: neither may they fill the disk, nor wait for other writers. The
+codes are not recorded.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 An attempt counts as failed before the password is compared, so that concurrent attempts do not pass together. The
 counts are in memory: a restart forgets them, and an unauthenticated client causes no writes by them.
-Source: OWASP Authentication Cheat Sheet, "Account Lockout". Start reading at `Lockout.enter`.
+Source: OWASP Authentication Cheat Sheet, "Account Lockout".
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
 def sign(writer: sa.Connection, run_id: int, given: SignoffRequest, visitor: Visitor) -> Signoff:
     """Sign off the results. 409 without a verdict, for other results, for a repetition, and for a removed run.
 
-    403 for the user who launched the run, unless an administrator permits it; then the sign-off says so (`own`).
+    403 for the user who launched the run, unless an administrator permits it; then the sign-off states so (`own`).
     """
     refuse_removed(writer, run_id)
     if _verdict(writer, run_id) is None:

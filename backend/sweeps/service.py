@@ -1,4 +1,4 @@
-"""Launching, reading and cancelling sweeps. Start reading at `submit`."""
+"""Launching, reading and cancelling sweeps."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Submission:
 
     @property
     def digest(self) -> str:
-        """Of the body, to distinguish a repeated request from another one with the same key."""
+        """The digest of the body, which distinguishes a repeated request from another one with the same key."""
         return hashlib.sha256(self.body).hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""The campaigns of a sweep: the given one with each value of the parameter. Start reading at `variants`."""
+"""The campaigns of a sweep: the given one with each value of the parameter."""
 
 from __future__ import annotations
 

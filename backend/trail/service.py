@@ -1,4 +1,4 @@
-"""Reads the audit trail in pages and as JSON lines. Start reading at `page`."""
+"""Reads the audit trail in pages and as JSON lines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The network addresses of a host, without those that a webhook must not reach. Start reading at `resolved`.
+"""The network addresses of a host, without those that a webhook must not reach.
 
 A name is resolved once, and the connection goes to the address that was checked: otherwise a name server could answer
 differently the second time (DNS rebinding).

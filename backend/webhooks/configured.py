@@ -1,4 +1,4 @@
-"""The webhooks of the settings: their addresses and the secret that signs messages. Start reading at `configured`."""
+"""The webhooks of the settings: their addresses and the secret that signs messages."""
 
 from __future__ import annotations
 

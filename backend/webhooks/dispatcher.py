@@ -1,7 +1,6 @@
 """Sends the messages of the outbox while the service runs: one task for each target, so that none waits for another.
 
-The database is read and written in a thread of its own; the event loop only waits for the network. Start reading at
-`Dispatcher.start`.
+The database is read and written in a thread of its own; the event loop only waits for the network.
 """
 
 from __future__ import annotations
@@ -69,7 +68,7 @@ class Dispatcher:
                     await self._apart(partial(box.record, message, sent))
                     if sent.error is not None:
                         _log.warning("webhook %s, attempt %d: %s", message.id, message.attempt, sent.error)
-            except Exception:  # the task must survive: without it nothing would be sent, and nothing would say so
+            except Exception:  # the task must survive: without it no message would be sent, without any error
                 _log.exception("the webhook of %s could not be served; trying again", target.origin)
             await asyncio.sleep(PERIOD)
 

@@ -1,4 +1,4 @@
-"""The state of the webhooks: targets, and the newest messages. Start reading at `state`."""
+"""The state of the webhooks: targets, and the newest messages."""
 
 from __future__ import annotations
 

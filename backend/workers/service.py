@@ -1,4 +1,4 @@
-"""The workers of this database by their heartbeats. Start reading at `workers`."""
+"""The workers of this database by their heartbeats."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The campaign and how it is read. Start reading at `spec`."""
+"""The campaign and how it is read."""

@@ -1,6 +1,6 @@
 """Uncertain parameters: their bounds, distributions within the bounds, and correlations.
 
-Distributions and correlations apply to random samples only; searches use only the bounds. Start reading at `Uncertain`.
+Distributions and correlations apply to random samples only; searches use only the bounds.
 """
 
 from __future__ import annotations

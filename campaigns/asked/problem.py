@@ -1,7 +1,4 @@
-"""A problem of a campaign: its location, what was given, and what is allowed or to be done.
-
-Start reading at `Problem`.
-"""
+"""A problem of a campaign: its location, what was given, and what is allowed or to be done."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """Search methods and budgets that fit the time one evaluation takes: how many evaluations, and by which methods.
 
-The rules follow from the tables of `make search-bench`; docs/methods.md shows them. Start reading at `proposed`, and
-for a simulator that a run has measured at `Cost`.
+The rules follow from the tables of `make search-bench`; docs/methods.md shows them.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ class Budget:
 class Proposal:
     """Searches, the time that they take in all [s], and the sentence that says why these; without searches: why none.
 
-    note: what else to know of them, the end of the sentence. The other stages of a run, such as certify and validate,
+    note: further information on them, the end of the sentence. The other stages of a run, such as certify and validate,
     take evaluations in addition.
     """
 

@@ -1,7 +1,7 @@
 """Reads text as plain JSON values: JSON by RFC 8259, YAML by the core schema of YAML 1.2 (section 10.3), restricted.
 
 Aliases, tags, repeated keys, keys that are not text, and deep nesting are refused. `1e-3` is a number; `no`, `012:30`
-and `2026-01-31` are text. Start reading at `parse`; `Dumper` writes text that `parse` reads.
+and `2026-01-31` are text. `Dumper` writes text that `parse` reads.
 """
 
 from __future__ import annotations

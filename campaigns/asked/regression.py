@@ -1,6 +1,6 @@
 """Regression between versions: the worst cases of an earlier run, the baseline, and which changes since it fail.
 
-The policy is part of a campaign's file; the baseline is added at launch. Start reading at `Baseline`.
+The policy is part of a campaign's file; the baseline is added at launch.
 """
 
 from __future__ import annotations

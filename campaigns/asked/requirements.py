@@ -1,6 +1,6 @@
 """The requirements that a criterion is evidence for, and the digest of the question that a campaign asks of them.
 
-An id names a requirement in the tool that it was written in. Start reading at `RequirementRef`.
+An id names a requirement in the tool that it was written in.
 """
 
 from __future__ import annotations

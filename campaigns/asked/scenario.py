@@ -1,4 +1,4 @@
-"""The closed loop of a campaign: components, start, goal, obstacles, horizon and step. Start reading at `Scenario`."""
+"""The closed loop of a campaign: components, start, goal, obstacles, horizon and step."""
 
 from __future__ import annotations
 

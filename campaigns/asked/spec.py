@@ -2,7 +2,7 @@
 digest.
 
 Only checks that do not depend on the components are made here (types, sizes, intervals); `campaigns.checked.check`
-validates units and the components' own limits against the catalogue. Start reading at `Campaign`.
+validates units and the components' own limits against the catalogue.
 """
 
 from __future__ import annotations
@@ -203,7 +203,7 @@ class Campaign(Strict):
     @field_validator("uncertain")
     @classmethod
     def _in_order(cls, uncertain: dict[str, Uncertain]) -> dict[str, Uncertain]:
-        """By name, small letters first (m, J): the search's axes must not depend on how a file orders its keys."""
+        """The parameters by name, small letters first (m, J): a search's axes must not depend on a file's order."""
         return dict(sorted(uncertain.items(), key=lambda item: item[0].swapcase()))
 
     @model_validator(mode="after")
@@ -249,7 +249,7 @@ class Campaign(Strict):
 
 
 def seedless(document: Mapping[str, Any]) -> str:
-    """The same digest from a stored document."""
+    """The digest of a campaign without its seed, from a stored document."""
     rest = {key: value for key, value in document.items() if key != "seed"}
     canonical = json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(canonical.encode()).hexdigest()

@@ -22,7 +22,7 @@ def to_yaml(campaign: Campaign) -> str:
 
 
 def readable_yaml(campaign: Campaign) -> str | None:
-    """The same; None if it has more values than are read back, as with very many starts."""
+    """The document as YAML; None if it has more values than are read back, as with very many starts."""
     return None if _values(_said(campaign)) > MOST_VALUES else to_yaml(campaign)
 
 

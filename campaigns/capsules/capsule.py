@@ -1,7 +1,7 @@
 """The content of a capsule: a finding with its campaign, components, versions, trajectories and digests.
 
 Nothing in it is executed when it is read. When it is replayed, the components of the installation evaluate the finding
-again, unless the user permits the code in the capsule. Start reading at `Capsule`.
+again, unless the user permits the code in the capsule.
 """
 
 from __future__ import annotations

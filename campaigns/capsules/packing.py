@@ -1,7 +1,7 @@
 """Writes a capsule as a zip file, and reads one that may come from anyone.
 
 Reading is bounded: known names only, sizes by what is decompressed and not by what the file claims, numbers as raw
-doubles, no pickles, nothing written to disk. Start reading at `unpacked`.
+doubles, no pickles, nothing written to disk.
 """
 
 from __future__ import annotations

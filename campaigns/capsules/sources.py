@@ -1,6 +1,6 @@
 """The source of components that are not shipped: of the operator's folders and of other packages. It is code.
 
-Nothing here executes it. A run stores it when it begins, and capsules contain it. Start reading at `Sources`.
+Nothing here executes it. A run stores it when it begins, and capsules contain it.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Sources(_Part):
     entries: Annotated[tuple[EntryPoint, ...], Field(max_length=MOST_FILES)] = ()
 
     def faults(self, texts: Mapping[str, bytes]) -> str:
-        """What is wrong with them or their texts by module, as a clause; empty if nothing is."""
+        """What is wrong with the sources or their texts by module, as a clause; empty if nothing is."""
         modules = [file.module for file in self.files]
         if sorted(texts) != sorted(modules):
             return "its sources are not those that it states"

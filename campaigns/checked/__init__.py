@@ -1,4 +1,1 @@
-"""Checks whether a campaign can be run: validation against the catalogue, limits and computing effort.
-
-Start reading at `check`.
-"""
+"""Checks whether a campaign can be run: validation against the catalogue, limits and computing effort."""

@@ -1,7 +1,6 @@
 """Validates a campaign against the catalogue: known components and methods, units, each component's own limits.
 
 Used by command line and API alike; the catalogue is data, so no physics is imported.
-Start reading at `check`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The computing effort of a campaign: simulation steps, and numbers held in memory; both are limited.
+"""The computing effort of a campaign: simulation steps, and numbers in memory; both are limited.
 
 The limits are far above any realistic campaign. They prevent a mistyped one from occupying a machine for weeks or using
-all of its memory. Start reading at `excessive`.
+all of its memory.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 How soon a search ends, how many worst cases there are and how long the descents to them take is known only afterwards:
 every number is a range with a usual value. The figures are measured on the campaigns of the library, see
-`tests/unit/test_expected.py`. Start reading at `expected`.
+`tests/unit/test_expected.py`.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def latest(campaign: Campaign) -> int:
 
 
 def _rounded(value: int, towards: Callable[[float], int]) -> int:
-    """To three digits."""
+    """The number, rounded to three digits."""
     step: int = 10 ** max(0, len(str(value)) - 3)
     return towards(value / step) * step
 
@@ -196,6 +196,6 @@ def _steps(dimension: int) -> tuple[float, float, float]:
 
 
 def _cases(campaign: Campaign) -> tuple[float, float, float]:
-    """How many worst cases are kept: one, usually, as many as there are parameters."""
+    """How many worst cases are stored: one, usually, as many as there are parameters."""
     dimension, limit = len(campaign.uncertain), float(campaign.stages.findings.at_most)
     return 1.0, min(limit, 1.0 + max(0.0, dimension - 4.0) / 2), min(limit, max(2.0, float(dimension)))

@@ -1,7 +1,7 @@
 """The part of a catalogue that a campaign uses, stored with its runs: the meaning of its components and methods.
 
-A snapshot is a catalogue of the used entries only, identified by its own digest, so that runs share it. Start reading
-at `snapshot`; `changes` reports the differences from the present catalogue.
+A snapshot is a catalogue of the used entries only, identified by its own digest, so that runs share it. `changes`
+reports the differences from the present catalogue.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Sentences of versions that stored plain text, as spans: symbols, and numbers with their units, found in the text.
 
 The text does not change: a span is created only where it prints exactly the original text. This is only for data of
-earlier versions; new sentences are built by `campaigns.claims.say`. Start reading at `spoken`.
+earlier versions; new sentences are built by `campaigns.claims.say`.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ def written(value: float, unit: str = "", form: Format = Format.PLAIN, digits: i
 
 
 def printed(value: float, unit: str = "", form: Format = Format.PLAIN, digits: int = 6) -> str:
-    """The same digits as in print."""
+    """The number with the digits that pages and reports print."""
     text = written(value, "", form, digits).replace("-", MINUS)
     if form is Format.PERCENT:
         return text.replace(" ", NARROW)
@@ -52,7 +52,7 @@ def printed(value: float, unit: str = "", form: Format = Format.PLAIN, digits: i
 
 
 def number(value: float) -> str:
-    """Six significant digits."""
+    """The number with six significant digits."""
     return written(value)
 
 

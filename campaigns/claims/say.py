@@ -66,7 +66,7 @@ def method(name: str, title: str) -> Span:
 
 
 def joined(separator: str, parts: Iterable[Part]) -> Said:
-    """These parts in order, with a separator between them."""
+    """The parts in order, with a separator between them."""
     found = list(parts)
     return say(*[piece for i, part in enumerate(found) for piece in ((separator, part) if i else (part,))])
 
@@ -80,13 +80,13 @@ def listed(parts: Sequence[Part]) -> Said:
 
 
 def capital(said: Said) -> Said:
-    """With a capital letter, if it begins with text."""
+    """The sentence with a capital letter, if it begins with text."""
     first = said[0] if said else None
     return say(first.text[:1].upper() + first.text[1:], said[1:]) if isinstance(first, Text) else said
 
 
 def unnamed(said: Said) -> Said:
-    """The same sentence with unnamed numbers: those quoted from another claim are not values of this one."""
+    """The sentence with unnamed numbers: those quoted from another claim are not values of this one."""
     return tuple(s.model_copy(update={"name": ""}) if isinstance(s, Quantity) else s for s in said)
 
 

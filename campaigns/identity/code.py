@@ -1,7 +1,7 @@
 """The identity of the code of a run: what the engine and the parts that the campaign uses mean, as one digest.
 
 Workers publish the digests of their parts (`CodeParts`); service and worker combine them alike, so that "the same code"
-has one meaning wherever two runs, or a run and an installation, are compared. Start reading at `code_of`.
+has one meaning wherever two runs, or a run and an installation, are compared.
 """
 
 from __future__ import annotations

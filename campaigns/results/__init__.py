@@ -1,6 +1,6 @@
 """The types of a run's results: the result of each stage, findings, the verdict with its checks, trace headers.
 
-The worker builds them, the store keeps them as JSON, the API declares them; report, command line and pages read them.
+The worker builds them, the store writes them as JSON, the API declares them; report, command line and pages read them.
 """
 
 from __future__ import annotations

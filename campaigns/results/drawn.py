@@ -1,6 +1,6 @@
 """The nominal flights of the shipped campaigns, as their cards draw them: stored with the installation.
 
-`make library-flights` simulates and writes them. Start reading at `library_flights`.
+`make library-flights` simulates and writes them.
 """
 
 from __future__ import annotations

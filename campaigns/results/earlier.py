@@ -2,7 +2,7 @@
 
 In those versions the evidence of a finding was spread over five locations, joined by its label: the rows of the
 findings, and `cases`, `after`, `encounter.closest` and `comparison` of the validate stage. Used only by the migration
-of databases and by the audit of older folders. Start reading at `upgraded`.
+of databases and by the audit of older folders.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A finding: one distinct worst case with all its own evidence. Start reading at `Finding`."""
+"""A finding: one distinct worst case with all its own evidence."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ class ClosestApproach(Result):
 
     @staticmethod
     def of(closest: Closest | None, rows: int) -> ClosestApproach:
-        """From the closest approach of a trace with `rows` rows."""
+        """The summary of a trace with `rows` rows, from its closest approach."""
         if closest is None:
             return ClosestApproach()
         at: Literal["start", "end", "inside"] = "inside"

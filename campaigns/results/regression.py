@@ -1,8 +1,7 @@
-"""The comparison of a run with its baseline: every finding of either, and what the campaign's policy says of it.
+"""The comparison of a run with its baseline: every finding of either, and what follows from the campaign's policy.
 
 What a finding of the baseline costs on this model is measured (`campaigns.results.baseline`); whether a finding of this
-run is the same is decided by basin, not by label. Margins are to the threshold of this run. Start reading at
-`Regression`.
+run is the same is decided by basin, not by label. Margins are to the threshold of this run.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The remedies of checks that do not hold: changes of the campaign with which a new run may settle them.
 
 A remedy is derived from the code of the check, the campaign, and what the searches used; each one gives a valid
-campaign. It promises nothing: the new run has a verdict of its own. Start reading at `remedies`.
+campaign. It promises nothing: the new run has a verdict of its own.
 """
 
 from __future__ import annotations

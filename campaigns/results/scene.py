@@ -1,6 +1,6 @@
-"""The 3D view that a simulator declares: which columns of its trace are positions of what, and what stands still.
+"""The 3D view that a simulator declares: which columns of its trace are positions of what, and what does not move.
 
-Stored with each trace, so that a view needs nothing else. Start reading at `Scene`.
+Stored with each trace, so that a view needs nothing else.
 """
 
 from __future__ import annotations

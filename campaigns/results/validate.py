@@ -1,7 +1,4 @@
-"""The result of the validate stage for the run; the evidence for each finding is stored in the finding.
-
-Start reading at `ValidateResult`.
-"""
+"""The result of the validate stage for the run; the evidence for each finding is stored in the finding."""
 
 from __future__ import annotations
 

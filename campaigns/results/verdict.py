@@ -1,7 +1,4 @@
-"""The verdict of a run: what may be claimed, the checks behind it, and its provenance.
-
-Start reading at `Verdict`.
-"""
+"""The verdict of a run: what may be claimed, the checks behind it, and its provenance."""
 
 from __future__ import annotations
 

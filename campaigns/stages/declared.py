@@ -1,4 +1,4 @@
-"""The declaration of a kind of stage. Start reading at `Declared`."""
+"""The declaration of a kind of stage."""
 
 from __future__ import annotations
 

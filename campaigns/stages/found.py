@@ -1,4 +1,4 @@
-"""Discovers the kinds of stages, and combines their results in one type. Start reading at `declared`."""
+"""Discovers the kinds of stages, and combines their results in one type."""
 
 from __future__ import annotations
 

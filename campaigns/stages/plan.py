@@ -1,6 +1,6 @@
 """The stages of a run of a campaign, with the budget of evaluations of each.
 
-Worker and service both use it, so that their numbers agree. Start reading at `plan`.
+Worker and service both use it, so that their numbers agree.
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ class UnreachableError(Exception):
 
 
 class _Interrupted(Exception):
-    """Ctrl-C; the message states what it left behind, if the command has said so."""
+    """Ctrl-C; the message states what it left behind, if the command reported it."""
 
 
 class _Commands(TyperGroup):
@@ -100,7 +100,7 @@ def build() -> typer.Typer:
 
 @cache
 def _command() -> Callable[..., object]:
-    """The same, read once: a program may run several commands."""
+    """The command `clearance`, built once: a program may run it several times."""
     command: Callable[..., object] = typer.main.get_command(build())
     return command
 

@@ -19,7 +19,7 @@ def compared(campaign: Campaign, given: str, data: Path, database: str) -> tuple
     """The campaign with its baseline, and the sentence that states it; raises `WrongInputError`.
 
     given: a folder of `clearance run --out`, R-0001, or label:KEY=VALUE. If no run has the label, the campaign is
-    unchanged, and the sentence says so.
+    unchanged, and the sentence states so.
     """
     from backend.db.engine import connect, migrate, read
     from campaigns.results.baselines import CannotCompare, with_baseline

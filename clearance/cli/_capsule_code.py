@@ -1,8 +1,7 @@
 """Replays a capsule with the source that it contains, in a process of its own whose installation has that source.
 
 Only after --allow-code: importing a file runs it. The files are written to a folder that is deleted afterwards, those
-of packages with their entry points, so that they are found, examined and compiled as if they were installed. Start
-reading at `replayed_with_its_code`.
+of packages with their entry points, so that they are found, examined and compiled as if they were installed.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ def is_inside(capsule: Capsule) -> bool:
 
 
 def permits(capsule: Capsule) -> str:
-    """What is said where the capsule has source that was not permitted; empty if it has none, or if it was."""
+    """The message if the capsule has source that was not permitted; empty if it has none, or if it was."""
     if capsule.sources is None or is_inside(capsule):
         return ""
     named = ", ".join(file.file for file in capsule.sources.files[:5])
@@ -45,7 +44,7 @@ def permits(capsule: Capsule) -> str:
 
 
 def refuse_unused(path: str, capsule: Capsule) -> None:
-    """In that process: refuse a capsule that is evaluated by something else than the source in it."""
+    """Refuse a capsule that the process evaluates by something else than the source in it."""
     from worker.running.runs.added import added
 
     if not is_inside(capsule):

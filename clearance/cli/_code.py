@@ -19,8 +19,8 @@ AllowCode: TypeAlias = Annotated[
     bool,
     typer.Option(
         "--allow-code",
-        help="Permit `simulator: {command: ...}` in the campaign file, also to extend its run, which runs any program "
-        "as you: only for files that you trust. The service never does.",
+        help="Permit `simulator: {command: ...}` in the campaign file, also when its run is extended. It runs any "
+        "program as you: only for files that you trust. The service never does.",
     ),
 ]
 GIVEN, FOLDER = "command_given", "folder"

@@ -1,7 +1,7 @@
 """Extends a run for `clearance run --continue RUN --budget +N`: a folder of results, or a stored run.
 
 A folder's run is extended in memory; a stored run is extended as a new run of the same database, held under a lease by
-this process, so that a worker finishes it if this process dies. Start reading at `execute_continued`.
+this process, so that a worker finishes it if this process dies.
 """
 
 from __future__ import annotations

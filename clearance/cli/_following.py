@@ -1,7 +1,4 @@
-"""The output of `clearance submit` and `clearance follow`: progress, the verdict, the files of a run.
-
-Start reading at `follow_to_the_end`.
-"""
+"""The output of `clearance submit` and `clearance follow`: progress, the verdict, the files of a run."""
 
 from __future__ import annotations
 
@@ -92,7 +89,7 @@ def _cancelled(service: Client, run: str) -> str:
 
 
 def _as_ended(service: Client, found: RunDetail, reused: str | None) -> EndedRun:
-    """The run as its files state it; a service of an earlier version knows no labels and no baseline."""
+    """The run as its files state it; an earlier version of the service has no labels and no baseline."""
     from campaigns.results import Verdict
 
     document, compared = found.document, found.baseline

@@ -1,7 +1,7 @@
 """A run as JUnit XML, for a CI service: cases for the verdict, the criterion, each requirement, each check and each
 finding compared.
 
-The format has no standard; this is the form that Jenkins, GitLab and GitHub's reporters read. Start reading at `junit`.
+The format has no standard; this is the form that Jenkins, GitLab and GitHub's reporters read.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
 
 
 def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
-    """It fails with every finding that violates; without one, it passes only if the verdict is cleared."""
+    """The test case of the criterion: every violating finding is a failure; else only a cleared verdict passes."""
     case = _added(suite, ended, f"criterion: {ended.quantity or verdict.quantity or 'value'}")
     told = "\n".join(filter(None, ["\n\n".join(_told(ended, found) for found in ended.violating), ended.link]))
     violated = bool(ended.violating) or verdict.verdict == "violated"

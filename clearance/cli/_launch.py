@@ -1,7 +1,4 @@
-"""What `clearance run` and `clearance submit` take for regression: labels, a baseline, files for a CI job.
-
-Start reading at `Launch`.
-"""
+"""What `clearance run` and `clearance submit` take for regression: labels, a baseline, files for a CI job."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The lines of a campaign's text on which its parts are, for reports that point at them. Start reading at `lines`."""
+"""The lines of a campaign's text on which its parts are, for reports that point at them."""
 
 from __future__ import annotations
 

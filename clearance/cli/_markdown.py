@@ -1,4 +1,4 @@
-"""A run as a Markdown summary, for the page of a CI job. Start reading at `markdown`."""
+"""A run as a Markdown summary, for the page of a CI job."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """A run as SARIF 2.1.0 (OASIS, "Static Analysis Results Interchange Format"): violations, failed checks, changes.
 
 A result points at the line of the criterion in the campaign file, and names the ranges of the parameters as related
-locations. Start reading at `sarif`.
+locations.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def _rule(name: str, titles: Mapping[str, str]) -> dict[str, object]:
 
 
 def _named(check: DescribedCheck) -> str:
-    """check/closest-approach"""
+    """The name of a rule, such as check/closest-approach."""
     return f"{CHECK}{str(check.code).replace(' ', '-')}"
 
 

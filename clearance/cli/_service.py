@@ -1,7 +1,4 @@
-"""The options of commands that use a service, and its client; its errors become those of the command line.
-
-Start reading at `opened`.
-"""
+"""The options of commands that use a service, and its client; its errors become those of the command line."""
 
 from __future__ import annotations
 
@@ -26,7 +23,7 @@ Token = Annotated[
     str,
     typer.Option(
         "--token-file", metavar="FILE", show_default=False,
-        help="File that holds an API token; else the token is in CLEARANCE_TOKEN.",
+        help="File with an API token; default: the token in CLEARANCE_TOKEN.",
     ),
 ]  # fmt: skip
 PATIENCE = 120.0

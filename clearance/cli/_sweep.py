@@ -1,4 +1,4 @@
-"""`clearance submit --sweep`: launches a sweep on a service and follows it to its end. Start reading at `sweep`."""
+"""`clearance submit --sweep`: launches a sweep on a service and follows it to its end."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
 
 
 def cancel(
-    runs: Annotated[list[str], typer.Argument(metavar="RUN...", help="Their numbers, such as R-0001.")],
+    runs: Annotated[list[str], typer.Argument(metavar="RUN...", help="Numbers of the runs, such as R-0001.")],
     service: Service = SERVICE,
     token_file: Token = "",
     patience: Patience = PATIENCE,

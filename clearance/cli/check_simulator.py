@@ -33,7 +33,7 @@ def check_simulator(
         int, typer.Option(help="The nominal point and others spread over the limits; each is evaluated three times.",
                           min=2, max=1000)
     ] = 5,
-    result: Annotated[str, typer.Option(help="The result to compare; the first one that may decide if omitted.")] = "",
+    result: Annotated[str, typer.Option(help="Result to compare; default: the first one that may decide.")] = "",
     data: Annotated[
         Path | None,
         typer.Option(help="Store the measurement in the database of this folder, for estimates.",

@@ -36,10 +36,10 @@ class Kind(enum.StrEnum):
 
 @app.command()
 def new(
-    kind: Annotated[Kind, typer.Argument(help="What it is.")],
-    name: Annotated[str, typer.Argument(help="Its name in a campaign: small letters, digits and _.")],
+    kind: Annotated[Kind, typer.Argument(help="Kind of the component.")],
+    name: Annotated[str, typer.Argument(help="Name in a campaign: small letters, digits and _.")],
     vehicle: Annotated[
-        str, typer.Option("--for", help="Of a controller: the vehicle that it controls.", show_default=False)
+        str, typer.Option("--for", help="For a controller: the vehicle that it controls.", show_default=False)
     ] = "",
 ) -> None:
     """Write a whole component to start from, into the first folder of CLEARANCE_COMPONENTS or the current one."""

@@ -17,7 +17,7 @@ KINDS = {".c", ".ipynb", ".py", ".sh", ".xml", ".yaml"}
 
 
 def examples(
-    folder: Annotated[Path, typer.Argument(help="The folder to make.")] = WHERE,
+    folder: Annotated[Path, typer.Argument(help="Folder to create.")] = WHERE,
 ) -> None:
     """Copy the examples of the guides into docs/examples of this folder, where their commands expect them."""
     from clearance.cli import WrongInputError
@@ -48,7 +48,7 @@ def shipped() -> dict[Path, Path]:
 
 
 def _files(folder: Path) -> list[Path]:
-    """Without what was built there."""
+    """The files of an example, without what was built there."""
     return sorted(file for file in folder.rglob("*") if file.is_file() and file.suffix in KINDS)
 
 

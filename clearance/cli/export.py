@@ -12,8 +12,8 @@ from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
 
 
 def export(
-    run: Annotated[str, typer.Argument(help="Its number, such as R-0001.")],
-    out: Annotated[Path, typer.Option(help="The folder; by default one named R-0001.", file_okay=False)] = Path(),
+    run: Annotated[str, typer.Argument(help="Number of the run, such as R-0001.")],
+    out: Annotated[Path, typer.Option(help="Folder for the files; default: R-0001.", file_okay=False)] = Path(),
     file: Annotated[
         list[str] | None,
         typer.Option(help=f"A file, may be repeated; by default {', '.join(FILES)}.", show_default=False),

@@ -12,7 +12,7 @@ from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
 
 
 def follow(
-    run: Annotated[str, typer.Argument(help="Its number, such as R-0001.")],
+    run: Annotated[str, typer.Argument(help="Number of the run, such as R-0001.")],
     service: Service = SERVICE,
     token_file: Token = "",
     out: Out = None,

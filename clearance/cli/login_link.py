@@ -23,7 +23,7 @@ def login_link(
     data: Annotated[
         Path | None,
         typer.Option(
-            help="Folder of the database; default: that of the service that runs, from whichever folder.",
+            help="Folder of the database; default: that of the running service.",
             envvar="CLEARANCE_DATA",
             file_okay=False,
             show_default=False,
@@ -49,7 +49,7 @@ def login_link(
 
 
 def _found() -> Path:
-    """The data folder of the only service that runs, else the one in this folder; says where it has looked."""
+    """The data folder of the only service that runs, else the one in this folder; an error names where it searched."""
     here, running = DATA.absolute(), services()
     if any(Path(service.data) == here for service in running):
         return DATA

@@ -60,7 +60,7 @@ def purge(
 
 
 def _age(text: str) -> float:
-    """Seconds of 90d."""
+    """The seconds of an age such as 90d."""
     found = re.fullmatch(r"(\d{1,5})([hdw])", text)
     if found is None:
         raise WrongInputError(

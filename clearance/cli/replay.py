@@ -161,7 +161,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
 
 
 def _opened(run: str, recorded: Recorded, permitted: str) -> Problem:
-    """permitted: what is said of code that a capsule contains."""
+    """permitted: the message on code that a capsule contains."""
     from campaigns import check
     from worker.engine.systems.base import CampaignUnusable
     from worker.running.catalogue.installed import catalogue

@@ -35,7 +35,7 @@ def reproduce(
         bool,
         typer.Option(
             "--steps",
-            help="Instead, check the time step of each campaign: simulate random points again at half the step.",
+            help="Instead, check the time step of each campaign: simulate random points again with half of it.",
         ),
     ] = False,
     threads: Annotated[int, typer.Option(help="Simulation threads; 0 means one per core.", min=0, max=1024)] = 0,

@@ -10,9 +10,9 @@ from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
 
 
 def restart(
-    run: Annotated[str, typer.Argument(metavar="RUN", help="Its number, such as R-0001.")],
+    run: Annotated[str, typer.Argument(metavar="RUN", help="Number of the run, such as R-0001.")],
     keep: Annotated[
-        bool, typer.Option("--keep", help="Continue it as a new run, with the evaluations that are still valid.")
+        bool, typer.Option("--keep", help="Continue it as a new run, with its evaluations that are still valid.")
     ] = False,
     service: Service = SERVICE,
     token_file: Token = "",

@@ -11,7 +11,7 @@ from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
 if TYPE_CHECKING:
     from clearance.client.answers import Run
 
-Words = Annotated[str, typer.Argument(metavar="[WORDS]", help="In name, campaign, tags, owner or number.")]
+Words = Annotated[str, typer.Argument(metavar="[WORDS]", help="Words in name, campaign, tags, owner or number.")]
 
 
 def _filter(what: str) -> typer.models.OptionInfo:
@@ -27,7 +27,7 @@ def runs(
     campaign: Annotated[list[str] | None, _filter("Name of a campaign")] = None,
     owner: Annotated[list[str] | None, _filter("User or token that submitted it")] = None,
     tag: Annotated[list[str] | None, _filter("Tag")] = None,
-    limit: Annotated[int, typer.Option(help="At most so many, the newest first; pinned ones before.", min=1)] = 20,
+    limit: Annotated[int, typer.Option(help="Maximum number of runs: pinned ones first, then the newest.", min=1)] = 20,
     as_json: Annotated[bool, typer.Option("--json", help="Print a JSON array, as the API returns its items.")] = False,
     service: Service = SERVICE,
     token_file: Token = "",

@@ -1,4 +1,4 @@
-"""`clearance serve`: the service and its workers on this machine, until Ctrl-C. Start reading at `serve`."""
+"""`clearance serve`: the service and its workers on this machine, until Ctrl-C."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def show(
-    run: Annotated[str, typer.Argument(help="Its number, such as R-0001.")],
+    run: Annotated[str, typer.Argument(help="Number of the run, such as R-0001.")],
     as_json: AsJson = False,
     service: Service = SERVICE,
     token_file: Token = "",

@@ -45,7 +45,7 @@ def submit(
     baseline: launch.Baseline = "",
     reuse: Annotated[
         bool,
-        typer.Option("--reuse", help="Take an earlier verdict on the same campaign by the same code, if there is one."),
+        typer.Option("--reuse", help="Reuse an earlier verdict of the same campaign and code, if there is one."),
     ] = False,
     junit: launch.Junit = None,
     summary: launch.Summary = None,
@@ -112,7 +112,7 @@ def _print_superseded(queued: Submitted) -> None:
 
 
 def _print_submitted(queued: Submitted) -> None:
-    """Only the number on standard output, for programs."""
+    """Print the number of the run on standard output, alone on its line, for programs."""
     for note in filter(None, [queued.reused, "" if queued.baseline is None else queued.baseline.sentence]):
         typer.echo(note, err=True)
     _print_superseded(queued)

@@ -29,7 +29,7 @@ app = typer.Typer(help="The audit trail of the service.", no_args_is_help=True)
 @app.command("verify")
 def verify_trail(
     noted: Annotated[
-        str, typer.Option("--head", metavar="NUMBER:HASH", help="A head noted earlier.", show_default=False)
+        str, typer.Option("--head", metavar="NUMBER:HASH", help="A head that was noted earlier.", show_default=False)
     ] = "",
     file: Annotated[
         Path | None,

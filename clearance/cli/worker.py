@@ -24,7 +24,7 @@ def worker(
     check: Annotated[
         bool, typer.Option("--check", help="Only report, by the exit code, whether a worker on this machine is alive.")
     ] = False,
-    name: Annotated[str, typer.Option(help="Shown next to its runs; the default is machine:process.")] = "",
+    name: Annotated[str, typer.Option(help="Name shown next to the worker's runs; default: machine:process.")] = "",
     evaluator: evaluators.Evaluator = "",
     runner: Annotated[str, typer.Option(hidden=True)] = "worker.running.runs.runner:execute",
     lease: Annotated[float, typer.Option(hidden=True, min=0.5)] = 10.0,

@@ -1,4 +1,4 @@
-"""Evaluations, traces and findings as numpy arrays and as tables of pandas. Start reading at `Evaluations`."""
+"""Evaluations, traces and findings as numpy arrays and as tables of pandas."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Evaluations:
 
     @staticmethod
     def of(content: bytes, run: answers.RunDetail) -> Evaluations:
-        """From evaluations.csv; raises ValueError if it has other columns."""
+        """The arrays of evaluations.csv; raises ValueError if it has other columns."""
         heads, *rows = csv.reader(io.StringIO(content.decode("utf-8"), newline=""))
         named = [_split(head) for head in heads]
         width = len(run.campaign["uncertain"])
@@ -88,7 +88,7 @@ class Evaluations:
         )
 
     def to_dataframe(self) -> Any:
-        """One row for each evaluation; a column of ours whose name is taken ends with `_`. Needs pandas."""
+        """A data frame with a row for each evaluation; our columns whose names are taken end with `_`. Needs pandas."""
         columns: dict[str, Any] = dict(zip(self.names, self.points.T, strict=True))
         reasons = np.array([self.reasons.get(k, "") for k in range(len(self.points))], dtype=object)
         own = dict(zip(self.criteria, self.values.T, strict=True))
@@ -116,7 +116,7 @@ class Trace:
 
     @staticmethod
     def of(given: answers.TraceData) -> Trace:
-        """From the answer of the service."""
+        """The trace from the answer of the service."""
         data = {c.name: _fixed(np.array(given.data[c.name], dtype=np.float64)) for c in given.columns}
         here = len(next(iter(data.values()), ()))
         return Trace(given.name, data, {c.name: c.unit for c in given.columns if c.unit}, here == given.rows)
@@ -125,7 +125,7 @@ class Trace:
         return self.data[name]
 
     def to_dataframe(self) -> Any:
-        """One row for each instant. Needs pandas."""
+        """A data frame with a row for each instant. Needs pandas."""
         return table(self.data)
 
     def __repr__(self) -> str:
@@ -137,7 +137,7 @@ class Findings(list[answers.Finding]):
     """The distinct worst cases, the worst first."""
 
     def to_dataframe(self) -> Any:
-        """One row for each finding: label, cost, margin, methods, and each parameter. Needs pandas."""
+        """A data frame with a row for each finding: label, cost, margin, methods, and each parameter. Needs pandas."""
         paths = dict.fromkeys(path for finding in self for path in finding.parameters)
         columns: dict[str, Any] = {name: [getattr(f, name) for f in self] for name in ("label", "cost", "margin")}
         columns["methods"] = [" ".join(f.methods) for f in self]

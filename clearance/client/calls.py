@@ -1,7 +1,7 @@
 """Every request that the client makes, as a value: method, path, parameters, body, and the type of the answer.
 
 A test compares each with the OpenAPI document, so that a renamed route or parameter breaks it. Nothing here sends
-anything: that is in `clearance.client.scripts` and `clearance.client.drivers`. Start reading at `Call`.
+anything: that is in `clearance.client.scripts` and `clearance.client.drivers`.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Call(Generic[T]):
 
 
 def name_of(run: Named) -> str:
-    """R-0001 of either."""
+    """The name of a run, such as R-0001, from its name or an answer."""
     return run if isinstance(run, str) else run.id
 
 

@@ -1,7 +1,6 @@
 """`Client` and `AsyncClient`: a Clearance service from Python. Both have the same methods, run from the same scripts.
 
 A method is a script or a request; the descriptors here run it, blocking or awaited, so that nothing is written twice.
-Start reading at `Client`.
 """
 
 from __future__ import annotations
@@ -97,7 +96,7 @@ class Client:
 
     @property
     def address(self) -> str:
-        """Of the service."""
+        """The address of the service."""
         return self.session.address
 
     def link(self, run: calls.Named) -> str:
@@ -105,7 +104,7 @@ class Client:
         return f"{self.address}/runs/{calls.name_of(run)}"
 
     def close(self) -> None:
-        """Close its connections."""
+        """Close the connections of the client."""
         self.driver.close()
 
     def __enter__(self) -> Self:
@@ -159,7 +158,7 @@ class AsyncClient:
 
     @property
     def address(self) -> str:
-        """Of the service."""
+        """The address of the service."""
         return self.session.address
 
     def link(self, run: calls.Named) -> str:
@@ -167,7 +166,7 @@ class AsyncClient:
         return f"{self.address}/runs/{calls.name_of(run)}"
 
     async def close(self) -> None:
-        """Close its connections."""
+        """Close the connections of the client."""
         await self.driver.close()
 
     async def __aenter__(self) -> Self:

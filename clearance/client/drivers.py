@@ -1,6 +1,6 @@
 """Performs the effects of scripts over HTTP: `Blocking` with httpx.Client, `Awaiting` with httpx.AsyncClient.
 
-Both do the same, effect by effect; what they share is here as functions. Start reading at `Blocking`.
+Both do the same, effect by effect; what they share is here as functions.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class Blocking:
         self._client = httpx.Client(**settings(address, token, how))
 
     def close(self) -> None:
-        """Close its connections."""
+        """Close the connections of the driver."""
         self._client.close()
 
     def run(self, script: Script[T]) -> T:
@@ -108,7 +108,7 @@ class Blocking:
                 return result
 
     def iterate(self, script: Script[T]) -> Any:
-        """What a script emits; the iterator's value is its result."""
+        """Yield what a script emits; the iterator's value is its result."""
         streams: list[tuple[httpx.Response, Iterator[str]]] = []
         reply: Any = None
         try:
@@ -170,7 +170,7 @@ class Awaiting:
         self._client = httpx.AsyncClient(**settings(address, token, how))
 
     async def close(self) -> None:
-        """Close its connections."""
+        """Close the connections of the driver."""
         await self._client.aclose()
 
     async def run(self, script: Script[T]) -> T:
@@ -181,7 +181,7 @@ class Awaiting:
         return ended[0]
 
     async def iterate(self, script: Script[T], ended: list[T] | None = None) -> AsyncIterator[Any]:
-        """What a script emits; its result is added to `ended`."""
+        """Yield what a script emits; its result is added to `ended`."""
         streams: list[tuple[httpx.Response, AsyncIterator[str]]] = []
         reply: Any = None
         try:

@@ -1,4 +1,4 @@
-"""What scripts ask of a driver (send, pause, listen), and the answers that they receive. Start reading at `Send`."""
+"""What scripts ask of a driver (send, pause, listen), and the answers that they receive."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""What can go wrong with a service, as exceptions; their messages are the service's own sentences (RFC 9457).
-
-Start reading at `refused`, which chooses the class of a problem document.
-"""
+"""What can go wrong with a service, as exceptions; their messages are the service's own sentences (RFC 9457)."""
 
 from __future__ import annotations
 

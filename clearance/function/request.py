@@ -1,7 +1,7 @@
 """`search`: checks its arguments, makes the campaign that they describe, and runs it in this process.
 
 Everything is checked before anything is evaluated. The campaign runs through the same stages as `clearance run`; only
-the system is a function of this process. Start reading at `search`.
+the system is a function of this process.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What a search returns: the verdict with its checks, the findings, and every evaluation as arrays.
 
-Start reading at `Result`; `of` makes one from the store of a run.
+`of` makes one from the store of a run.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ class Evaluations:
     held: Held
 
     def to_dataframe(self) -> Any:
-        """One row for each evaluation; a column of ours whose name is taken by a parameter ends with `_`.
+        """A data frame with a row for each evaluation; our columns end with `_` if a parameter has their name.
 
         Raises ImportError with a sentence if pandas is not installed.
         """

@@ -1,4 +1,4 @@
-"""Runs the campaign of a search in this process, through the stages of `clearance run`. Start reading at `run`."""
+"""Runs the campaign of a search in this process, through the stages of `clearance run`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Writes a result: the folder of `clearance run --out`, and the report of the service. Start reading at `save`."""
+"""Writes a result: the folder of `clearance run --out`, and the report of the service."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """A result as text for a terminal and as HTML for a notebook: verdict, sentence, findings, convergence.
 
-The HTML has no script, and no colour that only one theme can show: text has the colour of the notebook. Start reading
-at `text` and `page`.
+The HTML has no script, and no colour that only one theme can show: text has the colour of the notebook.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ MOST = 200
 
 
 def text(result: Result) -> str:
-    """For a terminal; sentences are wrapped at 100 characters."""
+    """The result as text for a terminal; sentences are wrapped at 100 characters."""
     verdict = result.verdict
     lines = [f"{ICONS[verdict]} {verdict.capitalize()}", *textwrap.wrap(verdict.sentence, 100), ""]
     rows = _rows(result)
@@ -49,7 +48,7 @@ def _line(row: list[str], widths: list[int]) -> str:
 
 
 def page(result: Result) -> str:
-    """For a notebook: one element."""
+    """The result as one HTML element for a notebook."""
     verdict = result.verdict
     badge = (
         f'<span style="background:{COLOURS[verdict]};color:#111;padding:2px 10px;border-radius:3px;font-weight:600">'

@@ -42,7 +42,7 @@ def deferred(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
 
 @contextmanager
 def explained(store: MemoryStore) -> Iterator[None]:
-    """An interrupt of a run in memory states what is lost and how to go on."""
+    """An interrupt of a run in memory states what is lost and how to continue."""
     before = _completed(store)
     try:
         yield

@@ -1,7 +1,7 @@
 """The files of `clearance run --out DIR`: result.json, campaign.json, evaluations.csv, a trace per case.
 
 evaluations.npz contains the exact evaluations on the unit cube, for `clearance run --continue DIR`; evidence.json
-the other evidence of the verdict, for `clearance audit DIR`. Start reading at `write_results`.
+the other evidence of the verdict, for `clearance audit DIR`.
 """
 
 from __future__ import annotations

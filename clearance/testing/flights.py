@@ -1,4 +1,4 @@
-"""The contract of components in simulation: alone or combined, compiled or plain. Start at `unbreakable`."""
+"""The contract of components in simulation: alone or combined, compiled or plain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The problem of a campaign, with access to its closed loop for tests. Start reading at `Problem`."""
+"""The problem of a campaign, with access to its closed loop for tests."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Problem(problem.Problem):
         super().__init__(campaign, closed_loop(campaign, compiled, lanes or (LANES if compiled else 1)))
 
     def under(self, seed: int | None) -> Problem:
-        """The same problem under one realisation; itself for None."""
+        """The problem under one realisation; itself for None."""
         one = Problem.__new__(Problem)
         problem.Problem.__init__(one, self.campaign, self.system.under(seed))
         return one

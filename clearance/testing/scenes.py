@@ -1,4 +1,4 @@
-"""A small campaign around any components, so that they can be simulated. Start reading at `scene`."""
+"""A small campaign around any components, so that they can be simulated."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def near(flown: Problem, of: Mapping[str, ParameterEntry], count: int, seed: int
 
 
 def _criterion(component: Component) -> dict[str, Any]:
-    """With a small threshold, so that every flight counts; one within the obstacles has to be stated."""
+    """A criterion with a small threshold, so that every flight counts; one within obstacles has to be stated."""
     stated = {"from_centre": True} if entry(component).measured_to == "centre" else {}
     return {"component": component.name, "threshold": 1e-3} | stated
 

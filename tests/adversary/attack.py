@@ -1,4 +1,4 @@
-"""Runs one attack: the outcome, and whether it claims too much. Start reading at `attack`."""
+"""Runs one attack: the outcome, and whether it claims too much."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Classes of attack on a verdict, each a generator of campaigns from a seed, with known permitted outcomes.
 
 Where the truth can be had it comes from brute force: a dense set of simulations at half the step, apart from every
-stage of a run. Start reading at `CLASSES`; `tests/adversary/attack.py` runs them.
+stage of a run. `tests/adversary/attack.py` runs them.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Sends mutated campaign documents through the doors of the service, and measures each; a process of its own.
 
 `python -m tests.adversary.fuzzing CATALOGUE FIRST COUNT` prints one JSON object. CATALOGUE is a file with the catalogue
-as a worker publishes it: like the service, this process imports no physics, so its memory is that of the service. Start
-reading at `measured`.
+as a worker publishes it: like the service, this process imports no physics, so its memory is that of the service.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Campaign documents that nobody would write: campaigns of the library, mutated as text and as values.
 
-Everything follows from one generator of random numbers, so that a document is found again by its seed. Start reading at
-`document`.
+Everything follows from one generator of random numbers, so that a document is found again by its seed.
 """
 
 from __future__ import annotations

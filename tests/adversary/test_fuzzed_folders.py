@@ -1,6 +1,6 @@
 """A folder of a run of which one file is damaged: every command reads it or refuses it with a sentence.
 
-Some by day, for the commands that only read; many by night. Start reading at `test_a_damaged_folder`.
+Some by day, for the commands that only read; many by night.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Checks responses that are problem documents. Start reading at `problem`."""
+"""Checks responses that are problem documents."""
 
 from __future__ import annotations
 

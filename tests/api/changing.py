@@ -1,4 +1,4 @@
-"""Changes of what is stored, for the time of a block. Start reading at `changed`."""
+"""Changes of what is stored, for the time of a block."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A service for each test, with its own database copied from one that was migrated once. Start reading at `service`."""
+"""A service for each test, with its own database copied from one that was migrated once."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def fresh_sqlite(migrated: Path) -> Fresh:
 
 @pytest.fixture(scope="session")
 def fresh_postgresql() -> Iterator[Fresh]:
-    """The same on a PostgreSQL server; skipped if there is none."""
+    """A fresh database on a PostgreSQL server; skipped if there is none."""
     with on_postgresql() as made:
         yield made
 

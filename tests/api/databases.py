@@ -1,4 +1,4 @@
-"""The databases on which a test of the service runs; SQLite by default. Start reading at `BOTH`."""
+"""The databases on which a test of the service runs; SQLite by default."""
 
 from __future__ import annotations
 

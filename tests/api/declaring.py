@@ -1,4 +1,4 @@
-"""A run of a simulator whose traces declare what they are positions of. Start reading at `declared`."""
+"""A run of a simulator whose traces declare what they are positions of."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The OpenAPI document, its operations, and conformance of responses. Start reading at `conforms`."""
+"""The OpenAPI document, its operations, and conformance of responses."""
 
 from __future__ import annotations
 

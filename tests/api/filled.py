@@ -1,4 +1,4 @@
-"""Fills a database with many runs. Start reading at `fill`."""
+"""Fills a database with many runs."""
 
 from __future__ import annotations
 

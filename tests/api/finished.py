@@ -1,4 +1,4 @@
-"""A finished run with stored flights, written in the way of a worker. Start reading at `finish`."""
+"""A finished run with stored flights, written in the way of a worker."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The TCP ports that a process listens on. Start reading at `listening`."""
+"""The TCP ports that a process listens on."""
 
 from __future__ import annotations
 

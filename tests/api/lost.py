@@ -1,7 +1,4 @@
-"""A run with excluded and failed evaluations: its intruder may start inside the safety radius, its robot may spin.
-
-Start reading at `lose`.
-"""
+"""A run with excluded and failed evaluations: its intruder may start inside the safety radius, its robot may spin."""
 
 from __future__ import annotations
 

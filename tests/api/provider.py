@@ -1,6 +1,6 @@
 """A small OpenID Connect provider on loopback: real HTTP, real signatures, its own check of PKCE and of the client.
 
-Tests set who is signed in at it, and what it does wrong. It shares no code with the service. Start reading at `Local`.
+Tests set who is signed in at it, and what it does wrong. It shares no code with the service.
 """
 
 from __future__ import annotations

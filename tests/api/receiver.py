@@ -1,4 +1,4 @@
-"""A real HTTP server that receives webhooks, and what it received. Start reading at `receiving`."""
+"""A real HTTP server that receives webhooks, and what it received."""
 
 from __future__ import annotations
 

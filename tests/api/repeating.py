@@ -1,4 +1,4 @@
-"""Every write of the API as a request that can be sent twice: by nature, or with a key. Start reading at `NATURAL`."""
+"""Every write of the API as a request that can be sent twice: by nature, or with a key."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A finished run with a result of every kind, for reports and sign-offs. Start reading at `finish_fully`."""
+"""A finished run with a result of every kind, for reports and sign-offs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The service in its own thread on a free port, for tests over HTTP. Start reading at `Service`."""
+"""The service in its own thread on a free port, for tests over HTTP."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Service:
     """A running service: its address, its database, and visitors to it."""
 
     def __init__(self, settings: Settings, port: int = 0) -> None:
-        """On a free port, or on the one that another service has left."""
+        """Start on a free port, or on the one that another service has left."""
         self.app = create(settings)
         share_routers(self.app)
         self.settings = settings

@@ -1,4 +1,4 @@
-"""A shipped campaign as a run whose components are known. Start reading at `shipped`."""
+"""A shipped campaign as a run whose components are known."""
 
 from __future__ import annotations
 

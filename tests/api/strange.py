@@ -1,7 +1,4 @@
-"""Requests with values that break parsers, drivers and databases, for any operation of the OpenAPI document.
-
-Start reading at `requests`.
-"""
+"""Requests with values that break parsers, drivers and databases, for any operation of the OpenAPI document."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The event stream as a client reads it. Start reading at `streaming`."""
+"""The event stream as a client reads it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Submits runs for tests. Start reading at `submit`."""
+"""Submits runs for tests."""
 
 from __future__ import annotations
 

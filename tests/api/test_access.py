@@ -56,7 +56,7 @@ def test_an_unauthenticated_page_request_explains_how_to_sign_in(still: Service,
 
 
 @BOTH
-def test_a_login_link_is_good_once(service: Service) -> None:
+def test_a_login_link_is_single_use(service: Service) -> None:
     code = service.login_code()
     with service.visitor() as first:
         answer = first.get("/login", params={"code": code})

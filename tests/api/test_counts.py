@@ -1,7 +1,7 @@
 """The numbers of failed, excluded and sampled evaluations are the same everywhere.
 
 A campaign that fails where the inertia is small and excludes where the obstacle is at the start, run once by the real
-runner into a service and into the command line's memory. Start reading at `ran`.
+runner into a service and into the command line's memory.
 """
 
 from __future__ import annotations

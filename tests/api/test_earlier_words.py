@@ -1,7 +1,7 @@
 """Runs stored by earlier versions with plain sentences: unchanged text, formatted symbols and units.
 
 `stored/revision-0010.sqlite3.gz` was written by the code of that revision: case 1 with a step of 0.01 s, certify,
-Morris and Sobol; R-0001 is violated, R-0002 inconclusive. Start at `test_every_sentence_keeps_its_words`.
+Morris and Sobol; R-0001 is violated, R-0002 inconclusive.
 """
 
 from __future__ import annotations

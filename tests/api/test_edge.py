@@ -137,7 +137,7 @@ def test_a_cursor_of_our_form_with_what_no_row_can_have(client: httpx.Client, so
         problem(client.get("/api/v1/runs", params={"sort": sort, "cursor": cursor}), 422)
 
 
-def test_every_body_is_held_against_the_rules_for_all() -> None:
+def test_every_body_is_checked_against_the_rules_for_all() -> None:
     """A new model of a request cannot forget them."""
     import backend.app  # noqa: F401  has every feature define its models
 
@@ -192,7 +192,7 @@ def test_the_document_names_the_problems_of_every_operation() -> None:
         assert ("403" in operation["responses"]) == (not for_all)
 
 
-def test_models_are_described_by_what_stands_below_their_fields() -> None:
+def test_models_are_described_by_the_text_below_their_fields() -> None:
     schemas = DOCUMENT["components"]["schemas"]
     assert schemas["RunSummary"]["properties"]["upper_bound"]["description"].startswith("Upper bound on P(violation)")
     assert schemas["Scenario"]["properties"]["horizon"]["description"] == "[s]"

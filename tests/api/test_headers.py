@@ -160,7 +160,9 @@ def test_without_https_there_is_no_promise_of_it(still: Service) -> None:
         guarded(anonymous.get("/login").headers, encrypted=False)
 
 
-def test_a_rate_and_who_waits_as_told(fresh_sqlite: Fresh, tmp_path: Path) -> None:
+def test_a_session_above_its_rate_is_refused_and_answered_after_the_stated_wait(
+    fresh_sqlite: Fresh, tmp_path: Path
+) -> None:
     with running(fresh_sqlite, tmp_path, max_requests_per_minute=60) as service:
         path = "/api/v1/session"
         with service.visitor(authorization=f"Bearer {service.token('one')}") as one:

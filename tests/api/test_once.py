@@ -1,7 +1,6 @@
 """Every write of the API is safe to repeat: by nature, or once for each Idempotency-Key.
 
 The tables of `tests.api.repeating` name all operations that are not GET; the test fails for one that is in neither.
-Start reading at `test_every_write_is_safe_to_repeat`.
 """
 
 from __future__ import annotations

@@ -119,7 +119,7 @@ def test_calls_of_an_evaluation_share_the_slots(bare: Service, client: httpx.Cli
     assert {s["evaluations"] for s in found["searches"]} == {90}
 
 
-def test_too_little_time_is_said(bare: Service, client: httpx.Client) -> None:
+def test_too_little_time_is_reported(bare: Service, client: httpx.Client) -> None:
     run(bare, "aa", measured(call_seconds=100.0))
     found = asked(client, patience=60)
     assert (found["searches"], found["seconds"]) == ([], None)

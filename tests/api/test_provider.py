@@ -1,7 +1,6 @@
 """Signing in through a real OpenID Connect provider on loopback: groups and roles, and everything that is refused.
 
 The service is under a path, as behind a proxy.
-Start reading at `test_a_shared_link_leads_through_the_provider_to_itself`.
 """
 
 from __future__ import annotations
@@ -255,7 +254,7 @@ def test_a_provider_may_replace_its_keys(browser: httpx.Client, local: Local, se
     assert sign_in(browser).status_code == 303
 
 
-def test_an_answer_is_good_once_and_in_its_own_browser(service: Service, browser: httpx.Client, local: Local) -> None:
+def test_an_answer_is_valid_once_and_in_its_own_browser(service: Service, browser: httpx.Client, local: Local) -> None:
     address = back_from(browser).headers["location"]
     cookies = dict(browser.cookies)
     with service.visitor(accept="text/html") as other:  # a link that was sent to another user

@@ -1,7 +1,4 @@
-"""The service below a path and behind proxies: which headers are believed, and that every address has the path.
-
-Start reading at `test_headers_of_a_proxy_that_is_not_trusted_change_nothing`.
-"""
+"""The service below a path and behind proxies: which headers are believed, and that every address has the path."""
 
 from __future__ import annotations
 
@@ -47,7 +44,7 @@ def trusting(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> I
 
 @pytest.fixture(scope="module")
 def wary(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """The same without a trusted proxy."""
+    """A service without a trusted proxy."""
     folder = tmp_path_factory.mktemp("wary")
     pages(folder)
     with running(fresh_sqlite, folder, trusted_proxies="198.51.100.7") as service:

@@ -82,7 +82,7 @@ def test_nothing_is_written_on_a_removed_run(client: httpx.Client, run: str) -> 
 
 
 @AT_NIGHT
-def test_a_run_in_work_and_a_signed_one_stay(service: Service, client: httpx.Client, run: str) -> None:
+def test_a_running_run_and_a_signed_one_are_not_removed(service: Service, client: httpx.Client, run: str) -> None:
     signed = sign(client, run).json()
     waiting = submit(client, seed=2)
     told = problem(client.delete(run, params=WHY), 409)

@@ -1,7 +1,6 @@
 """The table of rules: every route x every role and scope, without sign-in, revoked, from a foreign origin.
 
-One application and one database; the guard is asked in-process, and what it lets in is counted, not executed. Start
-reading at `test_every_route_and_every_visitor`.
+One application and one database; the guard is asked in-process, and what it lets in is counted, not executed.
 """
 
 from __future__ import annotations

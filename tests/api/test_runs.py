@@ -47,7 +47,7 @@ def test_a_campaign_as_yaml_is_the_same_campaign(client: httpx.Client) -> None:
     assert answer.json()["campaign_digest"] == Campaign.model_validate(campaign()).digest
 
 
-def test_a_run_keeps_its_campaign_as_it_was_typed(service: Service, client: httpx.Client) -> None:
+def test_a_run_stores_the_original_text_of_its_campaign(service: Service, client: httpx.Client) -> None:
     document = campaign()
     text = "# Ours.\n" + yaml.safe_dump(document) + "# The end.\n"
     assert client.post("/api/v1/runs", content=text, headers=YAML).status_code == 201

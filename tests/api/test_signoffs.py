@@ -28,7 +28,7 @@ def run(service: Service, client: httpx.Client) -> str:
 
 @pytest.fixture(scope="module")
 def unsigned(still: Service, guest: httpx.Client) -> str:
-    """The same of the shared service; nobody signs them."""
+    """Results of the shared service that no test signs."""
     run = submit(guest)
     finish_fully(still)
     return f"/api/v1/runs/{run}/signoffs"

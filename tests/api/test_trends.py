@@ -80,7 +80,7 @@ def test_runs_with_a_label_are_a_trend_of_their_own(service: Service, client: ht
     assert "KEY=VALUE" in str(problem(client.get("/api/v1/trends", params={"name": NAME, "label": "main"}), 422))
 
 
-def test_what_is_not_asked_rightly(client: httpx.Client) -> None:
+def test_an_invalid_request_is_refused(client: httpx.Client) -> None:
     problem(client.get("/api/v1/trends"), 422)
     problem(client.get("/api/v1/trends", params={"campaign": DIGEST, "name": NAME}), 422)
     problem(client.get("/api/v1/trends", params={"campaign": DIGEST}), 404)

@@ -1,7 +1,7 @@
 """Runs stored by an earlier version: after the migration all their results are readable everywhere.
 
 `stored/revision-0009.sqlite3.gz` was written by the code of that revision: case 1 with a step of 0.01 s, two searches,
-certify, Morris and Sobol; R-0001 is violated, R-0002 inconclusive. Start at `test_findings_hold_their_evidence`.
+certify, Morris and Sobol; R-0001 is violated, R-0002 inconclusive.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ def test_every_page_reads_it(engine: sa.Engine, folder: Path) -> None:
     service.stop()
 
 
-def test_a_sign_off_of_the_same_results_still_stands(engine: sa.Engine, signed: str) -> None:
+def test_a_sign_off_of_the_same_results_stays_valid(engine: sa.Engine, signed: str) -> None:
     with read(engine) as reader:
         now = results_digest(reader, 1)
         held = dict(reader.execute(sa.select(Signoff.name, Signoff.digest)).all())

@@ -1,6 +1,6 @@
 """Users over HTTP: invitations, passwords, roles, what is their own, tokens, sessions. One service for all tests.
 
-Every test makes users of its own. Start reading at `test_an_invitation_is_good_once`.
+Every test makes users of its own.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def test_the_login_link_makes_an_administrator(admin: httpx.Client) -> None:
     assert (local["role"], local["state"], local["fixed"], local["has_password"]) == ("admin", "active", True, False)
 
 
-def test_an_invitation_is_good_once(service: Service, admin: httpx.Client) -> None:
+def test_an_invitation_is_single_use(service: Service, admin: httpx.Client) -> None:
     user = name("ada")
     path = invited(admin, user, "reviewer")
     assert listed(admin, user)["state"] == "invited"
@@ -403,7 +403,7 @@ def alone(fresh_sqlite: Fresh, tmp_path: Path) -> Iterator[Service]:
         yield service
 
 
-def test_nobody_signs_off_their_own_run_unless_it_is_permitted(alone: Service) -> None:
+def test_no_user_signs_off_their_own_run_unless_it_is_permitted(alone: Service) -> None:
     signed = {"name": "Ada", "role": "Independent review"}
     with alone.signed_in() as admin, joined(alone, admin, "reviewer") as (_, ada):
         token = ada.post(f"{API}/tokens", json={"name": "ada-ci", "scope": "run"}).json()["secret"]
@@ -436,7 +436,7 @@ def test_nobody_signs_off_their_own_run_unless_it_is_permitted(alone: Service) -
         assert actions(alone, "own_sign_offs") == ["setting.changed"]
 
 
-def test_while_local_is_the_only_user_it_is_permitted_and_said(alone: Service) -> None:
+def test_while_local_is_the_only_user_it_is_permitted_and_reported(alone: Service) -> None:
     with alone.signed_in() as admin:
         assert admin.get(f"{API}/settings").json() == {"own_sign_offs": True}
         run = submit(admin)

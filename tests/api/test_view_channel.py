@@ -165,7 +165,7 @@ def test_where_a_browser_was_only_sent_it_has_not_come(service: Service, client:
         until(lambda: client.get(address(run)).json()["camera"] is None)
 
 
-def test_a_browser_that_leaves_while_its_camera_is_moved_is_no_matter(
+def test_a_browser_may_leave_while_its_camera_is_moved(
     service: Service, client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
@@ -287,7 +287,7 @@ def test_a_view_whose_thread_fails_says_so_and_can_be_opened_again(
     until(lambda: service.app.state.viewers.open == 0)
 
 
-def test_of_two_views_with_one_key_the_newer_is_meant(service: Service, client: httpx.Client, run: str) -> None:
+def test_of_two_views_with_one_key_the_newer_is_used(service: Service, client: httpx.Client, run: str) -> None:
     path = f"/view/{run}/key/{KEY}"
     with viewing(service, client, path):
         steer(client, run, time=1.0)

@@ -71,7 +71,7 @@ def test_a_camera_of_what_is_not_there_is_the_overview() -> None:
 
 
 @pytest.mark.parametrize("camera", CAMERAS)
-def test_no_camera_stands_in_what_it_looks_at(camera: str) -> None:
+def test_no_camera_is_inside_what_it_shows(camera: str) -> None:
     above = replace(SIGHT, obstacle=SIGHT.vehicle - np.array([0.0, 0.0, 5.0]))
     for sight in (SIGHT, above):
         eye, target = pose(camera, SCENE, sight)  # type: ignore[arg-type]
@@ -121,7 +121,7 @@ def test_the_relative_velocity_is_that_to_the_nearest_obstacle() -> None:
     assert nearest([], place, 0.0) is None
 
 
-def test_a_flight_that_is_taken_away_while_the_camera_asks_for_it_is_no_matter() -> None:
+def test_a_flight_may_be_removed_while_the_camera_requests_it() -> None:
     """The camera asks in the thread of the view, requests of the page draw in others."""
     whole = flown(straight(500, 60, -30, -20, 0, -1))
     drawn, flights = Drawn.__new__(Drawn), Flights.__new__(Flights)

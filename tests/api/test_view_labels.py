@@ -66,7 +66,7 @@ def test_any_crowd_in_the_window_is_readable_and_near_its_points() -> None:
             assert np.hypot(*away) < 8.5 * 20.0
 
 
-def test_a_placement_is_kept_while_it_is_free() -> None:
+def test_a_placement_is_retained_while_it_is_free() -> None:
     first, second = label("F1"), label("F2")
     before = arranged([first, second], VIEW)
     assert before["F2"] is not None
@@ -164,7 +164,7 @@ def test_the_closest_approach_of_three_flights_is_readable_from_every_camera(cam
 
 
 def labels_of(near: Any, obstacle: Any) -> list[Label]:
-    """Those of vehicle, obstacle and findings close together."""
+    """The labels of vehicle, obstacle and findings close together."""
     return [
         label("worst", near, "top-right", text="F1 0.3012 m"),
         label("what-if", near + 0.01, "bottom-left", text="What-if 0.3105 m"),

@@ -237,7 +237,7 @@ def test_a_kill_loses_no_message(stored: Any) -> None:
     assert one.fill() == 0
 
 
-def test_it_is_given_up_after_the_last_attempt(stored: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_message_has_failed_after_the_last_attempt(stored: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(outbox, "FIRST", 0.0)
     monkeypatch.setattr(outbox, "MOST", 3)
     box = registered_box(stored)

@@ -1,4 +1,4 @@
-"""A worker that has a simulator, and runs of it that measured its time. Start reading at `run`."""
+"""A worker that has a simulator, and runs of it that measured its time."""
 
 from __future__ import annotations
 

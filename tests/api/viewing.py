@@ -1,4 +1,4 @@
-"""A client of a viewer's socket in place of a browser, and its panel. Start reading at `viewing`."""
+"""A client of a viewer's socket in place of a browser, and its panel."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """`make bench`: cost of an evaluation, as ratios measured in one run; prints a table, writes build/bench.json.
 
-Every figure is the best of several repetitions on one thread; the machine should be idle. Start reading at `main`.
+Every figure is the best of several repetitions on one thread; the machine should be idle.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Each is put alone into the loop of a library campaign, at a magnitude at which it does something. Cost is the ratio to
 the bare loop in one run; wide and scalar count the instructions on whole registers and on single numbers, libm calls
 are none where the lane loop vectorises (a power in a constant of the flight is not in it). Prints a table, writes
-build/faults.json. Start reading at `main`.
+build/faults.json.
 """
 
 from __future__ import annotations

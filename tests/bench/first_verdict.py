@@ -1,4 +1,4 @@
-"""From "Start run" to the verdict on the page, for the library's case 1. Start reading at `verdicts`.
+"""From "Start run" to the verdict on the page, for the library's case 1.
 
 Cold: the worker's process has just started and its kernel cache is empty, so the loop and the reference integrator are
 compiled first. Warm: the same worker, again.
@@ -25,7 +25,7 @@ LONGEST = 300_000
 
 
 def verdicts(browser: Browser) -> dict[str, float]:
-    """Both times [s] on a service with one worker; the warm one is the median of several runs."""
+    """The cold and the warm time [s] on a service with one worker; the warm one is the median of several runs."""
     with tempfile.TemporaryDirectory() as folder:
         kernels = Path(folder, "kernels")
         kernels.mkdir()

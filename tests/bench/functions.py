@@ -1,4 +1,4 @@
-"""Our own time for an evaluation of a Python function, whose own time is nearly nothing. Start reading at `measure`."""
+"""Our own time for an evaluation of a Python function, whose own time is nearly nothing."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 `measure` gives the figures for `make bench`; `python -m tests.bench.methods` prints them and the table of counts, ours
 beside those of Jones et al. (1993), NLopt and SciPy. All run on one core, and its time is what counts: what others do
-with the machine meanwhile matters less. Start reading at `measure`.
+with the machine meanwhile matters less.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Data for `tests.bench.pages`: a real run with 100,000 evaluations, 10,000 stored runs, and active runs.
 
-Everything goes through the store that workers write to, but the copies of a run in the list. Start reading at `flown`.
+Everything goes through the store that workers write to, but the copies of a run in the list.
 """
 
 from __future__ import annotations

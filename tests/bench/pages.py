@@ -2,7 +2,7 @@
 for each page whose load is measured, a profile build/load-PAGE.cpuprofile.
 
 The service is a process of its own with its own data. Every visit has an empty browser cache; a figure is the median of
-several visits. The machine should be idle. Start reading at `main`.
+several visits. The machine should be idle.
 """
 
 from __future__ import annotations

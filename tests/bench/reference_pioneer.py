@@ -1,6 +1,6 @@
 """Case 2 as one plain scalar program: the reference for the lockstep loop's speed, and an independent formulation.
 
-Nothing of the product is used but its parameters: libm, branches, one flight after another. Start reading at `fly`.
+Nothing of the product is used but its parameters: libm, branches, one flight after another.
 """
 
 from __future__ import annotations

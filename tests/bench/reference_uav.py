@@ -2,7 +2,7 @@
 
 libm, branches, one flight after another. It is spared work that the lockstep loop does: coefficients and gains are
 constants of the compiler, and a flight ends 4 s after its closest approach once it is clear, not at the horizon.
-Nothing of the product is used but its parameters and its trim. Start reading at `fly`.
+Nothing of the product is used but its parameters and its trim.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ other than 15 for the table of small budgets, `--processes N` as many processes;
 Costly methods, which take milliseconds of their own per evaluation, are only in the table of small budgets.
 Success: a value within 1 % of the minimum, within 0.01 where that is 0, in 5,000 evaluations. Expected running time
 (Auger and Hansen, CEC 2005): all evaluations of all seeds, each counted to its success or end, over the successes.
-Points that a method may ask for twice count once, as in a run. Start reading at `main`.
+Points that a method may ask for twice count once, as in a run.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def evaluations(task: Task) -> tuple[int, bool]:
 
 
 def summary(tasks: list[Task], spent: list[tuple[int, bool]]) -> dict[str, dict[str, dict[str, Any]]]:
-    """By method and function: seeds that succeeded and expected evaluations, None if none succeeded."""
+    """The seeds that succeeded and the expected evaluations, by method and function; None if none succeeded."""
     found: dict[str, dict[str, dict[str, Any]]] = {}
     for method in dict.fromkeys(t.method for t in tasks):
         found[method] = {}

@@ -7,7 +7,7 @@ which constants are set (`tuning`, `valleys`), and those on which a choice is ch
 A score of 1 means that the minimum was found, 0 that the result is the median of as many random points as the smallest
 budget: score = 1 - log(1 + gap / tolerance) / log(1 + gap of random points / tolerance), clipped at 0, with the
 tolerance 1e-3 of the gap of the random points. It is averaged over problems and seeds. The problems that judge are
-those of `tests.unit.small_budgets`, on which nothing was tuned. Start reading at `measured`.
+those of `tests.unit.small_budgets`, on which nothing was tuned.
 """
 
 from __future__ import annotations

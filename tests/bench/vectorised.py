@@ -2,7 +2,6 @@
 
 A lane loop that does not vectorise multiplies one number at a time; libm's functions are calls. What is done once per
 flight may be unrolled into scalars: fewer products than lanes are let pass. Counted on x86-64 only.
-Start reading at `counts`.
 """
 
 from __future__ import annotations

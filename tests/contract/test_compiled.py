@@ -1,6 +1,6 @@
 """Every component compiled: robust within its limits, and equal to plain Python.
 
-Several share a closed loop, so that fewer are compiled; `make nightly` compiles one each. Start reading at `SCENES`.
+Several share a closed loop, so that fewer are compiled; `make nightly` compiles one each.
 """
 
 from __future__ import annotations

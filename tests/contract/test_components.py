@@ -1,6 +1,6 @@
 """Every component: documented, limited, and robust within its limits.
 
-On the plain form, which needs no compiler; `test_compiled` holds the compiled form to it. Start reading at `EACH`.
+On the plain form, which needs no compiler; `test_compiled` holds the compiled form to it.
 """
 
 from __future__ import annotations

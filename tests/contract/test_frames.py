@@ -2,7 +2,7 @@
 
 A made-up vehicle shows what each component does in one derivative of the loop: wind, demand, obstacles, distances. The
 world is mirrored (z to -z; x and y exchanged) with every quantity whose text names its axes, and the answer has to be
-the mirrored one. What is not has "up", "right" or "heading" built in. Start reading at `answer`.
+the mirrored one. What is not has "up", "right" or "heading" built in.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def drawn(loop: Loop, chance: np.random.Generator) -> dict[str, float]:
 
 
 def mirrored(loop: Loop, values: dict[str, float], mirror: str) -> dict[str, float]:
-    """The same values mirrored, according to the axes in each parameter's name and text."""
+    """The values mirrored, according to the axes in each parameter's name and text."""
     texts = {f"{s.prefix}.{p.name}": (p.text, p.unit, p.low < 0) for s in loop.sections for p in s.parameters}
     found = dict(values)
     for path, value in values.items():

@@ -93,7 +93,7 @@ def test_further_criteria_are_left_to_methods_for_several(method: Method) -> Non
           (("Branin", 1000), ("Hartman 6", 1000), ("excluded region", 150))),
     ],
 )  # fmt: skip
-def test_one_that_can_go_on_begins_with_the_same_points(method: Method, name: str, budget: int) -> None:
+def test_one_that_can_be_extended_begins_with_the_same_points(method: Method, name: str, budget: int) -> None:
     f, more = on_unit_cube(name, 5), at_most(method, 700)
     budget = at_most(method, budget)
     assert method.extend is not None

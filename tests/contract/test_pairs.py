@@ -1,6 +1,6 @@
 """Every avoider with every vehicle of its dimension, with every controller of that vehicle.
 
-In plain Python: what is compiled from it is held to it elsewhere. Start reading at `PAIRS`.
+In plain Python: what is compiled from it is held to it elsewhere.
 """
 
 from __future__ import annotations

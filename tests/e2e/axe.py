@@ -1,4 +1,4 @@
-"""Runs axe on a page: what is serious or critical against WCAG 2.1, levels A and AA. Start reading at `violations`."""
+"""Runs axe on a page: what is serious or critical against WCAG 2.1, levels A and AA."""
 
 from __future__ import annotations
 

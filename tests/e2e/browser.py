@@ -1,7 +1,4 @@
-"""A browser that fails on console errors and on requests to other hosts.
-
-Start reading at `Visit`.
-"""
+"""A browser that fails on console errors and on requests to other hosts."""
 
 from __future__ import annotations
 

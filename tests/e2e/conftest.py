@@ -1,4 +1,4 @@
-"""Running services, a browser, and a page that is signed in. Start reading at `signed_in`.
+"""Running services, a browser, and a page that is signed in.
 
 The browsers and the evaluated runs are made once for all files here, which therefore run in one process.
 """

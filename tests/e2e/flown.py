@@ -1,4 +1,4 @@
-"""Runs of every kind that a worker evaluated, made once and copied for each file of tests. Start reading at `fly`."""
+"""Runs of every kind that a worker evaluated, made once and copied for each file of tests."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def states(service: Service) -> dict[str, str]:
 
 
 def simulators(service: Service) -> list[Any]:
-    """Those of live workers."""
+    """The simulators of live workers."""
     with read(service.engine) as connection:
         return list(workers.simulators(connection))
 

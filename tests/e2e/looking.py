@@ -1,4 +1,4 @@
-"""Screenshots of a page at both widths in both themes, and API requests from its browser. Start reading at `looks`."""
+"""Screenshots of a page at both widths in both themes, and API requests from its browser."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A service with the built pages and no worker, for tests of stored runs. Start reading at `served`."""
+"""A service with the built pages and no worker, for tests of stored runs."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Every page in light and in dark by axe: nothing serious or critical against WCAG 2.1, levels A and AA.
 
-Source: Deque, axe-core API, "axe.run". The pages show stored runs; nothing is simulated. Start reading at `clean`.
+Source: Deque, axe-core API, "axe.run". The pages show stored runs; nothing is simulated.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def visit(service: Service, browser: Browser) -> Iterator[Visit]:
 
 @pytest.fixture(scope="module")
 def filled(service: Service) -> Service:
-    """The same service with a run that is cleared, one that is violated, one in work, one that waits, one removed."""
+    """The service with a run that is cleared, one that is violated, one running, one queued, one removed."""
     document = load_file(library()["unicycle_static"]).document()
     with service.signed_in() as client:
         submit(client, document, "Full box")

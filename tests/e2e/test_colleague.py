@@ -129,7 +129,7 @@ def may_not_sign(engineer: Visit) -> None:
 
 
 def signs_off(reviewer: Visit) -> None:
-    """With a statement; what is the engineer's own stays theirs."""
+    """The reviewer signs off with a statement; what is the engineer's own stays theirs."""
     card = signature(reviewer)
     edit = reviewer.page.get_by_role("button", name="Change name and tags")
     expect(edit).to_be_disabled()

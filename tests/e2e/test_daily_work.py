@@ -1,6 +1,6 @@
 """The daily work: whether anybody works, a service that hangs, cancelling, and launching a file of one's own.
 
-No run is executed: workers are rows of the database. Start reading at `visit`.
+No run is executed: workers are rows of the database.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def box(part: Locator) -> dict[str, float]:
     return dict(found)
 
 
-def test_the_header_says_whether_anybody_works(working: Service, visit: Visit) -> None:
+def test_the_header_shows_whether_a_worker_is_alive(working: Service, visit: Visit) -> None:
     page = visit.page
     visit.go("/runs")
     row = page.locator("tr[data-run=R-0001]")
@@ -126,7 +126,7 @@ def test_removal_never_takes_the_place_of_cancelling(working: Service, visit: Vi
     page.set_viewport_size({"width": 1440, "height": 900})
 
 
-def test_a_file_brings_its_own_name(visit: Visit, tmp_path: Path) -> None:
+def test_the_name_in_a_file_is_used(visit: Visit, tmp_path: Path) -> None:
     page = visit.page
     visit.go("/launch?tab=yaml")
     expect(page.get_by_label("Name", exact=True)).to_have_value("Unicycle, static obstacle")

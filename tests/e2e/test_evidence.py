@@ -1,6 +1,6 @@
 """From a finished run to evidence: files, the report, figures, a sign-off, and the comparison of two runs.
 
-The runs are written as a worker writes them, so that nothing is flown here. Start reading at `finished`.
+The runs are written as a worker writes them, so that nothing is flown here.
 """
 
 from __future__ import annotations
@@ -199,7 +199,7 @@ def test_later_changes_of_the_installation_are_shown(finished: Service, page: Pa
     expect(card.get_by_role("row", name=re.compile("^J"))).to_contain_text("0.05")
 
 
-def test_what_cannot_be_used_is_said_where_components_are_chosen(finished: Service, visit: Visit) -> None:
+def test_what_cannot_be_used_is_reported_where_components_are_chosen(finished: Service, visit: Visit) -> None:
     unusable = [
         UnusableEntry(file="components/broken.py", line=1, name="broken", text="there is no `component = ...` in it"),
         UnusableEntry(file="", line=None, name="far", text="the package far: it cannot be loaded"),
@@ -277,7 +277,7 @@ BY_DAY = ("/runs", "/runs/R-0001", "/compare?runs=R-0001,R-0002", "/reports")
 
 
 @pytest.mark.parametrize("path", nightly_but(BY_DAY, SAID))
-def test_what_cannot_be_loaded_is_said_and_loaded_again(visit: Visit, path: str) -> None:
+def test_what_cannot_be_loaded_is_reported_and_loaded_again(visit: Visit, path: str) -> None:
     """The page itself, its session and its events are there."""
     page = visit.page
     said, shown = SAID[path]
@@ -294,7 +294,7 @@ def test_what_cannot_be_loaded_is_said_and_loaded_again(visit: Visit, path: str)
     visit.wrong[:] = [entry for entry in visit.wrong if "422" not in entry]  # the browser reports them all
 
 
-def test_a_part_of_a_comparison_that_cannot_be_loaded_is_said(visit: Visit) -> None:
+def test_a_part_of_a_comparison_that_cannot_be_loaded_is_reported(visit: Visit) -> None:
     page = visit.page
     part = re.compile(r"/api/v1/runs/R-0002/findings")
     page.route(part, refuse)

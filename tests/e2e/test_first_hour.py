@@ -1,6 +1,6 @@
 """The first hour with one's own robot: from an empty folder to two verdicts, with the mistakes on the way.
 
-Commands as a newcomer types them, a service, and a browser. Start reading at the one test.
+Commands as a newcomer types them, a service, and a browser.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Every page in the window of a telephone: nothing is wider than the window, and the 3D view is not covered.
 
-The runs were evaluated by a worker, so that every section of their pages has content. Start reading at `beyond`.
+The runs were evaluated by a worker, so that every section of their pages has content.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The same question over time in the browser: other runs with the same input, trends, sweeps, reports.
 
-The runs are written as a worker writes them; nothing is simulated. Start reading at `filled`.
+The runs are written as a worker writes them; nothing is simulated.
 """
 
 from __future__ import annotations

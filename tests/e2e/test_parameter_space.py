@@ -1,7 +1,4 @@
-"""The parameter space on a run's page: drawing, ranges by mouse and keyboard, toggles, the data.
-
-Start reading at `finished`.
-"""
+"""The parameter space on a run's page: drawing, ranges by mouse and keyboard, toggles, the data."""
 
 from __future__ import annotations
 

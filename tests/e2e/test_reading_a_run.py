@@ -1,6 +1,6 @@
 """Reading the page of a run: the first screen, the tabs, the next step, a nominal case that diverged; and comparing.
 
-The runs are written as a worker writes them, so that nothing is simulated here. Start reading at `finished`.
+The runs are written as a worker writes them, so that nothing is simulated here.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The flight in a browser: a recording from disk, the linked page, and the run page with its 3D view.
-
-Start reading at `recorded`.
-"""
+"""The flight in a browser: a recording from disk, the linked page, and the run page with its 3D view."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def signed_in(service: Service, browser: Browser) -> Iterator[Visit]:
 
 @pytest.fixture
 def drawing(signed_in: Visit, browser: Browser) -> Iterator[Visit]:
-    """The same session, where 3D views are drawn."""
+    """The session in a browser that draws 3D views."""
     with visiting(browser, signed_in.address) as visit:
         if not pictured():  # drawing takes processor time for each of its pixels
             visit.page.set_viewport_size({"width": 800, "height": 600})

@@ -1,7 +1,4 @@
-"""The text editor of the launch page, used by keyboard and by file.
-
-Start reading at `write_over`.
-"""
+"""The text editor of the launch page, used by keyboard and by file."""
 
 from __future__ import annotations
 

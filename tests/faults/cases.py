@@ -1,4 +1,4 @@
-"""Campaigns and evaluations that the fault tests use. Start reading at `campaign`."""
+"""Campaigns and evaluations that the fault tests use."""
 
 from __future__ import annotations
 

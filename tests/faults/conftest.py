@@ -1,4 +1,4 @@
-"""Databases for the fault tests. Start reading at `database`."""
+"""Databases for the fault tests."""
 
 from __future__ import annotations
 

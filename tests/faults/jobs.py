@@ -1,6 +1,6 @@
 """Replacements of the physics in a child process for fault tests: crashes, hangs, refusals. Each is a runner.
 
-Start reading at `steps`; campaigns choose by their name what happens.
+Campaigns choose by their name what happens.
 """
 
 from __future__ import annotations

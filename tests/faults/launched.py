@@ -1,4 +1,4 @@
-"""Runs a campaign of a simulator with the command line, in a process of its own. Start reading at `run`."""
+"""Runs a campaign of a simulator with the command line, in a process of its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A Dask scheduler and its workers as processes, for the fault tests of clusters. Start reading at `Cluster`."""
+"""A Dask scheduler and its workers as processes, for the fault tests of clusters."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """A temporary PostgreSQL server from Debian's binaries, on a socket in its own folder.
 
-Start reading at `server`; where the binaries are missing it says so and the tests that need it are skipped.
+Without the binaries it reports so, and the tests that need it are skipped.
 """
 
 from __future__ import annotations

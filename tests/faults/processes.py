@@ -1,7 +1,4 @@
-"""Real processes for the fault tests: started in their own session, monitored through /proc, always cleaned up.
-
-Start reading at `Started`.
-"""
+"""Real processes for the fault tests: started in their own session, monitored through /proc, always cleaned up."""
 
 from __future__ import annotations
 
@@ -43,7 +40,7 @@ class Started:
         return self.output.read_text(errors="replace")
 
     def family(self) -> list[int]:
-        """It and all that it started, directly or not, as long as they are alive."""
+        """A process and all that it started, directly or not, as long as they are alive."""
         return [pid for pid in [self.pid, *descendants(self.pid)] if alive(pid)]
 
     def child(self) -> int:
@@ -103,7 +100,7 @@ def alive(pid: int) -> bool:
 
 
 def command_of(pid: int) -> str:
-    """Its command line; empty once it is gone."""
+    """The command line of a process; empty once it is gone."""
     try:
         return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode()
     except OSError:

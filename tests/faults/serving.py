@@ -1,4 +1,4 @@
-"""`clearance serve` as a process, and a client of it. Start reading at `serving`."""
+"""`clearance serve` as a process, and a client of it."""
 
 from __future__ import annotations
 

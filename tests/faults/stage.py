@@ -29,7 +29,7 @@ OPENING = Opening({"simulator.x": 0.5, "simulator.y": 0.45}, "separation")
 
 
 def points(count: int) -> Floats:
-    """Of the unit cube."""
+    """Points of the unit cube."""
     return np.random.default_rng(3).random((count, 2))
 
 

@@ -112,7 +112,7 @@ def test_a_branch_with_a_worse_gain_fails_and_a_good_one_passes(
 
 
 @pytest.mark.nightly  # by day tests/faults/test_serve.py: its backend is killed, and another goes on with the folder
-def test_a_service_that_was_killed_goes_on_when_it_is_started_again(
+def test_a_service_that_was_killed_continues_when_it_is_started_again(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     main, good = write(tmp_path, "main", 4.0), write(tmp_path, "good", 4.0)

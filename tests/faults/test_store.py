@@ -162,7 +162,7 @@ def test_a_finish_that_cannot_be_stored_leaves_nothing(store: RunStore) -> None:
     assert not rows(store, Finding)
 
 
-def test_a_resumed_run_finds_what_stands_there(database: sa.Engine, store: RunStore, claim: Claim) -> None:
+def test_a_resumed_run_finds_what_is_stored(database: sa.Engine, store: RunStore, claim: Claim) -> None:
     store.begin(0)
     store.finish(0, results.nominal(), 0.25)
     store.begin(1)

@@ -114,7 +114,7 @@ def test_after_one_crash_the_run_resumes_where_it_was(bench: Bench, tmp_path: Pa
         ("fail", "the runner raised BrokenPipeError: [Errno 32] no pipe"),
     ],
 )
-def test_a_poisonous_run_is_given_up_after_three_attempts(bench: Bench, accident: str, how: str) -> None:
+def test_a_run_that_kills_workers_fails_after_three_attempts(bench: Bench, accident: str, how: str) -> None:
     ended = bench.ended(bench.submit(accident))
     assert ended.state == "failed"
     assert ended.error == f"Failed after 3 attempts in the search stage (direct); last attempt: {how}."
@@ -258,7 +258,7 @@ def frozen(bench: Bench, *family: int) -> Iterator[None]:
         kill(*family, number=signal.SIGCONT)
 
 
-def test_of_two_workers_one_goes_on_where_the_other_was_frozen_or_killed(bench: Bench, tmp_path: Path) -> None:
+def test_of_two_workers_one_continues_where_the_other_was_frozen_or_killed(bench: Bench, tmp_path: Path) -> None:
     """Frozen beyond its lease it can write nothing; killed it leaves no child."""
 
     def half_flown_by_another(once: str) -> int:

@@ -1,1 +1,1 @@
-"""FMUs as simulators, built by the tests from C sources. Start reading at `made`."""
+"""FMUs as simulators, built by the tests from C sources."""

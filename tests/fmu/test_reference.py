@@ -1,7 +1,7 @@
 """The Reference FMUs of the Modelica Association, of both FMI versions, where a machine has them.
 
 CLEARANCE_REFERENCE_FMUS names the folder of a release, with 2.0/BouncingBall.fmu, 3.0/BouncingBall.fmu and the others:
-https://github.com/modelica/Reference-FMUs. Start reading at `described`.
+https://github.com/modelica/Reference-FMUs.
 """
 
 from __future__ import annotations

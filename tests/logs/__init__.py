@@ -1,1 +1,1 @@
-"""Readers of flight logs, on logs that the tests write. Start reading at `test_logs`."""
+"""Readers of flight logs, on logs that the tests write."""

@@ -175,7 +175,7 @@ def test_without_its_package_a_sentence_names_what_to_install(
         separation_of_ulog(log, [BESIDE]) if package == "pyulog" else separation_of_mcap(bag, "/odom", "/person")
 
 
-def test_what_is_asked_wrongly() -> None:
+def test_an_invalid_request_is_refused() -> None:
     rows: list[Row] = STRAIGHT
     table = np.array(rows)
     track = Track("t", table[:, 0], table[:, 1:])

@@ -1,4 +1,4 @@
-"""Every obstacle as a body at an instant. Start reading at `_body`."""
+"""Every obstacle as a body at an instant."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Faults of actuators and guidance: closed forms of lag, delay and rate limit, and of stuck, lost or late commands.
-
-Start reading at `TestActuators`.
-"""
+"""Faults of actuators and guidance: closed forms of lag, delay and rate limit, and of stuck, lost or late commands."""
 
 from __future__ import annotations
 

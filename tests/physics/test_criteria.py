@@ -1,6 +1,6 @@
 """Criteria other than separation against closed forms for known motions, and against traces.
 
-A vehicle made for this drifts along a straight line, and rolls and pulls as its parameters say. Start at `flown`.
+A vehicle made for this drifts along a straight line, and rolls and pulls as its parameters say.
 """
 
 from __future__ import annotations
@@ -290,6 +290,6 @@ class TestCheck:
         assert problem.field == "objectives.0.component"
         assert "follows a path and has no goal" in problem.message
 
-    def test_its_parameters_are_held_to_their_limits(self) -> None:
+    def test_its_parameters_are_checked_against_their_limits(self) -> None:
         wrong = {"component": "time_to_goal", "parameters": {"radius": -1.0}}
         assert self.said(objectives=[wrong])[0][0] == "objectives.0.parameters.radius"

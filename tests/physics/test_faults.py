@@ -154,7 +154,7 @@ class TestTiming:
         for t, then in ((1.9, 1.9), (2.0, 2.0), (3.3, 2.0), (3.5, 3.5)):
             assert self.seen(t, "dropout", at=2.0, duration=1.5) == pytest.approx(self.true(then))
 
-    def test_or_carried_on(self) -> None:
+    def test_in_a_dropout_the_last_track_may_be_extrapolated(self) -> None:
         assert self.seen(3.3, "dropout", at=2.0, duration=1.5, coasting=1.0) == pytest.approx(self.true(3.3), abs=1e-12)
 
     def test_an_obstacle_with_states_is_taken_back_along_its_velocity(self) -> None:

@@ -1,6 +1,6 @@
 """The fixed-wing aircraft as physics: trim, conservation, symmetry, wind, order of the integrator.
 
-Values: laws of mechanics; the trim of the reconstruction. Start at `TestTrim`.
+Values: laws of mechanics; the trim of the reconstruction.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The linear aircraft: derivatives and modes against the reconstruction's tables, scaling, its limit.
 
-Values: the tables of the linear form (equation 3.44) at 15 and 20 m/s. Start at `TABLES`.
+Values: the tables of the linear form (equation 3.44) at 15 and 20 m/s.
 """
 
 from __future__ import annotations

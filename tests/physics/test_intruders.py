@@ -1,6 +1,6 @@
 """Avoidance in space: gradients of the potentials, equation 7.7 and its geometry, gates and sides, rights of way.
 
-Everything here asks the avoiders' own kernels, in plain Python, for one demand. Start reading at `ask`.
+Everything here asks the avoiders' own kernels, in plain Python, for one demand.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """The random numbers of the kernels, and the noise and gusts generated from them: moments, independence, spectra.
 
 Statistical bounds are five standard errors of the sample: the numbers are fixed, so a test that passes keeps passing.
-Start reading at `TestNumbers`.
 """
 
 from __future__ import annotations

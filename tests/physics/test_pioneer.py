@@ -1,6 +1,6 @@
 """Case 2 as physics: published values, an independent program, order, DOP853, symmetry, closed forms, stops.
 
-Values: Srikanthakumar (tables 3.1, 3.2, 4.2, 5.4, 5.5) as reconstructed. Start reading at `PUBLISHED`.
+Values: Srikanthakumar (tables 3.1, 3.2, 4.2, 5.4, 5.5) as reconstructed.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ class TestIntegrator:
         assert other.cost == pytest.approx(cost(ALONE, given), abs=1e-6)
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 5e-4), (CORNER, 3e-3)])
-    def test_and_as_far_as_the_switches_allow(self, values: dict[str, float], apart: float) -> None:
+    def test_agrees_with_dop853_as_far_as_the_switches_allow(self, values: dict[str, float], apart: float) -> None:
         # The trajectory slides along v_RO = 0, where the force is discontinuous: the order of convergence is lost.
         other = reference.Reference(PROBLEM.system).simulate(PROBLEM.vector(values))
         assert "switches back and forth" in other.reason
@@ -169,7 +169,7 @@ class TestSymmetry:
 
 
 def coasting(**given: Any) -> Problem:
-    """No control, no slip, no unmodelled acceleration; the intruder far away."""
+    """A problem without control, slip and unmodelled acceleration, the intruder far away."""
     vehicle = {"u_s": 0.0, "delta_u": 0.0, "delta_w": 0.0} | given.pop("vehicle", {})
     free = dict.fromkeys(("K_1", "K_2", "K_3", "K_4"), 0.0)
     return uncompiled(

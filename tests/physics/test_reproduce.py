@@ -1,6 +1,6 @@
 """The published case studies: every row with a stated tolerance meets it.
 
-What is not held is shown by `clearance reproduce` with its reason. Start reading at `held`.
+What is not held is shown by `clearance reproduce` with its reason.
 """
 
 from __future__ import annotations

@@ -87,7 +87,7 @@ def problem(name: str) -> Problem:
 
 @cache
 def plain(name: str) -> Problem:
-    """In plain Python, which takes less than compiling a loop for one or two simulations."""
+    """The problem in plain Python, which takes less than compiling it for one or two simulations."""
     return uncompiled(load_file(library()[name]))
 
 

@@ -1,6 +1,6 @@
 """Case 1 as physics: published values, order of the integrator, closed forms, symmetry, two formulations agreeing.
 
-Values: Srikanthakumar (tables 4.1, 5.1 to 5.3) as reconstructed; DOP853 on the same equations. Start at `PUBLISHED`.
+Values: Srikanthakumar (tables 4.1, 5.1 to 5.3) as reconstructed; DOP853 on the same equations.
 """
 
 from __future__ import annotations

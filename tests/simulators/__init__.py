@@ -1,1 +1,1 @@
-"""Simulators of a temporary package, as an operator would install one. Start reading at `package`."""
+"""Simulators of a temporary package, as an operator would install one."""

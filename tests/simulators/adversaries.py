@@ -1,4 +1,4 @@
-"""Simulators that do not repeat, each in another way, in this process. Start reading at `ADVERSARIES`.
+"""Simulators that do not repeat, each in another way, in this process.
 
 d = 10 - 3 a - (b - 0.5)^2 + what the adversary adds; an instance is a process, `fresh` starts another one.
 """

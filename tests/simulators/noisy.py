@@ -1,4 +1,4 @@
-"""Campaigns on the adversaries, and their audited runs. Start reading at `ran`."""
+"""Campaigns on the adversaries, and their audited runs."""
 
 from __future__ import annotations
 

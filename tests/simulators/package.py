@@ -1,4 +1,4 @@
-"""Installs the simulator in its own folder, and the campaigns that use it. Start reading at `install`."""
+"""Installs the simulator in its own folder, and the campaigns that use it."""
 
 from __future__ import annotations
 

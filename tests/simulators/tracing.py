@@ -23,7 +23,7 @@ def thrown(speed: float, trace: bool = False) -> Any:
 
 @clearance.simulator(parameters=RANGE, trace=TRACE, isolated=False, vectorized=True)
 def together(speed: Any, trace: bool = False) -> Any:
-    """The same, a batch at a time."""
+    """The simulator, a batch at a time."""
     time = np.linspace(0.0, 1.0, 5)
     height = speed[:, None] * time - 4.905 * time**2
     highest = height.max(axis=1)
@@ -56,5 +56,5 @@ def wrong(act: float, trace: bool = False) -> Any:
 
 @clearance.simulator(parameters={"act": (0.0, 20.0)}, trace=TRACE, slots=1, timeout=5.0)
 def wrong_alone(act: float, trace: bool = False) -> Any:
-    """The same in a process of its own."""
+    """The wrong simulator in a process of its own."""
     return ACTS[int(act)][0]() if trace else 1.0

@@ -15,7 +15,7 @@ from worker.running.catalogue.installed import components
 
 
 def check(text: str) -> None:
-    """It parses, lines fit, functions have docstrings, no variable shadows a module, and no import is unused."""
+    """Check that a text parses, lines fit, functions have docstrings, no variable hides a module, imports are used."""
     tree = ast.parse(text)
     assert max(map(len, text.splitlines())) <= WIDTH
     modules = {

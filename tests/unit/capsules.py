@@ -1,4 +1,4 @@
-"""Capsules of a violated run, and their files as they are or changed. Start reading at `written`."""
+"""Capsules of a violated run, and their files as they are or changed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from worker.engine.stages.parts import offered
 
 
 def few_checks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As in the tests of replay, so that they share their runs."""
+    """Few checks, as in the tests of replay, so that they share their runs."""
     monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
     monkeypatch.setattr(offered, "AT_MOST", 3)
 

@@ -1,4 +1,4 @@
-"""Case 1 with changes, for tests that need their own campaign or problem. Start reading at `document`."""
+"""Case 1 with changes, for tests that need their own campaign or problem."""
 
 from __future__ import annotations
 

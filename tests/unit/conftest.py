@@ -15,7 +15,7 @@ FEW = 5
 
 @pytest.fixture(autouse=True, scope="module")
 def few_spot_checks(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Of 200 evaluations that a run checks with the reference integrator, two thirds of its processor time, five.
+    """Check five evaluations with the reference integrator instead of 200, two thirds of a run's processor time.
 
     A module with `ALL_CHECKS` has all of them.
     """

@@ -1,4 +1,4 @@
-"""Hand-written evidence for a verdict of cleared. Start reading at `evidence`."""
+"""Hand-written evidence for a verdict of cleared."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ R = TypeVar("R", bound=Result)
 
 
 def changed(made: R, **changes: Any) -> R:
-    """The same with other fields, validated as anything that is stored."""
+    """The result with other fields, validated as anything that is stored."""
     if "text" in changes:
         changes["said"] = say(changes.pop("text"))
     assert changes.keys() <= type(made).model_fields.keys()

@@ -1,7 +1,7 @@
 """Test functions with known minima, for every search method: Dixon and Szego (1978), Jones et al. (1993), and others.
 
 The last two are ours: one falls in steps into a narrow basin, one has a region without values at whose edge it is low
-but not lowest. Start reading at `on_unit_cube`.
+but not lowest.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class OnUnitCube:
 
     @property
     def minimisers(self) -> Floats:
-        """Those inside the unit cube (k, n)."""
+        """The minimisers inside the unit cube (k, n)."""
         of = self.of
         points = (of.minimisers - of.low) / (of.high - of.low) + self.shift
         return points[((points >= 0.0) & (points <= 1.0)).all(axis=1)]

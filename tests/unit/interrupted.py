@@ -1,4 +1,4 @@
-"""Stores that fail after a number of writes, and the outcome of a run. Start reading at `outcome`."""
+"""Stores that fail after a number of writes, and the outcome of a run."""
 
 from __future__ import annotations
 

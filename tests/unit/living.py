@@ -1,4 +1,4 @@
-"""The process of live simulations, as tests talk to it. Start reading at `Live`."""
+"""The process of live simulations, as tests talk to it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A third-party package with components and methods, in a folder. Start reading at `package`."""
+"""A third-party package with components and methods, in a folder."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ def written(folder: Path, name: str) -> Path:
 
 @cache
 def files(name: str) -> dict[str, bytes]:
-    """Its files, written once for all tests."""
+    """The files of the record, written once for all tests."""
     return made(*ran(name))
 
 
@@ -408,7 +408,7 @@ def write_called(folder: Path, name: str) -> Path:
 
 @cache
 def files_called(name: str) -> dict[str, bytes]:
-    """Its files, written once for all tests."""
+    """The files of the record, written once for all tests."""
     campaign, store = called(name)
     with adversary():
         return made(campaign, store)

@@ -1,6 +1,6 @@
 """A stage on a problem whose probabilities are known: evaluations are a formula instead of flights.
 
-Start reading at `context`. Two uniform parameters u, v; d = threshold - 0.2 + u + v, so that P(d <= threshold) is 0.02.
+Two uniform parameters u, v; d = threshold - 0.2 + u + v, so that P(d <= threshold) is 0.02.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ PROBABILITY = 0.02
 
 
 def quantile(share: float) -> float:
-    """Of d, for shares below one half: u + v is at most s with probability s^2 / 2."""
+    """The quantile of d, for fractions below one half: u + v is at most s with probability s^2 / 2."""
     return THRESHOLD - 0.2 + float(np.sqrt(2 * share))
 
 

@@ -1,6 +1,6 @@
 """Test functions on which methods for small budgets are judged; nothing was tuned on them.
 
-None is in `tests.unit.functions`. Half of them have many valleys. Start reading at `JUDGED`.
+None is in `tests.unit.functions`. Half of them have many valleys.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Test functions on which constants of methods for small budgets are set.
 
 The methods are judged on `tests.unit.small_budgets`; no function is in both. Seven of these twelve have many valleys.
-Start reading at `TUNING`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Twelve kinds, each in both halves with another dimension, other constants and other axes. `tests.unit.small_budgets`, on
 which methods are judged, has none of them. Every seed moves the minimiser to a random place of the inner 70 % of the
-box, turns the axes and draws the function's own parts. All minima are 0. Start reading at `VALLEYS`.
+box, turns the axes and draws the function's own parts. All minima are 0.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The dependency rules between packages, checked on the imports of all modules; every module has a docstring.
 
-clearance -> worker -> backend.db -> campaigns; backend -> backend.db, campaigns. Start reading at `test_the_arrows`.
+clearance -> worker -> backend.db -> campaigns; backend -> backend.db, campaigns.
 """
 
 from __future__ import annotations

@@ -83,7 +83,7 @@ def test_a_kink_is_polished_to_its_tip() -> None:
     assert np.abs(only.point - 0.371).max() < 1e-6
 
 
-def test_what_fails_between_two_minima_is_a_hill() -> None:
+def test_what_fails_between_two_minima_is_a_barrier() -> None:
     def split(x: Floats) -> Floats:
         return np.where(np.abs(x[:, 0] - 0.5) < 0.15, np.nan, ((x - 0.5) ** 2).sum(axis=1))
 

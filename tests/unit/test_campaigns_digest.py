@@ -18,7 +18,7 @@ from tests.unit.cases import CASE1, campaign, document, searching
 
 
 def shuffled(value: Any, chance: random.Random) -> Any:
-    """The same document with its keys in another order."""
+    """The document with its keys in another order."""
     if isinstance(value, dict):
         items = [(key, shuffled(inner, chance)) for key, inner in value.items()]
         chance.shuffle(items)

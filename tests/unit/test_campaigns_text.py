@@ -123,7 +123,7 @@ def read_or_refused(place: str, value: Any) -> None:
 
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.sampled_from(PLACES), PLAIN)
-def test_whatever_stands_somewhere_there_is_a_campaign_or_a_campaign_error(place: str, value: Any) -> None:
+def test_any_value_anywhere_gives_a_campaign_or_a_campaign_error(place: str, value: Any) -> None:
     read_or_refused(place, value)
 
 
@@ -136,7 +136,7 @@ def test_many_values_somewhere(place: str, value: Any) -> None:
 
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(st.text("{}[]:,-&*!|>?%@#'\"\\ \n\t\r~0123456789.eExXan\u00e9\ufeff\0", max_size=40))
-def test_whatever_the_text_there_is_a_campaign_error(text: str) -> None:
+def test_any_other_text_gives_a_campaign_error(text: str) -> None:
     with pytest.raises(CampaignError):
         load_text(text)
 
@@ -144,14 +144,14 @@ def test_whatever_the_text_there_is_a_campaign_error(text: str) -> None:
 @pytest.mark.nightly
 @settings(max_examples=1000, deadline=None, derandomize=True)
 @given(st.text(max_size=40))
-def test_whatever_the_characters_there_is_a_campaign_error(text: str) -> None:
+def test_any_characters_give_a_campaign_error(text: str) -> None:
     with pytest.raises(CampaignError):
         load_text(text)
 
 
 @settings(max_examples=80, deadline=None, derandomize=True)
 @given(PLAIN)
-def test_whatever_the_document_there_is_a_campaign_error(value: Any) -> None:
+def test_any_other_document_gives_a_campaign_error(value: Any) -> None:
     with pytest.raises(CampaignError):
         load_document(value)
 

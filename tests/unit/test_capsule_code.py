@@ -125,7 +125,7 @@ def test_text_that_was_changed_is_refused_and_not_run(
     assert "was changed" in capsys.readouterr().err
 
     def sealed(document: Document) -> None:
-        """With digests of the file that fit, but not that of the run."""
+        """A capsule with digests of the file that fit, but not that of the run."""
         document["versions"]["components"] = {"my_field.py": "0" * 16}
         document["modules"][module] = "0" * 16
 
@@ -165,7 +165,7 @@ def test_a_run_of_an_own_component_is_replayed_where_it_is_not_installed(
     assert (said["cases"][0]["agreement"], said["differences"]) == ("same bits", [])
 
 
-def test_source_that_does_not_evaluate_the_finding_is_not_said_to(
+def test_source_that_does_not_evaluate_the_finding_is_not_claimed_to(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The campaign is one of shipped components, with other source next to it."""

@@ -121,14 +121,14 @@ def test_a_component_and_a_method_of_another_package_are_found_and_none_is_lost(
     assert [m for m in known.methods if m != "guess"] == list(methods())
 
 
-def test_a_second_component_of_one_name_is_skipped_and_said_to_be(known: Known) -> None:
+def test_a_second_component_of_one_name_is_skipped_and_reported(known: Known) -> None:
     assert "unicycle" in known.skipped("another_unicycle")["text"]
     assert "another_unicycle" in known.skipped("another_unicycle")["text"]
     (mine,) = [c for c in known.catalogue["components"] if (c["role"], c["name"]) == ("vehicle", "unicycle")]
     assert mine["title"] != "Car"
 
 
-def test_nothing_else_is_skipped(known: Known) -> None:
+def test_only_what_is_broken_or_repeats_a_name_is_skipped(known: Known) -> None:
     broken = {f"{how}_{kind}" for how in BREAKS for kind in KINDS}
     assert {e["name"] for e in known.catalogue["unusable"]} == broken | {"another_unicycle", "some_direct"}
 
@@ -169,7 +169,7 @@ SIMULATED: dict[str, Any] = {
         ("simulator", SIMULATED, "simulator.name"),
     ],
 )
-def test_a_campaign_that_names_what_is_broken_is_told_its_sentence(
+def test_a_campaign_that_names_what_is_broken_is_refused_with_its_sentence(
     kind: Kind, given: dict[str, Any], field: str
 ) -> None:
     """And of what is broken under the same name, only the sentence of its kind."""

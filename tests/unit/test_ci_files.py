@@ -189,7 +189,7 @@ def test_a_finding_has_the_same_fingerprint_in_the_next_run() -> None:
 
 
 @pytest.mark.parametrize("address", ["/elsewhere/a b.yaml", "http://x/api/v1/runs/R-0007/campaign.yaml"])
-def test_a_campaign_elsewhere_is_named_by_its_address(address: str) -> None:
+def test_a_campaign_in_another_place_is_named_by_its_address(address: str) -> None:
     (result,) = logged(ended(source=Source(address, TEXT)))["results"]
     uri = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
     assert uri in ("file:///elsewhere/a%20b.yaml", address)

@@ -1,7 +1,4 @@
-"""Claims as data: spans reproduce the text, codes are listed, unknown codes are accepted.
-
-Start at `test_a_sentence_is_its_spans`.
-"""
+"""Claims as data: spans reproduce the text, codes are listed, unknown codes are accepted."""
 
 from __future__ import annotations
 

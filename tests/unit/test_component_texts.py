@@ -1,6 +1,6 @@
 """Help in place: every component's equations, symbols, units and source, as in the catalogue and thus the API.
 
-The text is the docstring of the component's one file. Start reading at `test_text`.
+The text is the docstring of the component's one file.
 """
 
 from __future__ import annotations

@@ -84,7 +84,7 @@ def test_budgets() -> None:
             Budget.read(wrong)
 
 
-def test_searches_that_can_go_on_get_more_and_keep_their_options() -> None:
+def test_searches_that_can_be_extended_get_more_and_retain_their_options() -> None:
     before, after = asked().stages.search, continued(asked(), Budget(300, more=True)).stages.search
     assert [s.evaluations for s in after] == [450, 200, 400, 420]
     assert after[0].options["iterations"] > 12
@@ -143,7 +143,7 @@ def test_it_equals_one_long_run(first: Path, tmp_path: Path) -> None:
         ([], "give a campaign file"),
     ],
 )
-def test_what_cannot_be_asked(arguments: list[str], why: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_impossible_extension_is_refused(arguments: list[str], why: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["run", *arguments]) == WRONG_INPUT
     assert why in capsys.readouterr().err
 

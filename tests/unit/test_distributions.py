@@ -27,7 +27,7 @@ def made(*kinds: Distribution, correlations: dict[tuple[int, int], float] | None
 
 
 def drawn(distributions: Distributions, count: int = 4000, seed: int = 1) -> Floats:
-    """In the parameters' units."""
+    """Points in the parameters' units."""
     uniform = np.random.default_rng(seed).random((count, len(distributions.ranges)))
     return LOW + distributions.quantile(uniform) * (HIGH - LOW)
 

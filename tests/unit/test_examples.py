@@ -113,7 +113,7 @@ def test_the_commands_of_the_guide_lead_to_the_verdict(empty: Path, name: str) -
 
 
 @pytest.mark.parametrize("command", ["run", "validate"])
-def test_whoever_has_no_simulators_is_told_where_they_are_named(
+def test_without_simulators_the_message_states_where_they_are_named(
     empty: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str
 ) -> None:
     assert invoke(["examples"]) == 0

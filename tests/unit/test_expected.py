@@ -61,7 +61,7 @@ def test_every_published_campaign_was_measured() -> None:
 
 
 @pytest.mark.parametrize("name", FLOWN)
-def test_what_is_flown_is_in_the_announced_range(name: str) -> None:
+def test_what_is_evaluated_is_in_the_announced_range(name: str) -> None:
     told, flown = announced(name), FLOWN[name]
     assert told.keys() == flown.keys()
     for kind, stage in told.items():
@@ -159,7 +159,7 @@ def test_a_violation_adds_what_its_boundary_takes() -> None:
 
 
 @pytest.mark.nightly
-def test_one_of_them_is_flown_again() -> None:
+def test_a_campaign_executed_again_needs_the_measured_number_of_evaluations() -> None:
     from worker.running.runs.runner import execute
     from worker.running.runs.store import MemoryStore
 

@@ -23,7 +23,7 @@ def grown(explored: Explored, count: int, values: Floats) -> Floats:
     return points
 
 
-def test_the_sample_fills_the_box_and_goes_on_where_it_stopped() -> None:
+def test_the_sample_fills_the_box_and_continues_where_it_stopped() -> None:
     whole, parts = Explored(space(3, 100)), Explored(space(3, 100))
     points = grown(whole, 8, np.arange(8.0))
     assert np.array_equal(points, np.concatenate([grown(parts, 3, np.arange(3.0)), grown(parts, 5, np.arange(5.0))]))
@@ -96,7 +96,7 @@ def test_requests_are_multiples_of_the_slots_filled_with_the_sample(at_once: int
     assert np.array_equal(np.concatenate(asked), explored.sample)
 
 
-def test_a_star_whose_middle_or_arms_fail_goes_on_with_what_has_a_value() -> None:
+def test_a_star_whose_middle_or_arms_fail_continues_with_what_has_a_value() -> None:
     def fails(x: Floats) -> Floats:
         return np.where(np.abs(x - 0.5).max(axis=1) < 0.1, np.nan, x[:, 0] + x[:, 1])
 

@@ -32,7 +32,7 @@ def test_what_starts_a_process_imports_it_before_anything_else(file: str) -> Non
     assert ends[0] > max(n.lineno for n in imports)
 
 
-def test_nothing_else_does() -> None:
+def test_nothing_else_imports_what_changes_the_process() -> None:
     """Importing either changes the process: a program that imports `clearance` is not ours to change."""
     parts = ("backend", "campaigns", "clearance", "worker")
     texts = {f: f.read_text() for part in parts for f in (ROOT / part).rglob("*.py")}

@@ -347,7 +347,7 @@ class TestResult:
 
 @pytest.fixture
 def interruptible() -> Iterator[None]:
-    """As in a terminal: what a script starts in the background ignores Ctrl-C."""
+    """Accept Ctrl-C as in a terminal: what a script starts in the background ignores it."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)

@@ -100,5 +100,5 @@ def test_the_memory_is_bounded() -> None:
     assert len(lockout._counts) <= module.MOST
 
 
-def test_a_wait_is_told_in_whole_seconds() -> None:
+def test_a_wait_is_stated_in_whole_seconds() -> None:
     assert [seconds(wait) for wait in (0.01, 1.0, 1.2)] == [1, 1, 2]

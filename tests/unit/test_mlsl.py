@@ -31,7 +31,7 @@ def test_every_valley_is_visited(local: str) -> None:
 
 
 @pytest.mark.parametrize("local", LOCALS)
-def test_points_without_a_value_are_lived_with(local: str) -> None:
+def test_points_without_a_value_do_not_end_it(local: str) -> None:
     found = run(method, lambda x: np.where(x[:, 0] > 0.6, np.nan, four_valleys(x)), 2, 1000, options={"local": local})
     assert found.lowest < -1.8
     assert run(method, lambda x: np.full(len(x), np.nan), 2, 200, options={"local": local}).minima == []

@@ -31,7 +31,7 @@ def test_each_finds_a_bowls_bottom(algorithm: str) -> None:
 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_each_lives_with_points_without_a_value(algorithm: str) -> None:
+def test_each_continues_past_points_without_a_value(algorithm: str) -> None:
     half = run(method, lambda x: np.where(x[:, 0] > 0.5, np.nan, bowl(x)), 2, 800, options={"algorithm": algorithm})
     assert half.lowest < 0.05
     assert all(np.isfinite(m.cost) for m in half.minima)

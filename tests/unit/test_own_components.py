@@ -195,7 +195,7 @@ def test_what_a_file_does_ends_no_other_process(
     assert text in own.examine(file).text
 
 
-def test_a_campaign_that_names_a_broken_component_is_told_its_sentence() -> None:
+def test_a_campaign_that_names_a_broken_component_is_refused_with_its_sentence() -> None:
     broken = UnusableEntry(file="components/my_robot.py", line=7, name="my_robot", text="it is broken: mend it")
     known: Catalogue = catalogue().model_copy(update={"unusable": [broken]})
     asked = load_document(document(scenario__vehicle__component="my_robot"), "test")

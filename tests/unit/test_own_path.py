@@ -17,7 +17,7 @@ from backend.http.forms import START, own_path
         "/help/guides/access",
     ],
 )
-def test_our_own_pages_are_kept(path: str) -> None:
+def test_addresses_of_our_own_pages_are_accepted(path: str) -> None:
     assert own_path(path) == path
 
 

@@ -57,7 +57,7 @@ def test_points_are_attributed_and_every_member_gets_its_share_of_the_budget() -
     assert min(count.values()) > 60
 
 
-def test_who_does_not_get_on_is_starved() -> None:
+def test_a_member_without_progress_is_starved() -> None:
     early = counted(shared(on_unit_cube("Ackley 10", 1), 10, 600))
     late = counted(shared(on_unit_cube("Ackley 10", 1), 10, 4000))
     gained = {name: late[name] - early[name] for name in NAMES}

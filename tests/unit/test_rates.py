@@ -26,7 +26,7 @@ def test_a_minutes_requests_pass_at_once_and_the_next_after_a_wait() -> None:
     assert [bucket.wait("a") for _ in range(61)] == [0] * 60 + [1]
 
 
-def test_who_waits_as_told_is_answered() -> None:
+def test_whoever_waits_as_stated_is_answered() -> None:
     clock = Clock()
     bucket = Rates(7, clock)
     for _ in range(7):

@@ -147,7 +147,7 @@ def test_a_new_finding_and_one_without_a_value_are_named() -> None:
         (0.40, ["violation"], True),
     ],
 )
-def test_what_is_not_othersdoes_not_hide_a_known_violation(
+def test_what_is_not_compared_does_not_hide_a_known_violation(
     before: float, fail_on: list[str] | None, fails: bool
 ) -> None:
     """The author of a change may otherwise exclude the worst case by other bounds."""
@@ -159,7 +159,7 @@ def test_what_is_not_othersdoes_not_hide_a_known_violation(
     assert found.ok is not fails
 
 
-def test_of_several_findings_of_the_baseline_in_one_basin_the_lowest_stands_for_it() -> None:
+def test_of_several_findings_of_the_baseline_in_one_basin_the_lowest_represents_it() -> None:
     same = compared((0.40, 0.84), (0.40, 0.84), (0.40,), ("F1", "F1"))
     assert [(c.before, c.standing, c.newly_violating) for c in same.cases] == [
         ("F1", Standing.SAME, False),

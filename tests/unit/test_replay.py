@@ -74,7 +74,7 @@ def test_a_sample_is_simulated_with_its_own_noise(tmp_path: Path, capsys: pytest
         ("violated", VIOLATED, "The campaign states several calls for each evaluation, "),
     ],
 )
-def test_a_simulator_that_does_not_repeat_is_said_not_to(
+def test_a_simulator_that_does_not_repeat_is_reported_as_such(
     name: str, code: int, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "out").mkdir()

@@ -45,7 +45,7 @@ def test_rows_are_distinct() -> None:
     assert len(set(names)) == len(names)
 
 
-def test_tables_stand_in_their_order() -> None:
+def test_tables_are_in_their_order() -> None:
     found = tables()
     assert found.index("5.2") < found.index("5.10") < found.index("figure 6.1") < found.index("7.1")
     assert found[-1] == "reconstruction"
@@ -120,7 +120,7 @@ class TestMissing:
         assert not row.available
         assert "vehicle.bogus" in row.note
 
-    def test_the_others_of_its_search_too(self) -> None:
+    def test_a_parameter_of_its_search_that_is_not_there(self) -> None:
         case = replace(UNICYCLE, paths=(("m", "vehicle.m"), ("k_p", "controller.k_p")))
         [row] = reproduce(published=[Result("5.3", "DIRECT", case, direct(2, 9), 0.9)]).rows
         assert not row.available

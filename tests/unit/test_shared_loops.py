@@ -50,7 +50,7 @@ def test_a_loop_whose_code_uses_something_that_changed_is_made_again(monkeypatch
     assert changed.loop.digest != before == one.loop.digest
 
 
-def test_no_more_than_the_last_ones_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_the_loops_used_last_are_stored(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(assemble, "SHARED", 2)
     monkeypatch.setattr(assemble, "_SHARED", type(assemble._SHARED)())
     parts = plain().parts

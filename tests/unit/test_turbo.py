@@ -24,7 +24,7 @@ def bowl(x: Floats) -> Floats:
 
 
 def near(x: Floats) -> Floats:
-    """The same half fails; the minimum is at a distance of 0.2 from it."""
+    """A cost half of whose box fails; its minimum is at a distance of 0.2 from that half."""
     return np.where(x[:, 0] > 0.5, np.nan, np.abs(x - 0.3).sum(axis=1))
 
 

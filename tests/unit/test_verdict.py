@@ -53,7 +53,7 @@ def test_the_sentence_states_bounds_methods_evaluations_margin_bound_and_doubt()
     assert concluded().scope in said
 
 
-def test_what_stands_with_the_verdict() -> None:
+def test_a_verdict_contains_nominal_worst_case_provenance_and_statistics() -> None:
     conclusion = concluded()
     assert conclusion.nominal == NominalCost(cost=NOMINAL, margin=NOMINAL - 0.5)
     assert conclusion.worst == Worst(
@@ -278,7 +278,7 @@ def test_a_target_without_a_sample() -> None:
     assert said == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
 
 
-def test_the_first_sample_counts_whatever_the_second_gives() -> None:
+def test_the_first_sample_counts_and_the_second_does_not() -> None:
     searches = [
         search("direct"), search("sqp"),
         search("monte_carlo", sample=sample(samples=100)), search("monte_carlo", sample=sample(samples=10_000)),
@@ -286,7 +286,7 @@ def test_the_first_sample_counts_whatever_the_second_gives() -> None:
     barred("target", campaign(target_probability=0.003), searches=searches)
 
 
-def test_without_a_target_the_bound_is_held_to_a_ceiling() -> None:
+def test_without_a_target_the_bound_is_compared_with_a_ceiling() -> None:
     def drawn(samples: int) -> dict[str, Any]:
         sampled = search("monte_carlo", 0.85, sample=sample(samples=samples))
         return {"searches": [search("direct"), search("sqp"), sampled]}
@@ -318,7 +318,7 @@ def test_what_it_bounds_is_in_the_sentence() -> None:
     assert "0 of 1000 violate" not in said
 
 
-def test_the_target_is_held_against_the_certify_stage() -> None:
+def test_the_target_is_compared_with_the_certify_stage() -> None:
     asked = campaign(target_probability=0.0015)
     assert barred("target", asked) == "the bound of 0.299 % does not meet the target of 0.15 %"
     assert concluded(asked, certificate=certificate()).verdict == "cleared"

@@ -1,6 +1,6 @@
 """Every evaluation of a run as Parquet: the columns of evaluations.csv as numbers, with units in the schema.
 
-Values that are missing are null. Start reading at `evaluations_parquet`.
+Values that are missing are null.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 All flights begin at time 0, so that they play side by side. Positions are in the frame `scene`: x to the right (east),
 y ahead (north), z up; bodies have x ahead, y left, z up. Sources: MCAP format specification; Foxglove message schemas.
-Start reading at `traces_mcap`.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ class Axes:
         return self.turned(quaternion(rotation))
 
     def turned(self, attitude: Floats) -> Floats:
-        """The same of an attitude in these axes, as a quaternion w, x, y, z."""
+        """An attitude in these axes, as a quaternion w, x, y, z."""
         return attitude if self.frame == "enu" else product(product(_WORLD, attitude), _BODY)
 
     def about_vertical(self, angle: float) -> Floats:

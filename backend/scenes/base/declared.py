@@ -1,6 +1,6 @@
 """What a simulator declares of its 3D view, as arrays: positions, turns and tracks from the columns of its trace.
 
-Nothing is drawn that is not in the trace or in the declaration. Start reading at `motion`.
+Nothing is drawn that is not in the trace or in the declaration.
 """
 
 from __future__ import annotations
@@ -125,6 +125,6 @@ def _along(position: Floats) -> Floats:
 
 
 def _steady(turns: Floats) -> Floats:
-    """The same turns with signs that change least from row to row, so that they can be interpolated."""
+    """The quaternions with the signs that change least from row to row, so that they can be interpolated."""
     signs = np.where((turns[1:] * turns[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
     return turns * np.cumprod(np.concatenate([[1.0], signs]))[: len(turns), None]

@@ -1,6 +1,6 @@
 """viser's page in the dress of our pages: fonts, sizes and colours of the panel, and no uncaught error.
 
-The tokens are those of `frontend/src/theme/tokens.css`; a test compares both. Start reading at `dressed`.
+The tokens are those of `frontend/src/theme/tokens.css`; a test compares both.
 """
 
 from __future__ import annotations

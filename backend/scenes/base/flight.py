@@ -1,4 +1,4 @@
-"""A flight for the scene, from a stored trace or a live simulation. Start reading at `Flight`."""
+"""A flight for the scene, from a stored trace or a live simulation."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Flight:
     """(m, 4): w, x, y, z in scene coordinates, in place of `rotation`."""
 
     def at(self, time: float) -> tuple[Floats, Floats, float]:
-        """Position, turn (w, x, y, z), separation at a time [s]: linear between rows, held before and after."""
+        """Position, turn (w, x, y, z), separation at a time [s]: linear between rows, constant before and after."""
         separation = float(np.interp(time, self.time, self.separation))
         return _between(time, self.time, self.position), self._turn(time), separation
 

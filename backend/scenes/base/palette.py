@@ -1,4 +1,4 @@
-"""The colours of the pages for the scene (Okabe and Ito, "Color Universal Design"). Start reading at `Palette`."""
+"""The colours of the pages for the scene (Okabe and Ito, "Color Universal Design")."""
 
 from __future__ import annotations
 

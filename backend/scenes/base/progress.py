@@ -1,4 +1,4 @@
-"""The results of a run so far, as its scene shows them. Start reading at `Progress.look`."""
+"""The results of a run so far, as its scene shows them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The API schemas of an open 3D view. Start reading at `ViewChange`."""
+"""The API schemas of an open 3D view."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The fixed part of a scene, from the campaign. Start reading at `load`."""
+"""The fixed part of a scene, from the campaign."""
 
 from __future__ import annotations
 

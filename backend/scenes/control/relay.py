@@ -2,7 +2,7 @@
 
 viser has no login and no Origin check, so its server accepts only this relay, which presents a secret; its public share
 tunnel is disabled. A page may send only the messages listed in `allowed`. This uses two private names of viser, whose
-version is pinned. Start reading at `relay`.
+version is pinned.
 """
 
 from __future__ import annotations

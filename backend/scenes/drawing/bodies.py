@@ -1,4 +1,4 @@
-"""An obstacle in one flight: its shape, position and track. Start reading at `body_of`.
+"""An obstacle in one flight: its shape, position and track.
 
 It can differ between flights: a cooperative intruder reacts to the vehicle, and an obstacle's parameters may be
 uncertain.
@@ -38,7 +38,7 @@ class Body:
     """For a moving obstacle, the flight that contains its track."""
 
     def at(self, time: float) -> Floats:
-        """Its centre at a time [s]."""
+        """The centre of the obstacle at a time [s]."""
         return self.place if self.flight is None else self.flight.obstacle(self.number, time)
 
     def heading(self, time: float) -> Floats:
@@ -54,7 +54,7 @@ class Body:
         return step
 
     def velocity(self, time: float) -> Floats:
-        """Of its centre at a time (3,) [m/s]; zero if it never moves."""
+        """The velocity of the centre at a time (3,) [m/s]; zero if the obstacle never moves."""
         return np.zeros(3) if self.flight is None else self.flight.obstacle_velocity(self.number, time)
 
     @property

@@ -1,4 +1,4 @@
-"""Positions and targets of the cameras. Start reading at `pose`.
+"""Positions and targets of the cameras.
 
 Overview, top and side show the whole scene, encounter the closest approach; chase follows the vehicle and intruder the
 closest obstacle, so these two move with time.

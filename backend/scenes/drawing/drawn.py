@@ -1,4 +1,4 @@
-"""Draws one flight: its line, the vehicle at a time, the closest approach with its ruler. Start reading at `Drawn`.
+"""Draws one flight: its line, the vehicle at a time, the closest approach with its ruler.
 
 A spatial flight has a shadow on the ground and stems at equal intervals, so that heights can be read.
 """

@@ -86,7 +86,7 @@ class Flights(Part):
         self.obstacles.move(time)
 
     def paint(self, palette: Palette) -> None:
-        """The same in other colours."""
+        """Draw the flights in other colours."""
         colours = (palette.nominal, palette.worst, palette.what_if)
         for drawn, colour in zip(self.every, colours, strict=True):
             drawn.restyle(self.time, colour=colour)

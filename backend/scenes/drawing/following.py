@@ -1,4 +1,4 @@
-"""The camera of one viewer: fixed, following the vehicle, or moved by the visitor. Start reading at `Following`.
+"""The camera of one viewer: fixed, following the vehicle, or moved by the visitor.
 
 The browser reports every camera movement, including those that it was sent. The positions sent are recorded, so that
 any other movement is recognised as the visitor's: it ends the following. Sending a new position every frame would hide

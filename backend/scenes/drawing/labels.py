@@ -1,8 +1,8 @@
-"""Places the labels of a scene so that none covers another. Start reading at `arranged`.
+"""Places the labels of a scene so that none covers another.
 
 viser draws a label at a position in space, at a constant size on the screen. Here each label gets a rectangle as the
 camera sees it; where two would overlap, the later one is anchored at another corner, or moved in the plane of the
-screen until it is free. A placement is kept for as long as it is free, so that labels do not jump.
+screen until it is free. A placement is retained as long as it is free, so that labels do not jump.
 """
 
 from __future__ import annotations
@@ -168,7 +168,7 @@ def arranged(
 ) -> dict[str, Spot | None]:
     """Where each label goes, by its name: None for a fixed one without room. Labels behind the camera are not moved.
 
-    before: where they are now, which is kept as far as it is free.
+    before: the present placement, retained as far as it is free.
     """
     spots: dict[str, Spot | None] = {}
     taken: list[Box] = []

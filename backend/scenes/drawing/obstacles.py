@@ -1,4 +1,4 @@
-"""Draws the obstacles with their safety radius, moving ones along their tracks. Start reading at `Obstacles`.
+"""Draws the obstacles with their safety radius, moving ones along their tracks.
 
 If flights differ in an obstacle, each has its own; otherwise it is drawn once.
 """

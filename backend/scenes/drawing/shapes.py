@@ -1,4 +1,4 @@
-"""Small meshes and outlines, one unit long or wide, to be scaled. Start reading at `unicycle`."""
+"""Small meshes and outlines, one unit long or wide, to be scaled."""
 
 from __future__ import annotations
 

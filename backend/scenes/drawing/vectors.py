@@ -1,4 +1,4 @@
-"""Draws velocities as arrows: of vehicles and moving obstacles, over ground and relative. Start reading at `Vectors`.
+"""Draws velocities as arrows: of vehicles and moving obstacles, over ground and relative.
 
 The length of an arrow is the distance travelled in `ahead` seconds, the same for all arrows of a scene. The relative
 velocity is the vehicle's minus that of the obstacle with the nearest centre: at constant velocities it is the vehicle's
@@ -107,7 +107,7 @@ class Vectors(Part):
         self.moved(self._time)
 
     def paint(self, palette: Palette) -> None:
-        """The same in other colours."""
+        """Draw the arrows in other colours."""
         self._palette = palette
         self._remove(*self._nodes)
         self.moved(self._time)

@@ -60,7 +60,7 @@ class World:
         self.fit([])
 
     def paint(self, palette: Palette) -> None:
-        """The same in other colours."""
+        """Draw the world in other colours."""
         self.palette = palette
         self._background()
         self._draw()
@@ -71,7 +71,7 @@ class World:
 
     @property
     def whole(self) -> Scene:
-        """What a camera must show."""
+        """The extent that a camera must show."""
         return Scene(self.frame.middle, self._points, self._setting.room, self.frame.unit)
 
     def fit(self, flights: Sequence[Flight]) -> None:

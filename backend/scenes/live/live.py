@@ -1,7 +1,7 @@
 """Live simulations in a child process, one case at a time, so that none runs in the service itself.
 
 One process serves all viewers. It starts with the first request and restarts after a failure; requests and responses
-are one line of JSON each (`worker/running/processes/live.py`). Start reading at `Live.simulate`.
+are one line of JSON each (`worker/running/processes/live.py`).
 """
 
 from __future__ import annotations
@@ -160,7 +160,7 @@ class _Child:
         self._numbers = itertools.count(1)
         self._asked: dict[int, _Asked] = {}
         self._left: set[int] = set()
-        """Requests that were given up while the process started; it answers them nevertheless."""
+        """Requests that timed out while the process started; it answers them nevertheless."""
         self._ready = False
         self._begun = self._heard = time.monotonic()
         self._lock = threading.Lock()

@@ -1,7 +1,7 @@
 """Stored evaluations of a sample, simulated or evaluated again to draw them, and the sentence on what was drawn.
 
 Of a scenario this gives the same bits. Of a simulator each is one further call on the machine of the service: the
-sentence states how many results differ from the stored ones. Start reading at `of_run`.
+sentence states how many results differ from the stored ones.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Tally(Protocol):
         """One answer, the stored cost, and whether there is a line of it."""
 
     def words(self) -> str:
-        """What is drawn."""
+        """The text that describes what is drawn."""
 
 
 class Again(Protocol):
@@ -53,11 +53,11 @@ class Again(Protocol):
         """The response of the process; raises `LiveError`."""
 
     def tally(self, stage: str, size: int) -> Tally:
-        """Of the first `size` evaluations of the sample of a stage."""
+        """An empty count of the first `size` evaluations of the sample of a stage."""
 
 
 def of_run(reader: sa.Connection, live: Live, setting: Setting) -> Again:
-    """For the run of this setting; live: the process that simulates its scenario, or evaluates its simulator."""
+    """The evaluator for a setting's run; live: the process that simulates its scenario or evaluates its simulator."""
     if setting.clears:
         return _OfScenario(live, setting)
     run_id = number(setting.run)

@@ -61,7 +61,7 @@ class ConvergenceTab(Part):
             self._plot.data = data
 
     def paint(self, palette: Palette) -> None:
-        """The same in other colours."""
+        """Draw the chart in other colours."""
         self._plot.series = self._series(palette)
 
     def _series(self, palette: Palette) -> tuple[uplot.Series, ...]:

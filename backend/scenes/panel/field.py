@@ -1,7 +1,7 @@
 """The avoider's field: its demand over the horizontal plane at the vehicle's height, at the displayed time.
 
 A translucent plane coloured by the demand's magnitude, small arrows of its direction, and a legend in the panel. The
-simulation process computes the demands with the avoider's own code. Start reading at `FieldSlice`.
+simulation process computes the demands with the avoider's own code.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class FieldSlice(Part):
         self._ask()
 
     def paint(self, palette: Palette) -> None:
-        """The same in other colours."""
+        """Draw the field in other colours."""
         self._palette = palette
         self._ask()
 

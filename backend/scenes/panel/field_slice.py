@@ -1,4 +1,4 @@
-"""An avoider's demands on a grid in scene coordinates: colours, arrows and legend. Start reading at `Slice`."""
+"""An avoider's demands on a grid in scene coordinates: colours, arrows and legend."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Slice:
 
     @property
     def magnitude(self) -> Floats:
-        """(rows, columns)"""
+        """The length of the demands (rows, columns)."""
         found: Floats = np.linalg.norm(self.demand, axis=-1)
         return found
 
@@ -167,5 +167,5 @@ def _scale(found: Slice, dark: bool) -> str:
 
 
 def _number(value: float) -> str:
-    """Three digits."""
+    """The number with three digits."""
     return f"{float(f'{value:.3g}'):g}".replace("-", "−")

@@ -59,7 +59,7 @@ class Sampled(Part):
         self._latest: Latest[None] = Latest(lambda _: self._fly())
 
     def paint(self, palette: Palette) -> None:
-        """The same in other colours."""
+        """Draw the sample in other colours."""
         self._palette = palette
         self._nodes = [self._line(n, lines) for n, lines in enumerate(self._lines)]
 

@@ -1,4 +1,4 @@
-"""The caption of a recording: a card with text and numbers over the scene. Start reading at `with_caption`."""
+"""The caption of a recording: a card with text and numbers over the scene."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Recordings on demand, and the page at /view/R-0001/F1/recorded/ that plays one without a viewer server.
 
-The most recent ones are cached. Start reading at `Recordings.page`.
+The most recent ones are cached.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Recordings:
     async def page(
         self, run_id: int, flight: str, dark: bool = False, known: str = "", gone: Gone | None = None
     ) -> Recorded | str:
-        """The page of a flight, "F1" or "nominal"; only its tag if the client knows it.
+        """The page of a flight, "F1" or "nominal"; only its tag if the client has it.
 
         404 if there is no such run or stored flight; 503 if too many are being created. gone: as in `Capacity.run`.
         """

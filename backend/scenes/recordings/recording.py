@@ -1,7 +1,7 @@
 """Records one flight, or case of a simulator, as a self-contained page: the scene of the 3D view over time.
 
 The scene is drawn on a temporary viser server that accepts no clients. Recording time equals flight time, so the play
-bar shows seconds of the flight. Start reading at `record`.
+bar shows seconds of the flight.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Cast:
 
     @property
     def flights(self) -> dict[str, Flight]:
-        """By name."""
+        """The flights by name."""
         return ({NOMINAL: self.nominal} if self.nominal else {}) | {self.label: self.shown}
 
 

@@ -1,4 +1,4 @@
-"""One viewer: scene and panel of one browser socket, on a viser server of its own. Start reading at `Viewer`."""
+"""One viewer: scene and panel of one browser socket, on a viser server of its own."""
 
 from __future__ import annotations
 

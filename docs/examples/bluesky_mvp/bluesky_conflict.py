@@ -1,7 +1,7 @@
 """Two airliners in BlueSky resolve a conflict by its MVP method: a program of JSON lines.
 
 BlueSky runs in this process, without windows, network and navigation data, and is reset before every evaluation. Its
-files go into the folder of the slot. Start reading at `separation`, which on request also records the trace.
+files go into the folder of the slot. On request `separation` also records the trace.
 """
 
 from __future__ import annotations

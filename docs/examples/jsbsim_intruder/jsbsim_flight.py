@@ -2,7 +2,7 @@
 
 Every evaluation loads the aircraft again, so that it depends on its parameters only. The autopilot of c172x holds
 heading and altitude; once a second the avoider `closest_approach` of Clearance, in plain Python, changes the heading
-to hold. Start reading at `separation`, which on request also records the trace.
+to hold. On request `separation` also records the trace.
 """
 
 from __future__ import annotations

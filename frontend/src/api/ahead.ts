@@ -1,5 +1,5 @@
 // Prefetch: the first requests of the run page and the run list are sent before the code of the page is loaded, so that
-// the service responds while the browser still parses that code. Start reading at `askAhead`.
+// the service responds while the browser still parses that code.
 import { at, inside } from '../format/root'
 
 /** How long a response counts as fresh, as in the query cache [ms]. */

@@ -1,4 +1,4 @@
-// The campaign document as edited by the form, and the location of a parameter's path in it. Start reading at `place`.
+// The campaign document as edited by the form, and the location of a parameter's path in it.
 
 export type Json = string | number | boolean | null | Json[] | { [key: string]: Json }
 /** A field may contain text that is not a number; the service then reports the error next to it. */

@@ -1,5 +1,5 @@
 // What whoever is signed in may not do, by role and by owner, as the sentence of a disabled button. The service decides in
-// any case (`backend/access`): what is not known yet is offered. Start reading at `useBarredFromOwn`.
+// any case (`backend/access`): what is not known yet is offered.
 import { useQuery } from '@tanstack/react-query'
 import type { SessionInfo, Token } from '../client'
 import { hasRole, type Role, tokensQuery } from './access'

@@ -1,5 +1,5 @@
 // Whether the service answers. Every answer and event is a sign of life; without one the service is asked, and after 3 s
-// without an answer all pages say so, until it answers again. Start reading at `Pulse`.
+// without an answer all pages say so, until it answers again.
 import { useSyncExternalStore } from 'react'
 import { at } from '../format/root'
 

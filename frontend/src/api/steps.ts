@@ -1,4 +1,4 @@
-// The next steps that the failing checks of a verdict offer. Start reading at `stepsOf`.
+// The next steps that the failing checks of a verdict offer.
 import type { DescribedCheck, Remedy, Span } from '../client'
 
 export interface Step {

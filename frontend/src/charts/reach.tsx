@@ -1,5 +1,5 @@
 // Whether an axis includes the criterion: if it is far from all values, these would be flattened to one line, so it is
-// omitted with a note, and included on request. Start reading at `useReach`.
+// omitted with a note, and included on request.
 import { type ReactNode, useState } from 'react'
 import { plain } from '../format/numbers'
 import { Seg } from '../ui/Card'

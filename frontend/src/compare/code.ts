@@ -1,4 +1,4 @@
-// The code versions of the compared runs, as table rows. Start reading at `codeRows`.
+// The code versions of the compared runs, as table rows.
 import type { ChangedFile, RunDetail, Versions } from '../client'
 import { plain } from '../format/numbers'
 

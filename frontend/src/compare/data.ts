@@ -1,4 +1,4 @@
-// Shared data of the cards of the compare page: each run with its letter, dash pattern and data. Start at `useCompared`.
+// Shared data of the cards of the compare page: each run with its letter, dash pattern and data.
 import { useQueries } from '@tanstack/react-query'
 import { asCampaign, hasScenario } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'

@@ -1,5 +1,4 @@
 // Differences between campaigns: every setting by its path, including the components' default values.
-// Start reading at `differences`.
 import { asCampaign } from '../api/campaign'
 import type { Catalogue, RunDetail } from '../client'
 import { boundsOf, numberOf, parametersOf } from '../launch/campaign/parameters'

@@ -1,5 +1,4 @@
 // Matches findings of several runs by their positions within common bounds.
-// Start reading at `matched`.
 import type { FindingDetail } from '../client'
 import type { UncertainParameter } from '../run/data/data'
 

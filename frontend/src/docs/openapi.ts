@@ -1,4 +1,4 @@
-// The parts of an OpenAPI 3.1 document that the API page uses. Start reading at `operationsOf`.
+// The parts of an OpenAPI 3.1 document that the API page uses.
 
 export interface Schema {
   $ref?: string

@@ -1,5 +1,5 @@
 // The name of a parameter on the pages: its symbol, with its part of the campaign where others have the same symbol. Files
-// contain its path. The same names as in `campaigns/symbols.py`. Start reading at `namesOf`.
+// contain its path. The same names as in `campaigns/symbols.py`.
 
 /** Separates the symbol from the part it belongs to; no symbol has a space. */
 const OF = ' of '

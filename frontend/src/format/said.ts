@@ -1,4 +1,4 @@
-// Sentences of the service as spans; converts a clause to a sentence. Start reading at `sentence`.
+// Sentences of the service as spans; converts a clause to a sentence.
 import type { Span } from '../client'
 
 export const words = (text: string): Span => ({ kind: 'text', text })

@@ -1,4 +1,4 @@
-// Parses the docstring of a component or method: paragraphs, equations, tables. Start reading at `partsOf`.
+// Parses the docstring of a component or method: paragraphs, equations, tables.
 
 export interface Part {
   kind: 'text' | 'equations' | 'table'

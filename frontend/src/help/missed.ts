@@ -1,4 +1,4 @@
-// The probability that independent samples miss a small set of violations, for the help table. Start reading at `missed`.
+// The probability that independent samples miss a small set of violations, for the help table.
 
 export const SLITS = [1e-3, 1e-4, 1e-5] as const
 export const SAMPLES = [1000, 3000, 10000] as const

@@ -1,5 +1,5 @@
 // Browser notifications when a run has ended, on request: for all own runs, or single ones. The choice is stored in this
-// browser. A hidden tab has no event stream, so this polls the service. Start reading at `useNotifier`.
+// browser. A hidden tab has no event stream, so this polls the service.
 import { useQuery } from '@tanstack/react-query'
 import { useEffect, useSyncExternalStore } from 'react'
 import { getRun, listRuns } from '../api/calls'

@@ -1,4 +1,4 @@
-// Distributes cards over two columns. Start reading at `balanced`.
+// Distributes cards over two columns.
 
 export interface Weighed {
   /** Approximate height [px]. */

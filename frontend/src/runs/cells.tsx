@@ -1,4 +1,4 @@
-// The non-numeric cells of the run list. Start reading at `RunName`.
+// The non-numeric cells of the run list.
 import { clsx } from 'clsx'
 import { IconAlertTriangle, IconPinned } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'

@@ -1,4 +1,4 @@
-// The columns of the run list: names, widths, sort orders and cells. Start reading at `COLUMNS`.
+// The columns of the run list: names, widths, sort orders and cells.
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'

@@ -1,4 +1,4 @@
-// The state of the run list in the address. Start reading at `readSearch`.
+// The state of the run list in the address.
 import type { RunFilter } from '../api/calls'
 import { COLUMN_KEYS, type ColumnKey, type SortKey, SORTS } from './columnKeys'
 import { pairs, text, words } from '../format/query'

@@ -1,4 +1,4 @@
-// The horizontal axis of a trend: the time of submission, or the order. Start reading at `axisOf`.
+// The horizontal axis of a trend: the time of submission, or the order.
 import type { At, Axis } from '../charts/outcomes'
 import { timeTicks } from '../charts/timeTicks'
 import type { TrendRun } from '../client'

@@ -1,4 +1,4 @@
-// Order of a page's sections, and which of them is current while it scrolls. Start reading at `currentOf`.
+// Order of a page's sections, and which of them is current while it scrolls.
 
 export interface Placed {
   id: string

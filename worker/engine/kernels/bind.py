@@ -2,7 +2,7 @@
 
 A slot is a global name of the template. Filling rebinds the function's globals instead of making a closure, because
 numba cannot cache closures across processes. The digest in the bound function's name covers every function and constant
-reachable from it, by value: an edit to an indirectly imported helper recompiles. Start reading at `compile_loop`.
+reachable from it, by value: an edit to an indirectly imported helper recompiles.
 """
 
 from __future__ import annotations

@@ -30,9 +30,9 @@ def _watched(function: Any) -> Iterator[Watched]:
 
 @contextmanager
 def _alone(function: Any, wait: Callable[[], None]) -> Iterator[None]:
-    """Of several processes that need the same function, one compiles it; the others wait, and load it.
+    """Hold the lock of a function: of several processes that need it, one compiles it, the others wait and load it.
 
-    The lock ends with its process. Where the folder cannot be written, everybody compiles. wait: called before waiting.
+    The lock ends with its process. Without a folder that can be written, each compiles. wait: called before waiting.
     """
     folder = cache_folder() / "locks"
     try:

@@ -1,8 +1,8 @@
 """Declarations of components: typed parameters with unit, limits and text, and the kernels that fill the loop's slots.
 
 One file declares one component as its module attribute `component`; the file's docstring is its documentation.
-Start reading at `Vehicle`. `parameters` declares parameters, `signatures` the types and units of the kernels;
-docs/your-own-component.md shows a complete file.
+`parameters` declares parameters, `signatures` the types and units of the kernels; docs/your-own-component.md shows a
+complete file.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How long compilations took on this machine, and callbacks for the time while one runs. Start reading at `Watched`."""
+"""How long compilations took on this machine, and callbacks for the time while one runs."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ class Watched:
                 begun(expected)
 
     def compile(self) -> None:
-        """It is compiled here from now on."""
+        """Note that the loop is compiled here from now on."""
         self._compiling = time.monotonic()
         self.wait()
 
     def end(self, succeeded: bool) -> None:
-        """It can be called, or could not be compiled."""
+        """Note that the loop can be called, or could not be compiled."""
         if self._compiling is not None and succeeded:
             self._store(time.monotonic() - self._compiling)
         for _, ended in self._told:
@@ -66,7 +66,7 @@ class Watched:
         self._compiling, self._told = None, []
 
     def expected(self) -> float | None:
-        """What its last compilation took [s], else the median of others from the same template; None if unknown."""
+        """How long the last compilation took [s], else the median of others from the same template; None if unknown."""
         own = _read(self._folder / self._name)
         if own is not None:
             return own

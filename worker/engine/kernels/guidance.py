@@ -1,7 +1,4 @@
-"""Delayed sampled guidance: earlier demands, interpolated linearly between samples.
-
-Start reading at `blended2`.
-"""
+"""Delayed sampled guidance: earlier demands, interpolated linearly between samples."""
 
 from __future__ import annotations
 

@@ -8,11 +8,11 @@ VARIABLE = "NUMBA_DISABLE_JIT"
 
 
 class JitDisabledError(ImportError):
-    """Numba was told to compile nothing; the message says what to do."""
+    """Numba is set to compile nothing; the message says what to do."""
 
 
 def by_environment() -> bool:
-    """Whether the environment variable says so, read as numba does: a number other than 0."""
+    """Whether the environment variable is set, read as numba does: a number other than 0."""
     try:
         return bool(int(os.environ.get(VARIABLE) or 0))
     except ValueError:

@@ -117,7 +117,7 @@ def lane_ops(rows: int, lanes: int) -> LaneOps:
 
 
 def plain_ops(rows: int, lanes: int) -> LaneOps:
-    """The same operations in plain Python."""
+    """The operations on lanes in plain Python."""
 
     def load(buffer, base, lane):  # type: ignore[no-untyped-def]
         return tuple(buffer[base + lane : base + lane + rows * lanes : lanes].tolist())

@@ -2,7 +2,7 @@
 
 Parameters: vehicle, controller, avoider, start, goal, criterion, then obstacles, environment, faults and further
 criteria as the campaign lists them; then the vehicle's trim; then the constants that components derive. State: vehicle,
-controller, actuators, environment, obstacles. Start reading at `Parts`.
+controller, actuators, environment, obstacles.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Declarations of how an obstacle or a vehicle is drawn; `campaigns.looks` defines and checks the allowed values.
-
-Start reading at `ObstacleLook`.
-"""
+"""Declarations of how an obstacle or a vehicle is drawn; `campaigns.looks` defines and checks the allowed values."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Typed parameters of a component, declared as the fields of a NamedTuple: unit, limits and text.
 
-Start reading at `Parameter`; `declared` returns them as data.
+`declared` returns them as data.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Reduces the compiler's error to the line of a component's file and one sentence. Start reading at `reduced`."""
+"""Reduces the compiler's error to the line of a component's file and one sentence."""
 
 from __future__ import annotations
 

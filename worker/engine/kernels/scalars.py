@@ -2,7 +2,7 @@
 
 One call of `numpy.floor` makes a numpy scalar, and so does all that is computed from it, at three times the cost.
 Where Python's numbers raise and numpy's would be infinite or NaN, the simulation is repeated with numpy's. Where
-Python's could be complex, numpy's are used. Start reading at `quick`.
+Python's could be complex, numpy's are used.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from worker.engine.kernels.bind import Function, identity, plain, rebuilt
 
 LARGE = 1e300
 KEPT = 256
-"""How many samples of noise are kept: a sample is drawn again for every slope of its period."""
+"""How many samples of noise are stored: a sample is drawn again for every slope of its period."""
 
 
 def floor(x: Any) -> Any:
@@ -41,7 +41,7 @@ vars(_NUMPY).update(vars(np) | {"floor": floor})
 
 
 def instead() -> dict[Any, Any]:
-    """What the quick form uses in place of numpy and kernels, made of the kernels as they are now."""
+    """The functions that the quick form uses in place of numpy and kernels, made of the kernels as they are now."""
     return {
         np: _NUMPY,
         maths.normals: lru_cache(KEPT)(_pair(plain(maths.normals))),

@@ -1,7 +1,6 @@
 """Types of the kernels of components: what each receives and returns, with units. `component` lists who has which.
 
 Kernels are scalar Python code on floats and tuples; the component declares the length of each tuple.
-Start reading at `Derivative`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Data that components exchange: obstacles, errors of perception and navigation, effects of the environment.
 
-Obstacles in the plane and in space have the same operations. Start reading at `Body`.
+Obstacles in the plane and in space have the same operations.
 """
 
 from __future__ import annotations

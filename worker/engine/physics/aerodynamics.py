@@ -1,7 +1,6 @@
 """A fixed-wing airframe: its coefficients, forces and moments, rigid-body motion, trim and linear derivatives.
 
 Srikanthakumar, equations 3.38 to 3.44; coefficients of the Ultra Stick 25e as published by the University of Minnesota.
-Start reading at `accelerations`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """The common part of aircraft models with Euler angles: 12 states, kinematics, start, envelope, navigation, air data.
 
-Srikanthakumar, equations 3.38 and 3.39. World axes north, east, down; body axes forward, right, down. Start reading at
-`State`.
+Srikanthakumar, equations 3.38 and 3.39. World axes north, east, down; body axes forward, right, down.
 """
 
 from __future__ import annotations

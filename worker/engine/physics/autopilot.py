@@ -1,8 +1,7 @@
 """Control loops of fixed-wing autopilots: references from a demand, PID loops with saturated outputs.
 
 Srikanthakumar, equations 3.46 to 3.50; conditional integration (Astrom and Hagglund, Advanced PID Control (2006),
-section 3.5): an integrator stops while its actuator is saturated in the direction of the error. Start reading at
-`referred`.
+section 3.5): an integrator stops while its actuator is saturated in the direction of the error.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Closest approach of two moving points and its resolution: vectors of three components, in NED or ENU axes.
 
-Park, Oh and Tahk, UAV collision avoidance using simple geometric approach (2008). Start reading at `resolve`.
+Park, Oh and Tahk, UAV collision avoidance using simple geometric approach (2008).
 """
 
 from __future__ import annotations

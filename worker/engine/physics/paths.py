@@ -1,7 +1,6 @@
 """Prescribed paths of moving obstacles: consecutive straight legs at constant speed.
 
-The constants of a path are derived once per simulation, so that a step needs only products and sums. Start reading at
-`leg`.
+The constants of a path are derived once per simulation, so that a step needs only products and sums.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Conflict with an intruder and the smallest change of velocity that resolves it; axes with z down.
 
 Goss, Rajvanshi and Subbarao, Aircraft conflict detection and resolution using mixed geometric and collision cone
-approaches (2004); Srikanthakumar, equations 7.1, 7.2 and 7.7. Start reading at `perceive`.
+approaches (2004); Srikanthakumar, equations 7.1, 7.2 and 7.7.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Distances to convex shapes: signed distance to the surface, negative inside, and the outward normal there.
 
-For boxes, the arguments are a point's distance outside the slab of each axis; the caller restores the signs. Start
-reading at `rectangle`.
+For boxes, the arguments are a point's distance outside the slab of each axis; the caller restores the signs.
 """
 
 from __future__ import annotations

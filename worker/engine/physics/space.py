@@ -1,7 +1,7 @@
 """Vectors and attitudes in space as kernels, without branches or libm calls.
 
 Stevens, Lewis and Johnson, Aircraft Control and Simulation (2016), section 1.3: Euler angles in the order yaw, pitch,
-roll; body axes forward, right, down; world axes north, east, down. Start reading at `attitude`.
+roll; body axes forward, right, down; world axes north, east, down.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Trim of a fixed-wing airframe and its linearisation there, in plain Python, once per campaign.
 
 Stevens, Lewis and Johnson, Aircraft Control and Simulation (2016), sections 3.6 and 3.7: straight level flight solved
-for angle of attack, elevator and throttle; derivatives by central differences. Start reading at `trimmed`.
+for angle of attack, elevator and throttle; derivatives by central differences.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""A campaign as a problem: ranges, distributions, threshold, criteria. Start reading at `problem`."""
+"""A campaign as a problem: ranges, distributions, threshold, criteria."""

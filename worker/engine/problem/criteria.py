@@ -1,4 +1,4 @@
-"""The criteria of a problem as results store them, and their values in their own sign. Start reading at `criteria`."""
+"""The criteria of a problem as results store them, and their values in their own sign."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """The distributions of a campaign: maps uniform samples to correlated points of the unit cube.
 
 Correlations are a Gaussian copula: normal samples are correlated by the Cholesky factor and mapped by the quantile
-function of each marginal (Nelsen, An Introduction to Copulas, 2006, section 2.3). Start reading at
-`Distributions.quantile`.
+function of each marginal (Nelsen, An Introduction to Copulas, 2006, section 2.3).
 """
 
 from __future__ import annotations
@@ -71,7 +70,7 @@ class Distributions:
         return self.marginals(mixed)
 
     def marginals(self, uniform: Floats) -> Floats:
-        """The same without correlations: each parameter by its own marginal distribution."""
+        """The points without correlations: each parameter by its own marginal distribution."""
         points = np.empty_like(uniform)
         for k, r in enumerate(self.ranges):
             points[:, k] = _quantile(r, uniform[:, k])

@@ -1,7 +1,7 @@
 """The interface between a search and the simulation: many points in, their batch out.
 
 `InProcess` evaluates on threads if the system allows concurrent calls (the compiled loop releases the GIL). The bits of
-an evaluation depend only on its point, never on the batch, the thread or the load. Start reading at `Evaluate`.
+an evaluation depend only on its point, never on the batch, the thread or the load.
 """
 
 from __future__ import annotations

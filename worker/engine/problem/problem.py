@@ -1,6 +1,6 @@
 """A campaign as a problem: maps points of the unit cube to parameter values and evaluates them.
 
-The evaluated `System` is used only through its parameters and results. Start reading at `Problem`.
+The evaluated `System` is used only through its parameters and results.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 DOP853 (Dormand and Prince, order 8(5,3); Hairer, Norsett and Wanner, Solving ODEs I, section II.10) with dense output.
 It differs from the lockstep loop in step, order, refinement, compiler flags and elementary functions. It evaluates only
-the deciding criterion. Start reading at `Reference`.
+the deciding criterion.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""A closed loop as a system for the reference integrator: a template with slots, which `compiled` fills.
-
-Start reading at `answer`.
-"""
+"""A closed loop as a system for the reference integrator: a template with slots, which `compiled` fills."""
 
 from __future__ import annotations
 
@@ -52,7 +49,7 @@ def answer(what: int, t: float, x: Any, dx: Any, y: Any, p: Any) -> float:
 
 
 def none_drawn(t: float, p: Any) -> tuple[()]:
-    """No component draws noise."""
+    """The draws of noise of a loop none of whose components draws any."""
     return ()
 
 

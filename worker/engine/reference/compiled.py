@@ -2,7 +2,7 @@
 
 The components' plain Python functions are compiled again without fast-math: no operation is reordered or fused, and
 elementary functions are the platform's, not the approximations of `kernels.maths`. The integrator calls a system by
-address, so that one compiled integrator serves all systems. Start reading at `system`.
+address, so that one compiled integrator serves all systems.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """One simulation with DOP853, in stretches between the instants of discontinuities.
 
 Within a stretch the right-hand side is continuous in time and the guidance is held. Every stretch starts with a new
-slope, and no slope is evaluated beyond its end. Start reading at `fly`.
+slope, and no slope is evaluated beyond its end.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The instants that divide a simulation into stretches: guidance samples and discontinuities.
-
-Start reading at `Timetable`.
-"""
+"""The instants that divide a simulation into stretches: guidance samples and discontinuities."""
 
 from __future__ import annotations
 
@@ -81,7 +78,7 @@ def _switches(flights: Flights, p: tuple[float, ...], horizon: float) -> set[flo
 
 
 def _joined(ticks: list[float], switches: set[float]) -> list[float]:
-    """Both in order; at the same instant a tick takes precedence over a switch, and the earlier of two switches."""
+    """Ticks and switches in order; at the same instant a tick takes precedence, and the earlier of two switches."""
     joined = list(ticks)
     for t in sorted(switches):
         at = bisect(joined, t)

@@ -1,7 +1,6 @@
 """The reference integrator in plain Python with SciPy's DOP853, to validate the compiled one against.
 
-Both share only the components' plain functions, the stretches, the tolerances and the format of the output. Start
-reading at `fly`.
+Both share only the components' plain functions, the stretches, the tolerances and the format of the output.
 """
 
 from __future__ import annotations

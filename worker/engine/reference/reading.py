@@ -1,7 +1,7 @@
 """The lowest value of every channel within one step, from the dense output.
 
 Channels are sampled at the ends of a step and in between; a sample lower than both of its neighbours is refined by
-golden section search (Kiefer 1953). Start reading at `read`.
+golden section search (Kiefer 1953).
 """
 
 from __future__ import annotations

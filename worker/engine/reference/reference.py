@@ -1,7 +1,4 @@
-"""Simulations with the reference integrator: the value of the deciding criterion, or why there is no value.
-
-Start reading at `Reference.simulate`.
-"""
+"""Simulations with the reference integrator: the value of the deciding criterion, or why there is no value."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sections II.4 to II.6 and II.10. Rows of b
 (ROWS, n): X the state at the start of the step, NEW at its end, WORK at a stage, K the slopes, F the dense output.
-`compiled` compiles these plain functions once for all systems. Start reading at `stages`.
+`compiled` compiles these plain functions once for all systems.
 """
 
 from __future__ import annotations

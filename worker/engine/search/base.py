@@ -1,7 +1,6 @@
 """What a search method is: a generator that yields points of the unit cube and receives their batch.
 
 The driver counts, stores, stops at the budget and tracks the best point; a method only chooses points.
-Start reading at `Method`.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ class Batch(NamedTuple):
 class Several:
     """A request of several groups of points at once, each by its number; the batch of one group is received.
 
-    The others go on: the next request adds further groups, or none. `answered` is the number of the received group,
+    The others continue: the next request adds further groups, or none. `answered` is the number of the received group,
     which is the first of those begun to be complete. Only for a `Space` with slots.
     """
 
@@ -200,7 +199,7 @@ AT_ONCE = 256
 
 
 def independently(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Floats | Several, Batch, list[str]]:
-    """Advance several searches in slots: each goes on as soon as its own points have ended. Returns their sentences."""
+    """Advance several searches in slots: each continues once its own points have ended. Returns their sentences."""
     said = [""] * len(searches)
     wanted: dict[int, Floats] = {}
     begun = 0

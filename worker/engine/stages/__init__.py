@@ -1,1 +1,1 @@
-"""The stages of a run, one file each, and the verdict over them. Start reading at `base.drive`."""
+"""The stages of a run, one file each. Start reading at `parts.base.drive`, then any stage."""

@@ -2,7 +2,7 @@
 
 A finding whose parameters this campaign cannot have is named with the reason and not evaluated. One that drew its own
 noise is evaluated with the same seed. The evaluations are stored as all others, so that the minimum counts them, and
-validation descends from each of them (`worker.engine.stages.parts.findings`). Start reading at `run`.
+validation descends from each of them (`worker.engine.stages.parts.findings`).
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ class CampaignUnusable(ValueError):
 
 
 class NoTrace(Exception):
-    """There is no trace of this case, although the system gives traces; the message says why."""
+    """There is no trace of this case, although the system gives traces; the message gives the reason."""
 
 
 class NoResult(NoTrace):

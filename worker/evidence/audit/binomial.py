@@ -1,7 +1,4 @@
-"""Clopper and Pearson's bounds on a probability (Biometrika 26, 1934), computed without the library of the verdict.
-
-Start reading at `upper_bound`.
-"""
+"""Clopper and Pearson's bounds on a probability (Biometrika 26, 1934), computed without the library of the verdict."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Recomputes what a run claims about the calls of a simulator: whether results repeat, and its independent calls.
-
-Start reading at `Calls`.
-"""
+"""Recomputes what a run claims about the calls of a simulator: whether results repeat, and its independent calls."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Item(NamedTuple):
 
     @property
     def agrees(self) -> bool | None:
-        """None if one of the two is unknown."""
+        """Whether stored and recomputed values agree; None if one of the two is unknown."""
         if MISSING in (self.given, self.recomputed):
             return None
         if isinstance(self.given, int | float) and isinstance(self.recomputed, int | float):

@@ -1,6 +1,6 @@
 """Recomputes costs, counts, findings and the statistical bounds of random samples from a run's stored evaluations.
 
-Wilks (Annals of Mathematical Statistics 12, 1941). Start at `Run`.
+Wilks (Annals of Mathematical Statistics 12, 1941).
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """A stored run, from a folder or a database: its campaign, all evaluations, and the claims of its record.
 
-Data that the version of the run did not store are absent from the claims. Start reading at `Record`.
+Data that the version of the run did not store are absent from the claims.
 """
 
 from __future__ import annotations

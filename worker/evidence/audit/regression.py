@@ -1,6 +1,6 @@
-"""Recomputes the comparison with a baseline: margins, changes, tolerances, standings, and what the policy says of them.
+"""Recomputes the comparison with a baseline: margins, changes, tolerances, standings, and what follows from the policy.
 
-Taken as given: which finding of this run is in the basin of one of the baseline. Start reading at `regression`.
+Taken as given: which finding of this run is in the basin of one of the baseline.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def _position(run: Run) -> int:
 
 
 def _case(run: Run, given: Tree) -> Tree:
-    """One row, NaN where there is no number; before and now are taken as given."""
+    """The case of one row, NaN where there is no number; before and now are taken as given."""
     found: Any = next((f for f in run.findings if f["label"] == given["now"]), None)
     if given["before"] is None:
         return _row("new", math.nan, math.nan, found["margin"], math.nan, found["margin"] <= 0)
@@ -59,7 +59,7 @@ def _case(run: Run, given: Tree) -> Tree:
     case = next(case for case in baseline.cases if case.label == given["before"])
     beside = {row["before"] for row in run.claims["regression"]["cases"] if row["now"] == given["now"]}
     if any(other.cost < case.cost for other in baseline.cases if other.label in beside):
-        found = None  # another finding of the baseline stands for this basin
+        found = None  # another finding of the baseline represents this basin
     _, costs, status = run.rows(_position(run))
     before, k = case.cost - run.threshold, given["evaluation"]
     if k is None or status[k] != OK:

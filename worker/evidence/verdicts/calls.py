@@ -3,7 +3,6 @@
 A simulator whose results differ is never cleared by single calls. With `repeats`, where an evaluation is the worst of
 several calls, it is cleared only if none of the independent calls of the nominal case, the findings and the best of
 every search violates or fails. A mean or a quantile over calls can hide a violation by one of them, so it never clears.
-Start reading at `calls`.
 """
 
 from __future__ import annotations
@@ -53,7 +52,7 @@ def stated(problem: Problem, checks: list[Check]) -> list[Said]:
 
 
 def repeated(problem: Problem, violation: Finding) -> Said:
-    """In how many of its independent calls a finding violates, as a sentence; empty for a system that repeats."""
+    """How many of the independent calls of a finding violate, as a sentence; empty for a system that repeats."""
     repeats = None if violation.validation is None else violation.validation.repeats
     if repeats is None:
         return ()
@@ -95,7 +94,7 @@ def _retried(asked: Simulator, evidence: Evidence) -> list[Check]:
 
 
 def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Said]:
-    """Of evaluations by several calls."""
+    """The check of evaluations by several calls."""
     cases = [*_cases(evidence)]
     apart = max((_range(v) for _, v in cases), default=0.0)
     is_ = say(
@@ -155,7 +154,7 @@ def _cases(evidence: Evidence) -> Iterator[tuple[Said, Validation]]:
 
 
 def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Said]:
-    """Of a simulator that repeated when it was measured: every later comparison must show the same."""
+    """The check of a simulator that repeated when it was measured: every later comparison must show the same."""
     spot, apart = evidence.spot_checks, 0.0
     lost = [say("random evaluations")] if spot.compared < spot.checked else []
     compared = 0

@@ -70,7 +70,7 @@ class Evidence:
 
     @property
     def gathered(self) -> Gathered:
-        """How the findings were distinguished."""
+        """How the findings of the run were distinguished."""
         return _stored(self.validation.findings)
 
     @property

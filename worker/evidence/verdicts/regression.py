@@ -3,7 +3,6 @@
 A finding of the baseline is worse if it costs less on this model by more than the tolerance, or if the search found a
 case in its basin that is lower than any finding of the baseline there: of that one the tolerance is larger, because two
 searches do not stop at the same point. A case that begins or ceases to violate has changed whatever the tolerance.
-Start reading at `regression`.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from worker.evidence.verdicts.evidence import Evidence
 
 ORDER = list(Standing)
 IS = {Standing.SAME: "the same"}
-"""A standing as it is said of a finding, where it is not the word itself."""
+"""A standing in the words of a sentence, where it is not the word itself."""
 NAMED = 3
 """Findings that the sentence names."""
 
@@ -36,7 +35,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
         return None
     policy, matched = problem.campaign.regression, evidence.validation.since
     rows = list(zip(baseline.cases, result.cases, matched, strict=True))
-    # Of several findings of the baseline in one basin, the lowest one stands for it.
+    # Of several findings of the baseline in one basin, the lowest one represents it.
     lowest: dict[str | None, float] = {}
     for case, _, label in rows:
         lowest[label] = min(case.cost, lowest.get(label, case.cost))
@@ -62,7 +61,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
 def _known(
     problem: Problem, evidence: Evidence, before: BaselineCase, again: Reevaluated, label: str | None, stands: bool
 ) -> FindingChange:
-    """A finding of the baseline; stands: it is the lowest one of the baseline in the basin of the finding `label`."""
+    """A finding of the baseline; stands: whether it is the baseline's lowest one in the basin of `label`."""
     run, threshold = str(problem.campaign.baseline and problem.campaign.baseline.run), problem.threshold
     was = before.cost - threshold
     if again.cost is None:
@@ -132,7 +131,7 @@ def _tolerance(problem: Problem, evidence: Evidence, before: BaselineCase, there
 
 
 def _all_known(violating: list[FindingChange]) -> bool:
-    """A verdict may be violated although no finding violates: such a violation nobody has compared."""
+    """Whether every violation was known; without a violating finding none was, because it has not been compared."""
     return bool(violating) and not any(case.newly_violating for case in violating)
 
 

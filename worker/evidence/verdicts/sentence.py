@@ -74,7 +74,7 @@ def scope(problem: Problem) -> Said:
 
 
 def _reason(check: Check) -> Said:
-    """The reason of a check; only the numbers of violations keep their names, because they are also the verdict's."""
+    """The reason of a check; only the numbers of violations have their names, because they are also the verdict's."""
     return check.said if check.code == CheckCode.NO_VIOLATION else unnamed(check.said)
 
 

@@ -1,1 +1,1 @@
-"""Discovery of installed components, search methods and simulators. Start reading at `installed`."""
+"""Discovery of installed components, search methods and simulators."""

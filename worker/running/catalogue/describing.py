@@ -34,7 +34,7 @@ def main(file: str) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON cannot represent, as numbers of numpy in a dict, or as text, which the checks then refuse."""
+    """A value that JSON cannot represent, as plain numbers, or as text, which the checks then refuse."""
     return value.tolist() if hasattr(value, "tolist") else repr(value)
 
 

@@ -1,6 +1,4 @@
-"""Components and search methods as data of the catalogue: units, limits, defaults, looks, text. Start reading at
-`component_entry`.
-"""
+"""Components and search methods as data of the catalogue: units, limits, defaults, looks, text."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """Python files in the operator's folders whose functions are simulators, described without executing them here.
 
 A file is loaded in a process of its own (`worker.running.catalogue.describing`), which prints what its decorated
-functions declare: whatever it does (an error, a crash, an endless loop), it is reported and skipped. Start reading at
-`listed_files`.
+functions declare: whatever it does (an error, a crash, an endless loop), it is reported and skipped.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """A program whose descriptor a campaign file contains, as `clearance run --allow-code` permits; the service never does.
 
 The mapping `simulator` of such a file has the keys of a descriptor, and `repeats` and `retries` of a campaign. It is
-taken out of the file and installed for this process, so that everything after that sees a simulator with a name. Start
-reading at `taken_out`.
+taken out of the file and installed for this process, so that everything after that sees a simulator with a name.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ def components() -> dict[tuple[Role, str], Component]:
 
 
 def installed() -> Installed:
-    """The same as a closed loop needs them."""
+    """The installed components as a closed loop needs them."""
     return Installed(components(), catalogue(), own_modules)
 
 

@@ -1,7 +1,7 @@
 """The operator's own components: files in the folders that CLEARANCE_COMPONENTS lists, each examined before it is used.
 
 A file is examined in a process of its own (`worker.running.examination`), once for each content: whatever it does (an
-error, a crash, an endless loop), it is reported and skipped. Start reading at `examined`.
+error, a crash, an endless loop), it is reported and skipped.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class OwnFile:
         return unusable(self.file, self.text, self.line, self.name)
 
     def refused(self, text: str, line: int = 0) -> OwnFile:
-        """The same file, refused for this reason."""
+        """The file, refused for the stated reason."""
         return OwnFile(self.file, self.role, self.name, self.title, self.simulated, text, line)
 
 

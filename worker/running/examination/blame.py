@@ -1,4 +1,4 @@
-"""An exception as one sentence with the line of the component's file that it comes from. Start reading at `mistake`."""
+"""An exception as one sentence with the line of the component's file that it comes from."""
 
 from __future__ import annotations
 

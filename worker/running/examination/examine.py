@@ -1,4 +1,4 @@
-"""Examines the file of a component in stages and stops at the first mistake. Start reading at `examine`."""
+"""Examines the file of a component in stages and stops at the first mistake."""
 
 from __future__ import annotations
 

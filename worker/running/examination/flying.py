@@ -1,4 +1,4 @@
-"""Simulates a component for a moment in plain Python and checks what each of its kernels returns. Start at `flown`."""
+"""Simulates a component for a moment in plain Python and checks what each of its kernels returns."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kernels of each kind of component: their arguments, and the shape of their results. Start reading at `kernels`.
+"""The kernels of each kind of component: their arguments, and the shape of their results.
 
 `worker.engine.kernels.signatures` states the same as types, with units.
 """

@@ -1,4 +1,4 @@
-"""Which names a component may have. Start reading at `check_name`."""
+"""Which names a component may have."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Reads the text of a component's file: its syntax, names that do not exist, and what a kernel cannot contain.
 
-Nothing is executed. Start reading at `check`.
+Nothing is executed.
 """
 
 from __future__ import annotations

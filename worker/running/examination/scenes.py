@@ -1,4 +1,4 @@
-"""Small closed loops around one component, with shipped components as the others. Start reading at `scenes`.
+"""Small closed loops around one component, with shipped components as the others.
 
 A vehicle is driven by a stand-in controller with constant inputs, because the controller that fits it may be missing.
 """
@@ -40,7 +40,7 @@ OBSTACLES = {2: "circle", 3: "sphere"}
 
 
 class NoParameters(NamedTuple):
-    """Of the stand-in controller."""
+    """The parameters of the stand-in controller, of which it has none."""
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""What a kernel must return, and what is wrong with what it returned. Start reading at `wrong`."""
+"""What a kernel must return, and what is wrong with what it returned."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from worker.engine.kernels.views import Body, Body3, Errors, Seen, Sight, Surrou
 
 @dataclass(frozen=True)
 class Number:
-    """One number; finite unless it says otherwise."""
+    """One number; finite unless stated otherwise."""
 
     text: str = "a number"
 
 
 @dataclass(frozen=True)
 class Truth:
-    """True or False."""
+    """A result that is True or False."""
 
     text: str = "True or False"
 
@@ -52,7 +52,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two results."""
+    """A result of two parts."""
 
     first: Number | Numbers | Record
     second: Numbers

@@ -1,7 +1,4 @@
-"""The units that parameters and signals may have: symbols of the SI and a few others, as products and quotients.
-
-Start reading at `unknown`.
-"""
+"""The units that parameters and signals may have: symbols of the SI and a few others, as products and quotients."""
 
 from __future__ import annotations
 

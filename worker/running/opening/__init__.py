@@ -1,1 +1,1 @@
-"""Creates the system that a campaign names, and its problem. Start reading at `opened`."""
+"""Creates the system that a campaign names, and its problem."""

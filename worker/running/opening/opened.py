@@ -1,7 +1,4 @@
-"""Creates the system that a campaign names, and its problem; raises `CampaignUnusable` if that is not possible.
-
-Start reading at `problem`.
-"""
+"""Creates the system that a campaign names, and its problem; raises `CampaignUnusable` if that is not possible."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Linear algebra of this process in one thread: workers run beside each other, and simulations have their own threads.
+"""Linear algebra of this process in one thread: workers run next to each other, and simulations have their own threads.
 
 OpenBLAS starts a thread for each further core, which busy-waits: 0.1 s of processor time for each at every start,
 and after every product that it takes part in. From some 100 rows on, last digits depend on the number of threads, too.

@@ -9,7 +9,7 @@ Response {"id", "missing": sentence}, empty if this machine has the simulator.
 Response {"stale": true}: as of `worker.running.processes.live`.
 
 The simulator evaluates in one slot, which ends when nothing was requested for a while. Run as
-`python -m worker.running.processes.cases`; it ends when its input is closed. Start reading at `answer`.
+`python -m worker.running.processes.cases`; it ends when its input is closed.
 """
 
 from __future__ import annotations

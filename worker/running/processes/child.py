@@ -1,7 +1,7 @@
 """The process that executes a worker's runs: a crash or hang affects no other process.
 
 Its supervisor writes claims to its standard input and reads one answer each, as lines of JSON; output of the
-physics goes to standard error. Run as `python -m worker.running.processes.child`; start reading at `serve`.
+physics goes to standard error. Run as `python -m worker.running.processes.child`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The supervisor's side of its child process: one line of JSON in each direction, with a deadline.
-
-Start reading at `Child.receive`.
-"""
+"""The supervisor's side of its child process: one line of JSON in each direction, with a deadline."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Starts child processes that cannot outlive their parent, even if it is killed with SIGKILL, and waits for events.
 
 Source: prctl(2), PR_SET_PDEATHSIG (Linux). The signal is sent when the *thread* that started the process ends, so
-children must be started from the main thread. Start reading at `start`.
+children must be started from the main thread.
 """
 
 from __future__ import annotations

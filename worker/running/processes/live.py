@@ -7,7 +7,7 @@ Request  {"id", "kind": "field", "campaign", "parameters", "time", "places": [[x
 `worker.engine.systems.closed_loop.field`.
 Response {"id", "time", "place", "velocity", "kind", "memory", "unit", "own", "demand": [[x, y, z] or null, ...]}.
 Response {"stale": true}: nothing was simulated because the code has changed; the process ends and must be restarted.
-Run as `python -m worker.running.processes.live`; it ends when its input is closed. Start reading at `answer`.
+Run as `python -m worker.running.processes.live`; it ends when its input is closed.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from worker.running.processes import memory
 heap.loaded()
 
 PROBLEMS = 16
-"""Number of problems kept in memory; the least recently used one is dropped."""
+"""Number of problems in memory; the least recently used one is dropped."""
 
 ROWS = 400
 

@@ -1,7 +1,7 @@
 """A memory limit for simulating processes, so that one simulation cannot exhaust the memory of the machine.
 
 Source: setrlimit(2), RLIMIT_AS (Linux), which limits address space. LLVM and the threads' heaps map far more than they
-use, so the limit is relative to what the process has mapped once it is ready. Start reading at `bound`.
+use, so the limit is relative to what the process has mapped once it is ready.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def bound(threads: int | None = None) -> None:
 
 @contextlib.contextmanager
 def bounded(threads: int | None = None) -> Iterator[None]:
-    """The same limit within a `with` block. Raises `ValueError` if the setting is invalid."""
+    """Limit the memory within a `with` block. Raises `ValueError` if the setting is invalid."""
     allowed()
     if sys.platform != "linux":
         yield

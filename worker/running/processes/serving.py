@@ -1,6 +1,6 @@
 """The processes behind `clearance serve`: started together, monitored, restarted when they die, stopped together.
 
-Their output goes to log files in the data folder. Start reading at `Servers.watch`.
+Their output goes to log files in the data folder.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ STEADY = 60.0
 """A process that ran at least this long before it died is restarted without delay [s]."""
 
 LARGEST_LOG = 10_000_000
-"""A log larger than this is replaced by a new one; the previous log is kept as .old.log [bytes]."""
+"""A log larger than this is replaced by a new one; the previous log is renamed to .old.log [bytes]."""
 
 
 WARNING = "WARNING clearance: "
@@ -92,7 +92,7 @@ class Servers:
         self.servers, self.report, self._wakeup = servers, report, wakeup
 
     def start(self) -> None:
-        """Start them all."""
+        """Start all processes."""
         for server in self.servers:
             server.start()
 

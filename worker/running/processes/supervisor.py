@@ -136,7 +136,7 @@ class Supervisor:
             return False
 
     def _lost(self, child: Child) -> Ending:
-        """Handle a lost lease: the run has ended, or another worker has it. A child that reports its end is kept."""
+        """Handle a lost lease: the run has ended, or another worker has it. A child that reports its end stays."""
         try:
             answer = child.receive(GRACE)
         except ChildEndedError:

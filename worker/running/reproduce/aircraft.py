@@ -1,8 +1,7 @@
 """Published results of the aircraft: cases 3 (static obstacle), 4 (intruder), 5 (decision-making avoidance).
 
 Source: the thesis's tables 4.3, 4.4, 5.6 to 5.10, 7.1 to 7.3, sections 3.4.4, 3.5, 7.4, 7.7, chapter 6, figures 3.32,
-3.34, 7.8 to 7.10. The models' values, with a tolerance of 0.02 m, come from the reconstruction. Start reading at
-`RESULTS`.
+3.34, 7.8 to 7.10. The models' values, with a tolerance of 0.02 m, come from the reconstruction.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Compares computed values with the published ones and with the known values of the reconstructed model.
 
-Start reading at `reproduce`; `Row` is one line of the output.
+`Row` is one line of the output.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class Reproduction:
     compile_seconds: float
 
     def longer(self, seconds: float, compile_seconds: float) -> Reproduction:
-        """The same with these times added [s]."""
+        """The reproduction with further times added [s]."""
         return Reproduction(self.rows, self.seconds + seconds, self.compile_seconds + compile_seconds)
 
 

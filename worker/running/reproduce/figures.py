@@ -1,6 +1,6 @@
 """Data of the published figures as CSV: sweeps, distances over time, speeds, paths, samples, convergence.
 
-One file per figure; every column header states its unit. Start reading at `write`.
+One file per figure; every column header states its unit.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Computes our values for the published ones; everything is simulated in this run, and every search runs once.
-
-Start reading at `Flights.found`.
-"""
+"""Computes our values for the published ones; everything is simulated in this run, and every search runs once."""
 
 from __future__ import annotations
 

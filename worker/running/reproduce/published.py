@@ -3,7 +3,7 @@
 Ours is compared with two numbers: the published one, and the known value of the reconstructed model (`Model`). The
 source leaves out gains and geometry, which were fitted, so agreement is judged against the model's value, within its
 tolerance, if one is stated. The difference from the published value is always shown. `robots` and `aircraft` hold the
-data. Start reading at `Result`.
+data.
 """
 
 from __future__ import annotations

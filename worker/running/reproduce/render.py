@@ -1,6 +1,6 @@
 """Writes the rows as text for a terminal, as Markdown and as JSON, all with the same content.
 
-Start reading at `document`; `TITLES` has the titles of the tables.
+`TITLES` has the titles of the tables.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Published results of the ground robots: case 1 (unicycle, static obstacle) and case 2 (Pioneer 3-DX, intruder).
 
 Source: the thesis's tables 4.1, 4.2, 5.1 to 5.5, sections 3.2.4, 3.3.5 and chapter 6, figures 3.7, 3.8, 3.20 to 3.27.
-The models' values come from the reconstruction. Start reading at `RESULTS`.
+The models' values come from the reconstruction.
 """
 
 from __future__ import annotations

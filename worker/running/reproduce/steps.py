@@ -2,8 +2,7 @@
 
 A point exceeds the tolerance if both differ by more than the validate stage allows: a fraction of d_min or a tenth of
 the margin, whichever is less. A campaign that cannot meet this everywhere states in its notes how often and why, in a
-paragraph that begins "Step adequacy: up to 12 of 200 random points exceed the tolerance" (`declared`). Start reading at
-`adequacy`.
+paragraph that begins "Step adequacy: up to 12 of 200 random points exceed the tolerance" (`declared`).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The source of the components and methods of a campaign that are not shipped, as this process loaded it.
 
 A run stores it when it begins, so that its capsules can be replayed where they are not installed. Simulators are
-programs of their own and are not part of it. Start reading at `added`.
+programs of their own and are not part of it.
 """
 
 from __future__ import annotations

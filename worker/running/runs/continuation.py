@@ -1,7 +1,7 @@
 """Extends a finished search: the new run replays the stored evaluations and simulates only the rest.
 
 A method is deterministic, so its first evaluations under the larger budget are bit-identical to the stored ones. Stages
-that depend on all earlier ones are computed again. Runs of other code are refused. Start reading at `continued`.
+that depend on all earlier ones are computed again. Runs of other code are refused.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Budget:
         return Budget(int(text), text.startswith("+"))
 
     def after(self, before: int) -> int:
-        """What a budget of `before` evaluations becomes."""
+        """The budget after the extension of a search that had `before` evaluations."""
         return before + self.evaluations if self.more else max(before, self.evaluations)
 
 

@@ -1,7 +1,7 @@
 """Which code a run uses: the modules of the engine that its system, stages, methods and components import.
 
 A change to any of them may change a number, and a change to nothing else does: sentences (`campaigns.claims`),
-verdicts, the audit and what runs processes are not reached. Start reading at `code`.
+verdicts, the audit and what runs processes are not reached.
 """
 
 from __future__ import annotations

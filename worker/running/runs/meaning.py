@@ -1,7 +1,7 @@
 """What a module's text means: a digest of its syntax tree without documentation, and what it imports; once per text.
 
 To compute those of the whole installation takes a second of processor time, at the start of every process that
-simulates: they are stored by the digest of the text. Start reading at `meanings`.
+simulates: they are stored by the digest of the text.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def meaning(content: bytes) -> Meaning:
 
 
 def _tokens(node: Any, tokens: list[str]) -> None:
-    """A syntax tree without positions, comments and strings that stand alone; the same in every version of Python."""
+    """A syntax tree without positions, comments and loose strings; the same in every version of Python."""
     if isinstance(node, ast.AST):
         tokens.append(type(node).__name__)
         for name in node._fields:
@@ -81,7 +81,7 @@ def _tokens(node: Any, tokens: list[str]) -> None:
 
 
 def _imports(node: ast.AST) -> Iterator[Import]:
-    """Wherever in the module; modules that generated code names are texts."""
+    """The imports at any depth of the module; modules that generated code names are texts."""
     if isinstance(node, ast.Import):
         yield from (Import(alias.name, "", alias.asname or alias.name) for alias in node.names)
     elif isinstance(node, ast.ImportFrom):
@@ -98,7 +98,7 @@ def _imports(node: ast.AST) -> Iterator[Import]:
 
 
 def _file() -> Path:
-    """Where this installation stores them; other code computes other digests, and stores them elsewhere.
+    """Where this installation stores meanings; other code computes other ones, and stores them elsewhere.
 
     The code is that which runs: the text of this file may have been edited since.
     """
@@ -129,7 +129,7 @@ def _read(digest: Any, imports: Any) -> Meaning:
 
 
 def _store(file: Path, known: Mapping[str, Meaning]) -> None:
-    """Those of the texts that are there now, so that the file does not grow; where it cannot be written, nothing."""
+    """Store the meanings of the present texts only, so that the file does not grow; nothing if it cannot be written."""
     draft = file.with_suffix(f".{os.getpid()}")
     with contextlib.suppress(OSError):
         draft.parent.mkdir(parents=True, exist_ok=True)

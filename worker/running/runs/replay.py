@@ -1,8 +1,7 @@
 """Evaluates stored evaluations of a run again, from its record alone, and compares the costs.
 
 An evaluation depends only on its point and its noise seed, so on a machine of the same kind the costs have the same
-bits; on another kind, where the compiler uses other instructions, they agree within `ELSEWHERE`. Start reading at
-`replayed`.
+bits; on another kind, where the compiler uses other instructions, they agree within `ELSEWHERE`.
 """
 
 from __future__ import annotations
@@ -76,7 +75,7 @@ class Replayed:
 
     @property
     def agreement(self) -> Agreement:
-        """How well the two agree; two evaluations without a cost agree if they have the same status."""
+        """How well stored and new cost agree; two evaluations without a cost agree if they have the same status."""
         if self.status != self.case.status:
             return "differs"
         if self.status != OK or self.costs.tobytes() == self.case.costs.tobytes():

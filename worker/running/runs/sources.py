@@ -1,7 +1,7 @@
 """The source files of this installation: their content when loaded, and whether they have changed since.
 
 Imported first in every process that simulates: it records the files before they are loaded, so that an edit while they
-load shows. Packages that add components or methods by entry points are covered too. Start reading at `stale`.
+load shows. Packages that add components or methods by entry points are covered too.
 """
 
 from __future__ import annotations

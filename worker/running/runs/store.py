@@ -82,7 +82,7 @@ class MemoryStore:
 
 
 def _behind(ahead: Ahead, done: int) -> Ahead:
-    """Those whose index is not among the first `done`."""
+    """The evaluations whose index is not among the first `done`."""
     kept, columns = ahead.indices >= done, ahead.columns
     rows = Columns(
         columns.points[kept], columns.costs[kept], columns.status[kept], columns.seconds[kept], columns.reasons

@@ -33,7 +33,7 @@ def upgrade() -> None:
 
 
 def _bounds_of_earlier_runs() -> None:
-    """The bound stands in the summary of a run that is over."""
+    """The bound is in the summary of a run that has ended."""
     runs = sa.table("runs", sa.column("id"), sa.column("summary", sa.JSON), sa.column("upper_bound"))
     bind = op.get_bind()
     for run_id, summary in bind.execute(sa.select(runs.c.id, runs.c.summary)).all():

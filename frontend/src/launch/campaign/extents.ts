@@ -1,5 +1,5 @@
 // Extents of obstacles, and their consequence for a criterion that measures to centres: a case could be clear with the
-// vehicle inside an obstacle. The rule is that of the service (campaigns/asked/extents.py). Start reading at `withinOf`.
+// vehicle inside an obstacle. The rule is that of the service (campaigns/asked/extents.py).
 import type { Campaign, Part } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { boundsOf, numberOf, parametersOf } from './parameters'

@@ -1,5 +1,5 @@
 // Every parameter of a campaign by its path, with its entry in the catalogue, nominal value and bounds. The rules are
-// those of the service's check, but tolerate incomplete input. Start reading at `parametersOf`.
+// those of the service's check, but tolerate incomplete input.
 import { type Campaign, fieldOf, type List, LISTS, type Part, type Raw, type Uncertain } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, ParameterEntry, ResultEntry, SimulatorEntry } from '../../client'
 import { parse } from '../../format/numbers'

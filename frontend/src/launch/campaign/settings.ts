@@ -1,5 +1,5 @@
 // The settings of a campaign that belong to no component: location, unit, description. Names and limits are those of the
-// service, which reports errors next to the field. Start reading at `Setting`.
+// service, which reports errors next to the field.
 import { type Campaign, type Raw, read } from '../../api/campaign'
 
 export interface Setting {

@@ -1,4 +1,4 @@
-// Completion: the possible keys or values at the cursor. Start reading at `completed`.
+// Completion: the possible keys or values at the cursor.
 import type { Completion, CompletionContext, CompletionResult } from '@codemirror/autocomplete'
 import { isMap } from 'yaml'
 import { fieldAt, tolerant } from '../text/places'

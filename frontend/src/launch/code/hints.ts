@@ -1,5 +1,4 @@
 // Descriptions of the fields of a campaign's text, from the catalogue and the schema.
-// Start reading at `hintOf` and `choicesAt`.
 import { type Campaign, type Json, read } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, MethodEntry, ParameterEntry } from '../../client'
 import { plain } from '../../format/numbers'

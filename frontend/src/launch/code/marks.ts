@@ -1,5 +1,5 @@
 // Highlighting that the grammar does not provide: text, numbers and keywords among values; and the indentation of wrapped
-// lines. Start reading at `marks`.
+// lines.
 import { syntaxTree } from '@codemirror/language'
 import { type Range, RangeSetBuilder } from '@codemirror/state'
 import { Decoration, type DecorationSet, type EditorView, ViewPlugin, type ViewUpdate } from '@codemirror/view'

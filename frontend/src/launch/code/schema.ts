@@ -1,5 +1,4 @@
 // Looks up the path of a field in a JSON schema. Source: JSON Schema 2020-12, the subset used by campaigns.
-// Start reading at `ruleAt`.
 import type { Json } from '../../api/campaign'
 import type { At } from '../text/tree'
 

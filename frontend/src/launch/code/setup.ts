@@ -1,5 +1,5 @@
 // Assembles the editor: YAML, folding, search, completion, diagnostics. Undo is provided by the page, because it also
-// covers edits of the form. Start reading at `opened`.
+// covers edits of the form.
 import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from '@codemirror/autocomplete'
 import { defaultKeymap } from '@codemirror/commands'
 import { yaml } from '@codemirror/lang-yaml'

@@ -1,4 +1,4 @@
-// The undo history of form and text, as changes of the text. Start reading at `recorded`.
+// The undo history of form and text, as changes of the text.
 import type { Campaign } from '../../api/campaign'
 
 /** A campaign's text, and the state of the form. */

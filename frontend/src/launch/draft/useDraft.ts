@@ -1,5 +1,5 @@
 // The edited campaign. Its text is authoritative: an edit in the form changes the text in place, and the form shows the
-// text as parsed by the service. Start reading at `useDraft`.
+// text as parsed by the service.
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 import { checkCampaign } from '../../api/calls'

@@ -1,5 +1,4 @@
 // The draft of an editor on the service: saved over the version that was opened, never over a newer one.
-// Start reading at `useSaved`.
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
 import { createDraft, deleteDraft, saveDraft } from '../../api/calls'

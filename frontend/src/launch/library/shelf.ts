@@ -1,4 +1,4 @@
-// Filters the campaigns of the library by tag and words. Start reading at `matching`.
+// Filters the campaigns of the library by tag and words.
 import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../../client'
 

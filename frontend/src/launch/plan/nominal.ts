@@ -1,4 +1,4 @@
-// The stored nominal flight of a shipped campaign in the picture's axes. Start reading at `nominalOf`.
+// The stored nominal flight of a shipped campaign in the picture's axes.
 import type { DrawnFlight } from '../../client'
 import type { Axes, Place } from './plan'
 

@@ -1,6 +1,6 @@
 // The geometry of a scenario, from its parameters alone: nothing is simulated, so a cooperative obstacle is shown on
 // its intended path. Positions are in the picture's axes, x to the right and y up, with their height; for axes north,
-// east, down that is north up. Start reading at `planOf`.
+// east, down that is north up.
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, ObstacleLook } from '../../client'
 import { numberOf, parametersOf } from '../campaign/parameters'

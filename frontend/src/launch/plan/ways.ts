@@ -1,5 +1,5 @@
 // The path of a non-cooperative obstacle, of the kind declared by its look: a circuit, waypoints, a goal, a
-// heading or a velocity. In the vehicle's own axes; `up` is the height. Start reading at `wayOf`.
+// heading or a velocity. In the vehicle's own axes; `up` is the height.
 
 import type { ObstacleLook } from '../../client'
 

@@ -1,5 +1,4 @@
 // The edited scenario in plan and side view, and its nominal flight on request, with the numbers as text.
-// Start reading at `PreviewCard`.
 import { IconAlertTriangle, IconCircleCheck, IconCircleX, IconLoader, IconRoute } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { useMemo } from 'react'

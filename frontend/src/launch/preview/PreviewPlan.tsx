@@ -1,5 +1,5 @@
 // The plan view of the edited scenario: start, goal or course, obstacles with the required distance, paths, uncertain
-// geometry, and the nominal flight once simulated. Start reading at `PreviewPlan`.
+// geometry, and the nominal flight once simulated.
 import { fixed, plain } from '../../format/numbers'
 import type { Flown } from './flown'
 import { Free } from '../plan/Free'

@@ -1,4 +1,4 @@
-// The nominal flight of the preview, in the picture's axes. Start reading at `flownOf`.
+// The nominal flight of the preview, in the picture's axes.
 import type { Preview } from '../../client'
 import { axesOf } from '../plan/plan'
 import type { Step } from '../plan/ways'

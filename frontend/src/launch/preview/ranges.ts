@@ -1,5 +1,5 @@
 // Uncertain geometry: the bounds of starts, goals, positions and waypoints as boxes, of headings as fans, of radii as
-// rings. Start reading at `rangesOf`.
+// rings.
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { boundsOf, numberOf } from '../campaign/parameters'

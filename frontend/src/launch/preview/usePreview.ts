@@ -1,5 +1,5 @@
 // The nominal flight of the current campaign, simulated by the service on request and then after every edit; the newest
-// campaign wins. Start reading at `usePreview`.
+// campaign wins.
 import { useQuery } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 import { previewCampaign } from '../../api/calls'

@@ -1,5 +1,5 @@
 // Changes a campaign's text only at the positions of an edit: comments, order and formatting of everything else are kept,
-// because only the affected tokens change. Start reading at `amended`.
+// because only the affected tokens change.
 import { CST, isMap, isScalar, isSeq, type Node, parseDocument, Scalar, stringify, type YAMLMap, type YAMLSeq } from 'yaml'
 import type { Json } from '../../api/campaign'
 import { applied, type Change, equal } from './changes'

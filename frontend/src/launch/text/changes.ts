@@ -1,5 +1,4 @@
 // The minimal changes of an edit in the form, so that only the affected text is changed.
-// Start reading at `changesOf`.
 import type { Json } from '../../api/campaign'
 import type { At, Step } from './tree'
 import { isMapping } from './words'

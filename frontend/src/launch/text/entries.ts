@@ -1,4 +1,4 @@
-// Inserts and removes entries of mappings and lists, as tokens. Start reading at `insertBlock` and `removeBlock`.
+// Inserts and removes entries of mappings and lists, as tokens.
 import { comma, type Collection, fullLines, hasComment, isNewline, isTrivia, type Item, byLine, type Leaf, putTail, space, takeLast, takeTail } from './tokens'
 
 /** The separator between a comma and an entry: a space, or a line end with indentation. */

@@ -1,4 +1,4 @@
-// Shows an incomplete or invalid text in the form, as far as its structure is that of a campaign. Start reading at `formOf`.
+// Shows an incomplete or invalid text in the form, as far as its structure is that of a campaign.
 import type { Campaign, Json } from '../../api/campaign'
 import { parsed, plain } from './tree'
 import { isMapping } from './words'

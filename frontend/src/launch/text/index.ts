@@ -1,4 +1,4 @@
-// Text editing for the launch page, as a separate bundle that is loaded after the page. Start reading at `amend`.
+// Text editing for the launch page, as a separate bundle that is loaded after the page.
 export { amended } from './amend'
 export { changesOf } from './changes'
 export { formOf } from './form'

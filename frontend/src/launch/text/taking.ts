@@ -1,5 +1,5 @@
 // Removes a part from a campaign with all references to it, and shifts the indices of later parts, in the document and,
-// change by change, in its text. Start reading at `takingOut`.
+// change by change, in its text.
 import { type Campaign, type List, listAt, without } from '../../api/campaign'
 import { applied, type Change, changesOf } from './changes'
 import type { At } from './tree'

@@ -1,5 +1,4 @@
 // The tokens that an edit moves or inserts: values, and the spaces and comments around them.
-// Start reading at `takeTail`.
 import { CST, Parser } from 'yaml'
 
 export type Item = CST.CollectionItem

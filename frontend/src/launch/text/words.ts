@@ -1,5 +1,4 @@
 // Formats values as readable YAML: small mappings and lists on one line, parts on their own lines.
-// Start reading at `written`.
 import { Document, isCollection, isMap, type Pair, Scalar, visit, type YAMLMap, type YAMLSeq } from 'yaml'
 import type { Json } from '../../api/campaign'
 

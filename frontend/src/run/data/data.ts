@@ -1,4 +1,4 @@
-// Shared data of the cards of a run's page, and selectors. Start reading at `RunData`.
+// Shared data of the cards of a run's page, and selectors.
 import { keepPreviousData, usePrefetchQuery, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useEffect, useMemo, useRef, useState } from 'react'
 import { asCampaign, type Campaign, hasScenario } from '../../api/campaign'

@@ -1,4 +1,4 @@
-// Changes and addresses of a 3D view, as functions of its state. Start reading at `merged`.
+// Changes and addresses of a 3D view, as functions of its state.
 import type { ViewChange, ViewState } from '../../client'
 import { at } from '../../format/root'
 

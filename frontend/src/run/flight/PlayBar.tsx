@@ -1,5 +1,4 @@
 // The controls below the 3D view: playback, time, speed, and visible layers.
-// Start reading at `PlayBar`.
 import {
   IconFocusCentered,
   IconLayoutSidebarRightCollapse,

@@ -1,4 +1,4 @@
-// What the traces of a simulator declare of its 3D view. Start reading at `sceneOf`.
+// What the traces of a simulator declare of its 3D view.
 import { hasScenario } from '../../api/campaign'
 import type { Scene } from '../../client'
 import type { RunData } from '../data/data'

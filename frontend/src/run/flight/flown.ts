@@ -1,5 +1,4 @@
 // Stored flights as curves over time: available and displayed columns, time range.
-// Start reading at `spanOf` and `shownColumns`.
 import type { Curve } from '../../charts/series'
 import type { TraceColumn, TraceData, TraceInfo } from '../../client'
 import { fixed, NARROW } from '../../format/numbers'

@@ -1,4 +1,4 @@
-// Plan view of flights of several runs on one scale. East is right and north is up. Start reading at `viewOf`.
+// Plan view of flights of several runs on one scale. East is right and north is up.
 import type { TraceData, TraceHead } from '../../client'
 
 export interface Place {

@@ -1,5 +1,5 @@
 // Controls the page's 3D view: changes are sent with a key that only this page has, and movements of camera and time are
-// received. `reconnect` is its state machine. Start reading at `View.live`.
+// received. `reconnect` is its state machine.
 import { changeView, getView } from '../../api/calls'
 import { Refusal } from '../../api/problems'
 import { signedOut } from '../../api/session'

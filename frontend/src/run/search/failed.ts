@@ -1,4 +1,4 @@
-// Evaluations without a value: counts by kind, and one of them as text for a campaign. Start reading at `countsOf`.
+// Evaluations without a value: counts by kind, and one of them as text for a campaign.
 import type { EvaluationFailure, Evaluations, StageProgress } from '../../client'
 
 export type Fate = EvaluationFailure['status']

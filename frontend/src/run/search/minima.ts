@@ -1,4 +1,4 @@
-// The minima of one search, merged as the findings are. Start reading at `mergedMinima`.
+// The minima of one search, merged as the findings are.
 import type { FindingDetail, Gathered, Minimum, ValidateResult } from '../../client'
 import type { UncertainParameter } from '../data/data'
 

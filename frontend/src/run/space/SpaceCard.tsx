@@ -1,5 +1,5 @@
 // The parameter space: every stage's evaluations with their value as colour, in parallel coordinates and over pairs of
-// parameters. A range on an axis filters all views. Start reading at `SpaceCard`.
+// parameters. A range on an axis filters all views.
 import { IconX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { useEffect, useMemo, useState } from 'react'

@@ -1,5 +1,5 @@
 // Colours of values: viridis (S. van der Walt and N. Smith, matplotlib 1.5; CC0), the part of it that contrasts with the
-// page's background. The lowest values contrast most in both themes. Start reading at `colourOf`.
+// page's background. The lowest values contrast most in both themes.
 import type { Theme } from '../../theme/useTheme'
 
 /** Viridis in steps of a tenth. */

@@ -1,5 +1,5 @@
 // Draws evaluations on canvases: lines across parallel axes, points in cells. Elements of one colour are drawn in one path,
-// the lowest values last, so that they are on top. Start reading at `paintLines` and `paintPoints`.
+// the lowest values last, so that they are on top.
 import { colour } from '../../charts/draw'
 import type { Theme } from '../../theme/useTheme'
 import { SHADES, shadeOf, shades } from './colours'

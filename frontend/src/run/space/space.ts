@@ -1,5 +1,4 @@
 // The evaluations of all stages as columns for charts, and their selection by ranges on the axes.
-// Start reading at `spaceOf` and `keptOf`.
 import type { CriterionOut, Evaluations, EvaluationSeries } from '../../client'
 import { padded } from '../../charts/ticks'
 

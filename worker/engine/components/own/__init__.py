@@ -20,7 +20,7 @@ def listed() -> list[Path]:
 
 
 def folders() -> list[Path]:
-    """Those of them that exist; of two files of the same name the first one counts."""
+    """The folders of the setting that exist; of two files of the same name the first one counts."""
     return [folder for folder in listed() if folder.is_dir()]
 
 

@@ -112,7 +112,7 @@ ROWS = ((0, LONGITUDINAL), (2, LONGITUDINAL), (4, LONGITUDINAL), (1, LATERAL), (
 
 
 def solve(values: Mapping[str, float]) -> Trimmed:
-    """Both trims and the derivatives at the nominal parameters; NoTrim where one of the speeds cannot be flown."""
+    """Both trims and the derivatives at the nominal parameters; NoTrim if there is no trim at one of the speeds."""
     body, speed = trim.airframe(values), values["vehicle.reference_speed"]
     about = trim.trimmed(body, speed)
     u_0, _, w_0, *_ = trim.level(speed, *about)

@@ -1,1 +1,1 @@
-"""Generates the code that connects the components of a scenario to the loop. Start reading at `written`."""
+"""Generates the code that connects the components of a scenario to the loop."""

@@ -1,7 +1,4 @@
-"""Generates the code between avoider and controller: the demand, continuous or sampled, delayed and translated.
-
-Start reading at `guide`.
-"""
+"""Generates the code between avoider and controller: the demand, continuous or sampled, delayed and translated."""
 
 from __future__ import annotations
 

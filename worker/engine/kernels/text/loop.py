@@ -1,7 +1,4 @@
-"""Generates the closed loop itself: parameters, initial state, derivative, criteria and checks.
-
-Start reading at `loop`.
-"""
+"""Generates the closed loop itself: parameters, initial state, derivative, criteria and checks."""
 
 from __future__ import annotations
 

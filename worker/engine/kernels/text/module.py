@@ -1,7 +1,4 @@
-"""Loads generated code as a module with a real file, so that tracebacks and debuggers show its lines.
-
-Start reading at `loaded`.
-"""
+"""Loads generated code as a module with a real file, so that tracebacks and debuggers show its lines."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Names of kernels and types in the generated code, qualified by their module: `unicycle.derivative`.
-
-Start reading at `Names.of`.
-"""
+"""Names of kernels and types in the generated code, qualified by their module: `unicycle.derivative`."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Generates the perception code: true obstacles, the vehicle's measured state, obstacles as perceived.
-
-Start reading at `measurements`.
-"""
+"""Generates the perception code: true obstacles, the vehicle's measured state, obstacles as perceived."""
 
 from __future__ import annotations
 

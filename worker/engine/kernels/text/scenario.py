@@ -1,7 +1,4 @@
-"""The state of code generation for a scenario: positions of its components' numbers, functions, wrapped lines.
-
-Start reading at `Scenario`.
-"""
+"""The state of code generation for a scenario: positions of its components' numbers, functions, wrapped lines."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Generates the closed loop of one scenario as a module of plain Python that connects its components to the loop.
 
 Kernels are called by their qualified names, and only what the scenario has is generated. The loop over time is
-`loop.fly`, the same for all scenarios. Start reading at `written`.
+`loop.fly`, the same for all scenarios.
 """
 
 from __future__ import annotations

@@ -6,7 +6,6 @@ value alone, which is misled by wide decoys. The searches race by successive hal
 evaluations, the best third of those finished so far three times as many, and so on. A quarter of the starts are hops:
 recombined and mutated incumbents. The last fifth of the budget merges incumbents without a barrier between them into
 valleys and polishes the best. No guarantee. Its points depend on its budget, so it cannot be extended.
-Start reading at `search`.
 """
 
 from __future__ import annotations

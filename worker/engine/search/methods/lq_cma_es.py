@@ -15,8 +15,7 @@ longer improves, or when it would not come below the lowest cost if it went on i
 another star, around the lowest point, and points of a space-filling sample, as many as stars and sample lack to two
 fifths of the evaluations so far. It begins narrower; after every fourth descent the population doubles (Auger and
 Hansen, IPOP, CEC 2005, after every one). With `initial: 0` and `deviation: 0.3` it is pycma's own loop from random
-points. For expensive evaluations: it takes milliseconds of its own for each one. Global by its restarts. Start reading
-at `search`.
+points. For expensive evaluations: it takes milliseconds of its own for each one. Global by its restarts.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ NARROW = 0.05
 LATELY = 6
 """Evaluations per parameter over which the improvement of a descent is measured."""
 SETTLED = 1e-5
-"""An improvement by less than this fraction of the spread of the costs is none."""
+"""An improvement by less than this fraction of the spread of the costs does not count."""
 BEHIND = Ended("converged", "it would not come below the lowest cost found")
 AROUND = 2.0
 """Radius, in deviations of a first generation, within which earlier evaluations enter a new model."""

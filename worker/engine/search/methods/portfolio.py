@@ -7,7 +7,7 @@ The rule: at first all get the same share. Later a member has a small base share
 would reach the best cost at its rate of improvement. A member that has not improved for long loses both, but members
 that keep exploring retain their base share. A member that ends is restarted with new random numbers; an unpromising
 descent is stopped in favour of a lower start. The record states which member requested which evaluation. Its guarantees
-are those of its members. Start reading at `search`.
+are those of its members.
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ def _in_batches(space: Space, members: list[Member], record: Record, fair: int) 
 
 
 def _in_slots(space: Space, members: list[Member], record: Record, fair: int) -> Parallel:
-    """Each member goes on when its own points have ended; others get a turn while the slots have too little to do."""
+    """Each member continues when its own points have ended; others get a turn while the slots have too little to do."""
     pending: dict[int, Member] = {}
     while True:
         request = Several([])
@@ -195,12 +195,12 @@ class Member:
             self._advance(batch, record)
 
     def weight(self, record: Record) -> float:
-        """Its share of the coming evaluations, relative to the others."""
+        """The member's share of the coming evaluations, relative to the others."""
         fresh = 1.0 / (1.0 + self.stale / (PATIENCE * self.space.dimension))
         return self.part.own * (1.0 if self.part.explores else fresh) + fresh * self.promise(record)
 
     def promise(self, record: Record) -> float:
-        """How soon it would beat the best at its rate of improvement, from 0 to 1."""
+        """How soon the member would beat the best at its rate of improvement, from 0 to 1."""
         if len(self.past) < 2:
             return 0.5
         used, lowest = self.past[0]

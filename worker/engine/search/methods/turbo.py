@@ -6,7 +6,7 @@ samples: functions drawn from the process, each minimised over candidates in a b
 after successes, shrinks after failures to improve, and a new search begins when it is small. Failed evaluations have
 no value; a second process is fitted to their labels (-1 succeeded, 1 failed), and a candidate is chosen only if its
 label, drawn from that process, is negative, as constraints are treated by Eriksson and Poloczek (SCBO, AISTATS 2021).
-It takes up to tens of milliseconds of its own for each evaluation. Global by its restarts. Start reading at `search`.
+It takes up to tens of milliseconds of its own for each evaluation. Global by its restarts.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class Evaluated:
     costs: Floats
 
     def add(self, points: Floats, batch: Batch, best: Lowest) -> Evaluated:
-        """The same with another batch, which also updates the best point."""
+        """The evaluations with a further batch, which also updates the best point."""
         costs = batch.ranked()
         best.see(points, costs)
         return Evaluated(np.concatenate([self.points, points]), np.concatenate([self.costs, costs]))
@@ -134,7 +134,7 @@ def _chosen(
 
 
 def lowest_of(samples: Floats, labels: Floats | None) -> NDArray[np.intp]:
-    """For each sample (q, p) the candidate with the lowest cost among those that succeed by the labels drawn with it.
+    """The candidate of each sample (q, p) with the lowest cost among those that succeed by the labels drawn with it.
 
     Where none succeeds, the one with the lowest label. No candidate is chosen twice.
     """

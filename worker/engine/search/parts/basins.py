@@ -1,7 +1,7 @@
 """Which local minima are distinct: descents from many points, then a test for a barrier between their ends.
 
 Ursem, Multinational evolutionary algorithms (CEC 1999), for the hill-valley test; Preuss, Niching the CMA-ES via
-nearest-better clustering (GECCO 2010), for the choice of points to descend from. Start reading at `distinct`.
+nearest-better clustering (GECCO 2010), for the choice of points to descend from.
 """
 
 from __future__ import annotations

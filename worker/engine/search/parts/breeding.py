@@ -2,7 +2,6 @@
 mutation.
 
 Each operator draws for all children at once. Named as in Chipperfield and Fleming (1995) and Goldberg (1989).
-Start reading at `SELECT` and `CROSS`.
 """
 
 from __future__ import annotations
@@ -54,7 +53,7 @@ SELECT: dict[str, Select] = {
 
 
 def scattered(random: np.random.Generator, better: Floats, worse: Floats, ratio: float) -> Floats:
-    """Each parameter from one parent or the other, by the toss of a coin."""
+    """Children with each parameter from one parent or the other, by the toss of a coin."""
     return np.where(random.random(better.shape) < 0.5, better, worse)
 
 
@@ -67,12 +66,12 @@ def two_point(random: np.random.Generator, better: Floats, worse: Floats, ratio:
 
 
 def intermediate(random: np.random.Generator, better: Floats, worse: Floats, ratio: float) -> Floats:
-    """Each parameter at a random position between the parents' or, with a ratio above 1, beyond the one."""
+    """Children between their parents at random in each parameter or, with a ratio above 1, beyond one of them."""
     return better + ratio * random.random(better.shape) * (worse - better)
 
 
 def heuristic(random: np.random.Generator, better: Floats, worse: Floats, ratio: float) -> Floats:
-    """On the line from the worse parent to the better one, a little beyond it where the ratio is above 1."""
+    """Children on the line from the worse parent to the better one, a little beyond it where the ratio is above 1."""
     return worse + ratio * (better - worse)
 
 

@@ -2,7 +2,7 @@
 
 The library runs on a stack of its own in the same thread (greenlet): to go from one to the other takes 2 us, where
 waking another thread takes 50 us or more. A library whose state belongs to a thread gets one of its own; the two take
-turns, so they never run at the same time. Start reading at `called_back`.
+turns, so they never run at the same time.
 """
 
 from __future__ import annotations

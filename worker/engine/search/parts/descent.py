@@ -2,7 +2,7 @@
 
 Kraft, A software package for sequential quadratic programming (DFVLR-FB 88-28, 1988), as NLopt's LD_SLSQP and SciPy's
 SLSQP; Byrd, Lu, Nocedal, Zhu, A limited memory algorithm for bound constrained optimization (SIAM J. Sci. Comput. 16,
-1995), as SciPy's L-BFGS-B. Start reading at `descend`.
+1995), as SciPy's L-BFGS-B.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ slots, and grows when every point of stars and sample is near to what earlier de
 
 As in MLSL (Rinnooy Kan and Timmer, Math. Program. 39, 1987), a descent begins at the lowest point of stars and sample
 that is neither near to a lower evaluation nor to where a descent began or ended. Near means: not farther than a part of
-the mean distance of random points, as many as these, to their nearest neighbour. Start reading at `Explored`.
+the mean distance of random points, as many as these, to their nearest neighbour.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5: Matern 5/2 with a length scale
 for each parameter, constant mean 0 of standardised values, hyperparameters by maximum marginal likelihood (L-BFGS-B).
-Start reading at `fitted`.
 """
 
 from __future__ import annotations

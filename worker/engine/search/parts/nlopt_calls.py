@@ -1,4 +1,4 @@
-"""Runs an NLopt optimiser, which requests one point at a time, as a search. Start reading at `optimised`.
+"""Runs an NLopt optimiser, which requests one point at a time, as a search.
 
 NLopt needs a number for every point. A point without a value gets the highest cost so far, but only inside the library:
 everything counted, stored and reported comes from the evaluations themselves.

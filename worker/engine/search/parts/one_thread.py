@@ -2,7 +2,7 @@
 
 OpenBLAS divides a factorisation among as many threads as the machine has cores, and the last digits follow the
 division. Both packages contain an OpenBLAS of their own, which this sets directly; with another library the block runs
-with the number of threads that it has. Start reading at `one_thread`.
+with the number of threads that it has.
 """
 
 from __future__ import annotations

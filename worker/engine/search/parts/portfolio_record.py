@@ -1,7 +1,4 @@
-"""The information shared by the members of a portfolio: the spread of costs, and the lowest points found.
-
-Start reading at `Record.start`.
-"""
+"""The information shared by the members of a portfolio: the spread of costs, and the lowest points found."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """UNIRANDI: a local search along random directions that uses only values.
 
 Jarvi, A random search optimizer (University of Turku, 1973), as in GLOBAL (Csendes 1988): a step along a random
-direction or against it; a successful step is doubled until it fails, two failures halve it. Start at `unirandi`.
+direction or against it; a successful step is doubled until it fails, two failures halve it.
 """
 
 from __future__ import annotations

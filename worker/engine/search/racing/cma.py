@@ -2,7 +2,7 @@
 
 Hansen, The CMA evolution strategy: a tutorial (arXiv:1604.00772, 2016), with its constants, but with a Cholesky factor
 in place of the symmetric square root (Suttorp, Hansen, Igel, Machine Learning 75, 2009). Points are reflected at the
-faces of the box; a point without a value is redrawn up to five times and then ignored. Start reading at `tell`.
+faces of the box; a point without a value is redrawn up to five times and then ignored.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def _redrawn(s: State, t: int, random: Random) -> bool:
 
 @inner
 def _learn(s: State, t: int) -> None:
-    """One generation: update mean, evolution paths, covariance and step size."""
+    """Update mean, evolution paths, covariance and step size by one generation."""
     population = int(s.rates[6])
     rank = np.empty(population, np.int64)
     known = _ranked(s, t, rank)

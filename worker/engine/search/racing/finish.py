@@ -1,6 +1,6 @@
 """The final phase of contrast racing: merges incumbents without a barrier between them and polishes the best.
 
-Hill-valley test: Ursem, Multinational evolutionary algorithms (CEC 1999). Start reading at `Finish.run`.
+Hill-valley test: Ursem, Multinational evolutionary algorithms (CEC 1999).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from worker.engine.search.racing.samples import Samples
 from worker.engine.search.racing.state import COMPASS, Ints
 
 CANDIDATES, VALLEYS, COMPARED = 30, 12, 3
-"""Number of best incumbents to merge; of valleys to keep; of nearest valleys that each is compared with."""
+"""Number of best incumbents to merge; of valleys to store; of nearest valleys that each is compared with."""
 CAP = 0.04
 """Fraction of the budget that merging may use."""
 LAST = 1_000_000

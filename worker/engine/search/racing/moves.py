@@ -2,7 +2,7 @@
 
 Compass: Kolda, Lewis, Torczon, Optimization by direct search (SIAM Review 45, 2003), over random bases; Nelder and Mead
 (Computer Journal 7, 1965) with the coefficients of Gao and Han (Comput. Optim. Appl. 51, 2012), which suit any
-dimension. A point without a value is never accepted. Start reading at `tell`.
+dimension. A point without a value is never accepted.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The sample from which contrast racing takes its starts: Sobol points, their values and their contrast.
 
 The contrast of a point is its value minus the median value of its nearest neighbours in the sample: negative for a
-point that is low within its neighbourhood. Start reading at `Samples.start`.
+point that is low within its neighbourhood.
 """
 
 from __future__ import annotations

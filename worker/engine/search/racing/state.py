@@ -1,7 +1,7 @@
 """The state of many local searches, one row each, and the functions that their compiled state machines share.
 
-Start reading at `State`. numba's cache of a compiled function depends only on its own file, so no compiled function
-calls one of another file: a machine hands a searcher over by setting its kind and requesting no points.
+numba's cache of a compiled function depends only on its own file, so no compiled function calls one of another file: a
+machine hands a searcher over by setting its kind and requesting no points.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def room(rows: int, n: int) -> State:
 
 
 def grown(s: State) -> State:
-    """The same searchers with twice the number of rows."""
+    """The searchers with twice the number of rows."""
     shared = {"weights": s.weights, "rates": s.rates}
     rows = {name: np.concatenate([held, np.zeros_like(held)]) for name, held in s._asdict().items()}
     return State(**(rows | shared))

@@ -1,1 +1,1 @@
-"""Shared parts of the stages: the driver, the store, samples, findings, confirmation. Start reading at `base.drive`."""
+"""Shared parts of the stages: the driver, the store, samples, findings, confirmation."""

@@ -1,4 +1,4 @@
-"""Shared by the stages: the driver between a method and the system that evaluates. Start reading at `drive`."""
+"""Shared by the stages: the driver between a method and the system that evaluates."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 A case agrees when all differences are within tolerance and all values are on the same side of the threshold. It is a
 confirmed violation when all of them violate, however much they differ. Either way it is validated. Tolerances have
-a floor taken from the scale of the threshold, because a fraction of 0 is 0. Start reading at `cases`.
+a floor taken from the scale of the threshold, because a fraction of 0 is 0.
 """
 
 from __future__ import annotations

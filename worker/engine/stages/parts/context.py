@@ -1,4 +1,4 @@
-"""The context of a run in progress, a stage's counts, and the requests that stages make. Start reading at `Context`."""
+"""The context of a run in progress, a stage's counts, and the requests that stages make."""
 
 from __future__ import annotations
 
@@ -106,10 +106,10 @@ class Driven:
 
     @property
     def stop(self) -> Literal["rule", "budget"]:
-        """By its own rule or by the budget."""
+        """How the search ended: by its own rule or by the budget."""
         return self.how.kind
 
     @property
     def text(self) -> str:
-        """The same in words."""
+        """How the search ended, in words."""
         return self.how.text

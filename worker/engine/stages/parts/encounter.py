@@ -41,7 +41,7 @@ def _spread(context: Context, position: int) -> Spread:
 
 
 def influence(curves: Iterable[Curve]) -> dict[str, float]:
-    """By path: the largest difference that a parameter alone makes along any of the slices; only of those that have
+    """The largest difference that a parameter alone makes along any slice, by path; only of those that have
     several values."""
     found: dict[str, float] = {}
     for curve in curves:

@@ -13,7 +13,7 @@ from worker.engine.search.base import Ended
 
 
 def stop(kind: Literal["rule", "budget"], ended: str) -> Stop:
-    """By which rule; a plain string, from a method of another package, has no code."""
+    """The rule by which a search ended; a plain string, from a method of another package, has no code."""
     return Stop(kind=kind, code=ended.code if isinstance(ended, Ended) else StopCode.OTHER, said=spoken(ended))
 
 

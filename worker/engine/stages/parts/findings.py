@@ -2,8 +2,7 @@
 
 Gathers candidates stage by stage, descends from them, merges what ends in one basin, polishes, evaluates neighbours
 (the objective is not smooth), slices and the boundary. Any evaluation below the worst case becomes a candidate itself,
-until the run has no lower stored evaluation. `worker.engine.search.parts.basins` tests which minima are distinct. Start
-reading at `search`.
+until the run has no lower stored evaluation. `worker.engine.search.parts.basins` tests which minima are distinct.
 """
 
 from __future__ import annotations
@@ -101,7 +100,7 @@ def search(context: Context, position: int, found: Found) -> Search:
 def settle(context: Context, position: int, found: Found) -> bool:
     """Make the lowest stored evaluation the worst case if the budget ended too early; returns whether that was needed.
 
-    Of the basins not yet distinguished, the lowest are kept, as many as the campaign retains.
+    Of the basins not yet distinguished, the lowest are stored, as many as the campaign retains.
     """
     lower = _lower(context, position, found, settled=True)
     if lower is not None:

@@ -1,8 +1,7 @@
 """The evaluations of one stage in slots: they end in any order, the record has them in the order of the requests.
 
-What ends before an earlier one waits beside the record (`Ahead`), stored as soon as it has ended. The times at which
-evaluations ended are part of the record: with them a resumed stage tells its search the same order. Start reading at
-`InSlots`.
+What ends before an earlier one waits next to the record (`Ahead`), stored as soon as it has ended. The times at which
+evaluations ended are part of the record: with them a resumed stage gives its search the same order.
 """
 
 from __future__ import annotations

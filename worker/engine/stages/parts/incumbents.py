@@ -1,6 +1,6 @@
 """The best evaluation of every search by a simulator that does not repeat, which may be a lucky draw of the noise.
 
-Each is called again, independently of the search. Start reading at `called`.
+Each is called again, independently of the search.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ def violating(context: Context, nominal: Validation, best: Sequence[Incumbent]) 
 
 
 def confirmed(context: Context, also: Sequence[Confirmed]) -> list[Confirmed]:
-    """Of stored violations that one independent call confirmed, the lowest that further calls, by which it was not
-    chosen, confirm."""
+    """The lowest stored violation that one independent call confirmed, if further calls, by which it was not chosen,
+    confirm it, too."""
     for stored, _ in also[:AT_MOST]:
         (validation,) = repeated.cases(context, [(stored.case.name, stored.point, stored.cost)])
         if validation.violates:

@@ -2,7 +2,7 @@
 
 Morris, Factorial sampling plans for preliminary computational experiments (Technometrics 33, 1991), with mu* of
 Campolongo et al. (2007); Saltelli et al., Variance based sensitivity analysis of model output (Computer Physics
-Communications 181, 2010). Start reading at `morris` and `sobol`; each requests one batch and returns its study.
+Communications 181, 2010). `morris` and `sobol` request one batch each and return its study.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ def _unusable(problem: Problem, batch: Batch) -> Said | None:
 
 
 def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[str, dict[str, float | None]]]:
-    """One row per parameter; a non-finite value is None."""
+    """The rows of a study, one per parameter; a non-finite value is None."""
     rows = []
     for k, r in enumerate(problem.ranges):
         values = {name: float(found[key][k]) for name, key in columns.items()}

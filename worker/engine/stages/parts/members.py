@@ -26,7 +26,7 @@ class Members:
         self.announced.append((member, points))
 
     def listening(self, search: Parallel) -> Parallel:
-        """The same search, with its requests recorded."""
+        """The search, with its requests recorded."""
         batch = None
         try:
             while True:

@@ -1,4 +1,4 @@
-"""Whether the evaluations of a simulator repeat: measured before anything is searched. Start reading at `measuring`."""
+"""Whether the evaluations of a simulator repeat: measured before anything is searched."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def measuring(problem: Problem, chosen: Floats) -> Asking[str]:
 
 
 def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
-    """What these evaluations show; they are `TIMES` rounds of the same `chosen` points."""
+    """The noise that evaluations show; they are `TIMES` rounds of the same `chosen` points."""
     declared = problem.system.repeatable
     costs, status = (of.reshape(-1, chosen) for of in (columns.costs[:, 0], columns.status))
     values = np.where(status == OK, costs, np.nan)

@@ -1,7 +1,7 @@
 """Independent calls of a simulator that does not repeat, each in a fresh process.
 
 A case violates if at least one of its independent calls does; the evaluation that made a search choose the case does
-not count, because the search has selected it. Start reading at `cases`.
+not count, because the search has selected it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def cases(context: Context, asked: Sequence[Asked], calls: int | None = None) ->
 
 
 def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold: float, confidence: float) -> Calls:
-    """What these independent calls show."""
+    """What the independent calls of a case show."""
     violating = sum(v is not None and v <= threshold for v in values)
     failed = sum(v is None for v in values)
     low, high = claims.interval(violating, len(values), confidence, failed)

@@ -1,7 +1,7 @@
 """Statements on a random sample: counts, the bound on P(violation), a quantile bound, the distribution function.
 
 A failed evaluation counts as a violation and as the lowest value, because its outcome is unknown. If the distributions
-extend beyond the bounds, that probability is added to the bounds. Start reading at `Sample.statement`.
+extend beyond the bounds, that probability is added to the bounds.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Noise:
 
     @staticmethod
     def given(realised: Realised) -> Noise:
-        """For evaluations that all simulate the realisations stated in the campaign."""
+        """The noise of evaluations that all simulate the realisations stated in the campaign."""
         if not realised.random:
             return Noise()
         seeds = words(listed([str(seed) for seed in realised.seeds]))
@@ -51,8 +51,8 @@ class Noise:
 
     @staticmethod
     def of_calls(context: Context, single: bool) -> Noise | None:
-        """For evaluations of a simulator that does not repeat, by single calls or combined as the campaign states; None
-        for any other system."""
+        """The noise of a simulator that does not repeat, evaluated by single calls or combined as the campaign states;
+        None for any other system."""
         simulator = context.campaign.simulator
         if simulator is None or not noise.noisy(context):
             return None
@@ -125,7 +125,7 @@ class Sample:
         )
 
     def unclaimed(self, points: str, why: str) -> Statement:
-        """The same without a bound, and the reason for that."""
+        """The statement without a bound, and the reason for that."""
         estimate = say(" (an estimate of ", percent(self.violations / self.size), ")") if self.size else ()
         said = say(
             *(count(self.violations, "violations"), " of ", count(self.size, "samples"), f" {points} violate the "),

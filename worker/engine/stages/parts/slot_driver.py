@@ -1,7 +1,4 @@
-"""The driver of a stage whose system evaluates in slots: results arrive in any order and are stored as they do.
-
-Start reading at `SlotDriver.answer`.
-"""
+"""The driver of a stage whose system evaluates in slots: results arrive in any order and are stored as they do."""
 
 from __future__ import annotations
 
@@ -58,7 +55,7 @@ class SlotDriver(Driver):
         super()._store(columns, ahead)
 
     def _first_of(self, request: Several) -> tuple[Batch, bool]:
-        """The batch of the group that is complete first; the other groups go on."""
+        """The batch of the group that is complete first; the other groups continue."""
         for number, points in request.groups:
             self.groups[number], spent = self._indices(points, None)
             if spent:

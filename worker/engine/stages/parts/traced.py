@@ -1,4 +1,4 @@
-"""The trace of a case as a stage stores it, or why there is none. Start reading at `traced`."""
+"""The trace of a case as a stage stores it, or why there is none."""
 
 from __future__ import annotations
 

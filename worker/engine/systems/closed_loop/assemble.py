@@ -1,7 +1,5 @@
 """Builds a loop from components: lays out the flat parameter vector, generates the code that connects the components,
 fills the loop's slots, and compiles it unless plain Python is requested.
-
-Start reading at `Loop`, which the rest of the worker simulates with.
 """
 
 from __future__ import annotations
@@ -31,7 +29,7 @@ LANES = 16
 searches evaluate batches (DECISIONS.md)."""
 
 SHARED = 16
-"""How many loops a process keeps for further runs."""
+"""How many loops a process stores for further runs."""
 
 LIBRARY: dict[Any, Function] = {
     maths.sincos: lambda x: (math.sin(x), math.cos(x)),
@@ -138,7 +136,7 @@ class Loop:
         return self._plain[name, library]  # type: ignore[no-any-return]
 
     def kernel(self, name: str) -> Any:
-        """The same function as a kernel, for other compiled code."""
+        """The loop as a kernel, for other compiled code."""
         return vars(self.module)[name]
 
     @property
@@ -185,7 +183,7 @@ def shared(parts: Parts, lanes: int = LANES, compiled: bool = True) -> Loop:
     every = (parts.obstacles, parts.environment, parts.objectives)
     one = (parts.vehicle, parts.controller, parts.avoider, parts.criterion)
     faults = tuple((id(placed.fault), placed.on) for placed in parts.faults)
-    # By identity: it lasts while the loop is kept, which holds its parts.
+    # By identity: it lasts while the loop is stored, which refers to its parts.
     groups = tuple(tuple(map(id, group)) for group in (one, *every))
     key = groups, faults, parts.sampled, lanes, compiled
     with _SHARING:

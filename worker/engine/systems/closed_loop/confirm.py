@@ -1,7 +1,4 @@
-"""Confirms simulations by independent means: at half the step, and with the reference integrator.
-
-Start reading at `confirmed`.
-"""
+"""Confirms simulations by independent means: at half the step, and with the reference integrator."""
 
 from __future__ import annotations
 

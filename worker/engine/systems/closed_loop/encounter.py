@@ -1,7 +1,4 @@
-"""Evidence that the nominal case is an encounter: closest approach, path length, and the same case without avoidance.
-
-Start reading at `shown`.
-"""
+"""Evidence that the nominal case is an encounter: closest approach, path length, and the case without avoidance."""
 
 from __future__ import annotations
 

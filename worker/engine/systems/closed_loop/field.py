@@ -1,8 +1,7 @@
 """The field of an avoider: its demand over positions in a horizontal plane, at one instant of a simulation.
 
 The avoider's kernels are evaluated in plain Python with the vehicle displaced at constant height. Its velocity and
-attitude, the perceived obstacles and the avoider's memory stay as they were in the loop at that instant. Start reading
-at `field`.
+attitude, the perceived obstacles and the avoider's memory stay as they were in the loop at that instant.
 """
 
 from __future__ import annotations

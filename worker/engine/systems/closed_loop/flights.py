@@ -41,7 +41,7 @@ class Flights:
 
     @property
     def step(self) -> float:
-        """[s]"""
+        """The time step [s]."""
         return self.campaign.given_scenario.step
 
     def vector(self, values: Mapping[str, float]) -> Floats:
@@ -57,7 +57,7 @@ class Flights:
         return {f"{s.prefix}.{p.name}": s.first + k for s in self.loop.sections for k, p in enumerate(s.parameters)}
 
     def under(self, seed: int | None) -> Self:
-        """The same closed loop under one realisation; itself, with the campaign's realisations, for None."""
+        """The closed loop under one realisation; itself, with the campaign's realisations, for None."""
         if seed is None:
             return self
         one = copy(self)

@@ -1,4 +1,4 @@
-"""The components that a campaign names, and the nominal values of their parameters. Start reading at `parts_of`."""
+"""The components that a campaign names, and the nominal values of their parameters."""
 
 from __future__ import annotations
 

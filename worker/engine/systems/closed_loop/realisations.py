@@ -2,7 +2,6 @@
 
 A random component takes its noise from a hash of its parameter `seed`. A simulation sets this parameter to a number
 that combines the realisation's seed, the component's index in the scenario and its own seed, so that all are distinct.
-Start reading at `Realisations`.
 """
 
 from __future__ import annotations
@@ -61,7 +60,7 @@ class Realisations(Realised):
         return realised
 
     def only(self, seed: int) -> Realisations:
-        """The same components under a single realisation."""
+        """The realisations reduced to a single one."""
         return replace(self, seeds=(seed,), combine="worst")
 
     def combined(self, costs: Floats, status: NDArray[np.uint8], reasons: Mapping[int, str]) -> tuple[Batch, Any]:

@@ -1,4 +1,4 @@
-"""The closed loop of components as a `worker.engine.systems.base.System`. Start reading at `ClosedLoop`."""
+"""The closed loop of components as a `worker.engine.systems.base.System`."""
 
 from __future__ import annotations
 

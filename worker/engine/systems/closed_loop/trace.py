@@ -1,7 +1,6 @@
 """The trace of a case: time, pose, states, commands and separation as columns, and the closest approach.
 
 States come from the compiled loop itself, so a trace shows exactly the simulation that gave the cost.
-Start reading at `trace`.
 """
 
 from __future__ import annotations

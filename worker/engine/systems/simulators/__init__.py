@@ -1,1 +1,1 @@
-"""Simulators of other packages as systems. Start reading at `simulated`."""
+"""Simulators of other packages as systems."""

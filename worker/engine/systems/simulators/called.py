@@ -1,7 +1,4 @@
-"""A simulator as a campaign asks for it: several calls for each evaluation, and failed calls tried again.
-
-Start reading at `Called.evaluate`.
-"""
+"""A simulator as a campaign asks for it: several calls for each evaluation, and failed calls tried again."""
 
 from __future__ import annotations
 
@@ -71,7 +68,7 @@ class Called(Simulated):
         return batch_of([self._combined(rows[k : k + calls]) for k in range(0, len(rows), calls)])
 
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
-        """Of one further call, not tried again."""
+        """The trace of one further call, which is not tried again."""
         return self.inner.trace(name, values, seed)
 
     def warm(self) -> None:
@@ -82,7 +79,7 @@ class Called(Simulated):
             self.inner.close()
 
     def _tried(self, vectors: Floats) -> tuple[Batch, Reasons]:
-        """Each vector by one call; those that failed or timed out again, up to the number of retries."""
+        """Evaluate each vector by one call; what failed or timed out is tried again, up to the number of retries."""
         batch, reasons = self.inner.evaluate(vectors)
         costs, status, first = batch.costs.copy(), batch.status.copy(), dict(reasons)
         for _ in range(self.asked.retries):
@@ -99,7 +96,7 @@ class Called(Simulated):
         return Batch(costs, status), reasons
 
     def _attempt(self, vector: Floats) -> Future[Evaluated]:
-        """One call in a slot; one that failed or timed out again, up to the number of retries."""
+        """Evaluate by one call in a slot; what failed or timed out is tried again, up to the number of retries."""
         found: Future[Evaluated] = Future()
 
         def ended(future: Future[Evaluated], left: int, before: str) -> None:
@@ -119,7 +116,7 @@ class Called(Simulated):
         return found
 
     def _combined(self, calls: Sequence[Evaluated]) -> Evaluated:
-        """The calls of one evaluation as one: of the worst call all results, else each result by itself.
+        """The calls of one evaluation as one: of the worst call all results, else each result on its own.
 
         The reason is that of the first call that failed, or that succeeded only when tried again.
         """

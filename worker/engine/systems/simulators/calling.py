@@ -1,7 +1,7 @@
 """Calls a Python function for one evaluation: its results, or a sentence on why there are none; `child` runs it.
 
-Only the standard library is imported at first: the process of a slot loads this file before it knows its path, which
-`FUNCTION` in its environment gives, with the function. Start reading at `called`.
+Only the standard library is imported at first: the process of a slot loads this file before its path is set, which
+`FUNCTION` in its environment gives, with the function.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any, TypedDict
 FUNCTION = "CLEARANCE_FUNCTION"
 """Set in the process of a slot that calls a function: which one, and where it is."""
 LONGEST = 300
-"""Of a message are kept so many characters."""
+"""Characters of a message that are stored."""
 
 
 class Answer(TypedDict, total=False):

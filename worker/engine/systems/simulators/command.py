@@ -1,7 +1,6 @@
 """A simulator that is any program: processes in slots, which read parameters and return results as JSON.
 
-Whatever an evaluation does is a status with a reason: a crash, a hang, a missing or non-finite result. Start reading at
-`CommandSimulator`.
+Whatever an evaluation does is a status with a reason: a crash, a hang, a missing or non-finite result.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """A Python function as a system: called in this process (`InProcess`) or in processes of its own (`Isolated`).
 
-Whatever an evaluation does is a status with a reason; only an interrupt ends the search. Start reading at `InProcess`.
+Whatever an evaluation does is a status with a reason; only an interrupt ends the search.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ class InProcess(_OfFunction):
         return self._batch(values, failed)
 
     def _together(self, vectors: Floats) -> tuple[Batch, Reasons]:
-        """One call for all; a batch that raises is evaluated row by row, so that only its own rows fail."""
+        """Evaluate all rows by one call, or one by one if that raises, so that only the rows at fault fail."""
         m = len(vectors)
         columns = {name: np.array(column) for name, column in zip(self.names_given, vectors.T, strict=True)}
         try:

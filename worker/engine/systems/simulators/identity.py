@@ -2,7 +2,7 @@
 
 The compiled code and not the source text: a file may have been edited since, and an interactive function may have no
 text. What cannot be read exactly (an object, a generator of random numbers) is named instead: then nothing identifies
-the function, and a verdict must state that. Start reading at `identified`.
+the function, and a verdict must state that.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class _Reader:
         self.sink = hashlib.sha256()
         self.unknown = ""
         self.seen: dict[int, Any] = {}
-        """By id, and held, so that no id is used twice."""
+        """Objects by id, referred to here so that no id is used twice."""
 
     def put(self, *parts: object) -> None:
         for part in parts:

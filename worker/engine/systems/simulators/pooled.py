@@ -107,7 +107,7 @@ class Pooled(Simulated):
 
     @property
     def _scene(self) -> Scene | None:
-        """What is drawn of a trace, if it declares this."""
+        """What is drawn of a trace, if the simulator declares this."""
         return None
 
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
@@ -174,7 +174,7 @@ def gathered(futures: Sequence[Future[One]], read: Callable[[Sequence[One]], Eva
 
 
 def batch_of(found: Sequence[Evaluated]) -> tuple[Batch, Reasons]:
-    """These evaluations as a batch."""
+    """The evaluations as a batch."""
     costs = np.array([one.costs for one in found]).reshape(len(found), -1 if found else 1)
     reasons = {k: one.reason for k, one in enumerate(found) if one.reason}
     return Batch(costs, np.array([one.status for one in found], dtype=np.uint8)), reasons

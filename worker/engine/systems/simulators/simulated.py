@@ -56,7 +56,7 @@ class Simulated(Slotted):
         return type(self)(self.entry, self.opening)
 
     def halved(self) -> Simulated | None:
-        """The same simulator at half its step, which the caller closes; None without a step."""
+        """The simulator with its step halved, which the caller closes; None without a step."""
         return None
 
     def confirm(

@@ -1,6 +1,6 @@
 """Reads the trace that a simulator returned: columns of equal length, each value a finite number or null.
 
-A trace is no part of a verdict: whatever is wrong with it is a sentence. Start reading at `read`.
+A trace is no part of a verdict: whatever is wrong with it is a sentence.
 """
 
 from __future__ import annotations

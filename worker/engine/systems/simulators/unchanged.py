@@ -1,4 +1,4 @@
-"""Whether the files of a simulator are still those whose digest a run states. Start reading at `Unchanged`."""
+"""Whether the files of a simulator are still those whose digest a run states."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Unchanged:
 
 
 def _mark(path: Path) -> Mark | None:
-    """None for a file that is gone."""
+    """The mark of a file by which a change is noticed; None for a file that is gone."""
     try:
         found = path.stat()
     except OSError:

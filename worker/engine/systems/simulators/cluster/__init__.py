@@ -1,4 +1,4 @@
-"""Evaluations on a cluster of `dask.distributed`, in slots on its nodes. Start reading at `pool`.
+"""Evaluations on a cluster of `dask.distributed`, in slots on its nodes.
 
 It needs the extra `cluster`. `address` names an evaluator, `connection` reaches it, `node` runs there.
 """

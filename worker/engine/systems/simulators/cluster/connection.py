@@ -1,7 +1,6 @@
 """The connection of this process to a cluster: made once, shared by its pools, made again when the scheduler dies.
 
-A thread runs the event loop in which the client, the pools and the cluster of `local:N` live. Start reading at
-`Connection.client`.
+A thread runs the event loop in which the client, the pools and the cluster of `local:N` live.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ task that follows the release of a result: one evaluation at a time took twice a
 CONFIGURED = {
     # A worker takes no task ahead: it would wait behind a long one while another worker is idle.
     "distributed.scheduler.worker-saturation": 1.0,
-    # `pool` counts the deaths: the scheduler cannot tell the evaluation at fault from others of its task.
+    # `pool` counts the deaths: the scheduler cannot distinguish the evaluation at fault from others of its task.
     "distributed.scheduler.allowed-failures": 0,
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
@@ -50,7 +49,7 @@ CONFIGURED = {
 class Connection:
     """A client of a cluster in an event loop of its own; `acquire` returns it.
 
-    changed: called in the loop whenever the number of threads has changed; lost: when the cluster is given up.
+    changed: called in the loop whenever the number of threads has changed; lost: when the cluster counts as lost.
     """
 
     def __init__(self, evaluator: Evaluator) -> None:
@@ -162,7 +161,7 @@ class Connection:
         )
 
     async def _look_around(self, client: Client, deadline: float) -> None:
-        """What the scheduler does, and its first worker."""
+        """Read the state of the scheduler and its first worker."""
         try:
             self._saturation = await asyncio.wait_for(client.run_on_scheduler(node.saturation), ATTEMPT)
         except (ImportError, AttributeError) as error:

@@ -1,7 +1,7 @@
 """What runs on a node: a task evaluates a batch in a slot of the Dask worker, a process with all its protections.
 
 A Dask worker has one slot for each of its threads that is busy. Slots start with the first task, stay warm between
-tasks, and end with the run, with the worker, or when idle. Start reading at `evaluate`.
+tasks, and end with the run, with the worker, or when idle.
 
 It imports nothing heavy: the scheduler loads it too.
 """
@@ -172,7 +172,7 @@ def _drop(key: str, slot: NodeSlot) -> None:
 
 
 def _reap_later() -> None:
-    """With the lock held."""
+    """Start the timer that ends idle slots, if none is running; the caller holds the lock."""
     global _reaper
     if _reaper is None:
         _reaper = threading.Timer(IDLE / 4, _reap)

@@ -1,7 +1,7 @@
 """Slots on the nodes of a cluster, with the interface of `SlotPool`: batches of evaluations as tasks of Dask.
 
 A task evaluates as many requests as take about `TARGET`. Whatever becomes of a task, each of its evaluations ends once:
-with an outcome, sent again, or with `EvaluatorLost`. Start reading at `DaskPool._send`.
+with an outcome, sent again, or with `EvaluatorLost`.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class DaskPool:
         return self._connection.evaluator.slots or max(1, self._connection.threads)
 
     def submit(self, request: Request) -> Future[Outcome]:
-        """Queue one evaluation; raises RuntimeError once closed, `EvaluatorLost` once the cluster was given up."""
+        """Queue one evaluation; raises RuntimeError once closed, `EvaluatorLost` once the cluster counts as lost."""
         future: Future[Outcome] = Future()
         with self._lock:
             if self._failure is not None:
@@ -163,7 +163,7 @@ class DaskPool:
         except Exception as error:
             self._again(batch)
             if client is not None and self._connection.connected is not client:
-                return  # whatever it says, the connection was lost
+                return  # whatever the error, the connection was lost
             self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.given}: {_said(error)}"))
         else:
             self._deliver(batch, done)

@@ -1,4 +1,4 @@
-"""What a node is sent and returns, and whether it would compute what this process would. Start reading at `Work`.
+"""What a node is sent and returns, and whether it would compute what this process would.
 
 It imports nothing heavy: the scheduler loads it too.
 """

@@ -1,7 +1,4 @@
-"""The columns of a trace, as a decorated function or an FMU declares them. Only the standard library is imported.
-
-Start reading at `columns`.
-"""
+"""The columns of a trace, as a decorated function or an FMU declares them. Only the standard library is imported."""
 
 from __future__ import annotations
 

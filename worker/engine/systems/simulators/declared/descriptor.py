@@ -1,7 +1,7 @@
 """Reads the descriptor of a program or an FMU that is a simulator: `simulator.yaml` in a folder of its own.
 
-The operator lists folders of such folders in CLEARANCE_SIMULATORS; a campaign only names a simulator. Start reading at
-`Descriptor` and, for FMUs, at `fmu`; docs/your-own-simulator.md shows one.
+The operator lists folders of such folders in CLEARANCE_SIMULATORS; a campaign only names a simulator.
+docs/your-own-simulator.md shows one.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ LARGEST = 200_000
 """The largest descriptor that is read [bytes]."""
 
 LONGEST = 400
-"""Characters of what a reader of YAML said."""
+"""Characters of a message of the reader of YAML."""
 
 
 def read(folder: Path) -> Described:

@@ -1,7 +1,7 @@
 """Reads the descriptor of an FMU that is a simulator: `simulator.yaml` with the key `fmu`.
 
 Names, units, limits and start values come from the model; the descriptor (`fmu_descriptor`) states what the model does
-not. Start reading at `read`; docs/your-own-simulator.md shows one.
+not. docs/your-own-simulator.md shows one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What `simulator.yaml` states of an FMU. Start reading at `FmuDescriptor`; docs/your-own-simulator.md shows one."""
+"""What `simulator.yaml` states of an FMU. docs/your-own-simulator.md shows one."""
 
 from __future__ import annotations
 

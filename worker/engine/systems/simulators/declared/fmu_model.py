@@ -1,7 +1,4 @@
-"""Reads what an FMU states about itself: version, binary, variables, default experiment. Runs no code of the FMU.
-
-Start reading at `model`.
-"""
+"""Reads what an FMU states about itself: version, binary, variables, default experiment. Runs no code of the FMU."""
 
 from __future__ import annotations
 
@@ -129,7 +126,7 @@ def _model(stated: Any) -> Model:
 
 
 def _variable(stated: Any) -> Variable:
-    """With what its declared type adds."""
+    """The variable with what its declared type adds."""
 
     def own(attribute: str) -> Any:
         value = getattr(stated, attribute)

@@ -1,7 +1,7 @@
 """A Python function as a simulator: the decorator `simulator`, and the declaration that it makes.
 
 Only the standard library is imported, so that the process of a slot, which imports the file with the function, starts
-quickly. Start reading at `simulator`.
+quickly.
 """
 
 from __future__ import annotations
@@ -270,7 +270,7 @@ def _check_settings(s: Settings) -> None:
 
 
 def in_units(declaration: Declaration) -> Declaration:
-    """The same with floats for all numbers, as JSON and campaigns have them."""
+    """The declaration with floats for all numbers, as JSON and campaigns have them."""
     parameters = {
         name: replace(p, low=float(p.low), high=float(p.high), nominal=float(p.usual))
         for name, p in declaration.parameters.items()

@@ -1,4 +1,4 @@
-"""Checks the 3D view that a simulator declares against the columns of its trace. Start reading at `scene_of`."""
+"""Checks the 3D view that a simulator declares against the columns of its trace."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The declaration of a simulator: its catalogue entry and the function that opens it. Start reading at `Simulator`."""
+"""The declaration of a simulator: its catalogue entry and the function that opens it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A simulator that is an FMU: the described file, evaluated in slots by `process`. Start reading at `opened`."""
+"""A simulator that is an FMU: the described file, evaluated in slots by `process`."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ EVALUATIONS = 3 + 2 * len(OTHERS)
 
 
 class FmuUnusable(ValueError):
-    """The FMU cannot be instantiated; the message says why."""
+    """The FMU cannot be instantiated; the message gives the reason."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def program(described: DescribedFmu, result: str, reuse: str, function: str, wor
 
 
 def _job(described: DescribedFmu, result: str, reuse: str) -> Job:
-    """What the process must know; it computes only the result that the campaign names."""
+    """The request to the process; it computes only the result that the campaign names."""
     d, m = described.descriptor, described.model
     fixed = [(m.variables[name], value) for name, value in d.fixed.items()]
     taken = d.results[result]

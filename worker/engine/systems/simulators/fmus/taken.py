@@ -8,7 +8,7 @@ from worker.engine.systems.simulators.fmus.job import Take
 
 
 class NotTaken(ValueError):
-    """The samples do not give the result; the message says why."""
+    """The samples do not give the result; the message gives the reason."""
 
 
 class Taken:

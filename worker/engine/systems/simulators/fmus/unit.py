@@ -1,4 +1,4 @@
-"""One loaded FMU in this process: instantiates, sets, steps, reads. Start reading at `Unit.run`.
+"""One loaded FMU in this process: instantiates, sets, steps, reads.
 
 Every call that does not succeed ends the evaluation with a sentence. An instance that failed is never used again.
 """
@@ -158,7 +158,7 @@ class Unit:
             raise Failed(f"the model {what} at t = {reached:g} s, before {self.job['stop']:g} s")
 
     def _read(self, references: Any, count: int, values: Any) -> None:
-        """So many variables by their references, arrays of C."""
+        """Read variables by their references, as arrays of C."""
         fmu = self._fmu
         if self.job["fmi"] == 2:
             fmu.fmi2GetReal(fmu.component, references, count, values)

@@ -1,1 +1,1 @@
-"""Distances from the logs of flights and drives, for adapters of simulators. Start at `ulog` and `rosbag`."""
+"""Distances from the logs of flights and drives, for adapters of simulators."""

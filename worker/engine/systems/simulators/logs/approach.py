@@ -1,7 +1,7 @@
-"""The closest approach of a recorded track to obstacles and to another track. Start reading at `closest`.
+"""The closest approach of a recorded track to obstacles and to another track.
 
 Between two samples a position moves on a straight line, so the minimum is refined within each segment. A track that
-does not show where the vehicle was gives no distance: `Unreadable` says why.
+does not show where the vehicle was gives no distance: `Unreadable` has the reason.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 class Unreadable(ValueError):
-    """The log gives no distance; the message says what is missing and where."""
+    """The log gives no distance; the message names what is missing and where."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The process of a slot around a Python function: child.py READ WRITE BEGUN MODULE:FUNCTION, or FILE.py:FUNCTION.
 
-Requests and answers travel on pipes of their own, so the function may print. The number of evaluations begun stands in
+Requests and answers travel on pipes of their own, so the function may print. The number of evaluations begun is in
 memory shared with the parent: an evaluation that was never begun is not blamed for the death of its process. If the
 function has an attribute `prepare`, that is called first, before the process is ready. A request for a trace calls its
 attribute `traced`, if it has one, which returns an object with `results` and `trace`.
@@ -90,7 +90,7 @@ def answered(evaluate: Any, request: dict[str, Any]) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Numbers of numpy as those of Python, wherever they stand; other things as they are."""
+    """Numbers of numpy as those of Python at every depth; other values as they are."""
     if isinstance(value, dict):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):

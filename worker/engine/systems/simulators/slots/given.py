@@ -1,7 +1,4 @@
-"""The environment that a worker was given, for programs of others: without what is set for our own processes.
-
-Start reading at `given`.
-"""
+"""The environment that a worker was given, for programs of others: without what is set for our own processes."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Slots side by side: hands out evaluations, and replaces a process that died, hung, leaked or served long enough.
 
 One thread owns all processes (they die with the thread that started them) and waits on their pipes and on their deaths.
-Whatever an evaluation does, it comes to an `Outcome`, and no other is lost. Start reading at `SlotPool._turn`.
+Whatever an evaluation does, it comes to an `Outcome`, and no other is lost.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ class SlotPool:
             self._woken = self._wakes = -1
 
     def _wake(self) -> None:
-        """With the lock held: the pipe must not be closed meanwhile."""
+        """Wake the thread of the pool; the caller holds the lock, so that the pipe is not closed meanwhile."""
         if self._wakes >= 0:
             with contextlib.suppress(BlockingIOError):  # a full pipe wakes it too
                 os.write(self._wakes, b"x")
@@ -179,7 +179,7 @@ class SlotPool:
         self._watch_writes(slot)
 
     def _handle(self, slot: Slot, descriptor: int) -> None:
-        """One event of a slot: output, an answer, room to write, or its death."""
+        """Handle one event of a slot: output, an answer, room to write, or its death."""
         if descriptor == slot.logs:
             slot.read_output()
         elif descriptor == slot.writes:
@@ -231,7 +231,7 @@ class SlotPool:
         return f"it wrote {len(messages)} JSON objects in answer to {asked} {'request' if asked == 1 else 'requests'}"
 
     def _fail_next(self) -> None:
-        """An answer too many is seen only while nothing waits: what waits next fails, so that it is reported."""
+        """A surplus answer is noticed only while no request waits: the next request fails, so that it is reported."""
         with self._lock:
             job = self._waiting.popleft() if self._waiting else None
         if job is not None:
@@ -259,7 +259,7 @@ class SlotPool:
         self._finish(job, outcome)
 
     def _replace(self, slot: Slot, why: str) -> None:
-        """A new process for this one; the evaluation at fault is answered, those behind it go back to the front."""
+        """Replace the process; the evaluation at fault is answered, those behind it return to the head of the queue."""
         if why == "late":
             slot.where_it_hangs()
         self._unregister(slot)

@@ -1,7 +1,7 @@
 """How a slot starts and speaks to a process: framed JSON on pipes of its own, or JSON lines on standard streams.
 
-A framed process is Python of ours around somebody's function (`child`): the function may print whatever it wants. A
-process of JSON lines is any program. Start reading at `Program`.
+A framed process is our Python around a user's function (`child`), which may print. A process of JSON lines is any
+program.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Program:
     ids: bool = False
 
     def placed(self, slot: int) -> Program:
-        """The same for one slot."""
+        """The program for one slot."""
 
         def at(text: str) -> str:
             return text.replace("{slot}", str(slot))

@@ -24,7 +24,7 @@ from worker.engine.systems.simulators.slots.program import Program, framed, iden
 LAUNCH = Path(__file__).with_name("launch.py")
 TAG = "CLEARANCE_SLOT"
 LAST = 8192
-"""Of its output are kept so many bytes."""
+"""Bytes of its output that are stored."""
 SHOWN = 400
 CHUNK = 1 << 16
 
@@ -86,7 +86,7 @@ class Slot:
 
     @property
     def begun(self) -> int | None:
-        """How many evaluations it has begun; None where it cannot tell."""
+        """How many evaluations it has begun; None if the process does not report it."""
         return None if self._begun is None else int.from_bytes(self._begun[:8], "little")
 
     @property
@@ -174,7 +174,7 @@ class Slot:
         return pipe in self.ended
 
     def _chunks(self, descriptor: int) -> list[bytes]:
-        """What a pipe has now, 16 chunks at most."""
+        """The bytes that a pipe has now, 16 chunks at most."""
         found: list[bytes] = []
         with contextlib.suppress(BlockingIOError):
             while len(found) < 16:

@@ -26,7 +26,7 @@ LONG = (
     "faults/test_kill.py",
     "faults/test_serve.py",
     "faults/test_worker.py",
-    "api/test_simulators.py",
+    "api/runs/test_simulators.py",
     "physics/test_reproduce.py",
     "physics/test_realisations.py",
     "faults/test_code.py",

@@ -15,56 +15,56 @@ SLOW=(
     tests/contract/test_method_table.py
     tests/contract/test_methods.py
     tests/contract/test_pairs.py
-    tests/unit/test_allow_code.py
-    tests/unit/test_audit.py
-    tests/unit/test_baseline.py
-    tests/unit/test_bind.py
-    tests/unit/test_campaigns_effort.py
-    tests/unit/test_catalog.py
-    tests/unit/test_certify.py
-    tests/unit/test_cli.py
-    tests/unit/test_cli_purge.py
-    tests/unit/test_cli_run.py
-    tests/unit/test_cma_es.py
-    tests/unit/test_compose.py
-    tests/unit/test_continuation.py
-    tests/unit/test_contrast_racing.py
-    tests/unit/test_drive.py
-    tests/unit/test_examination.py
-    tests/unit/test_explain.py
-    tests/unit/test_field.py
-    tests/unit/test_findings.py
-    tests/unit/test_front.py
-    tests/unit/test_function_files.py
-    tests/unit/test_functions.py
-    tests/unit/test_global_clustering.py
-    tests/unit/test_library.py
-    tests/unit/test_live.py
-    tests/unit/test_lq_cma_es.py
-    tests/unit/test_mlsl.py
-    tests/unit/test_monte_carlo.py
-    tests/unit/test_nlopt_global.py
-    tests/unit/test_notebook.py
-    tests/unit/test_nsga2.py
-    tests/unit/test_own_components.py
-    tests/unit/test_portfolio.py
-    tests/unit/test_problem.py
-    tests/unit/test_readme.py
-    tests/unit/test_reproduce.py
-    tests/unit/test_resume.py
-    tests/unit/test_same_numbers.py
-    tests/unit/test_seeds.py
-    tests/unit/test_sensitivity.py
-    tests/unit/test_sources.py
-    tests/unit/test_stages.py
-    tests/unit/test_text.py
-    tests/unit/test_text_names.py
-    tests/unit/test_trace.py
+    tests/unit/clearance/cli/test_allow_code.py
+    tests/unit/evidence/audit/test_audit.py
+    tests/unit/engine/stages/test_baseline.py
+    tests/unit/engine/kernels/test_bind.py
+    tests/unit/campaigns/asked/test_campaigns_effort.py
+    tests/unit/running/catalogue/test_catalog.py
+    tests/unit/engine/stages/test_certify.py
+    tests/unit/clearance/cli/test_cli.py
+    tests/unit/backend/db/test_cli_purge.py
+    tests/unit/clearance/cli/test_cli_run.py
+    tests/unit/engine/search/test_cma_es.py
+    tests/unit/repository/test_compose.py
+    tests/unit/running/runs/test_continuation.py
+    tests/unit/engine/search/test_contrast_racing.py
+    tests/unit/engine/stages/test_drive.py
+    tests/unit/running/examination/test_examination.py
+    tests/unit/clearance/cli/test_explain.py
+    tests/unit/engine/systems/test_field.py
+    tests/unit/engine/stages/test_findings.py
+    tests/unit/engine/stages/test_front.py
+    tests/unit/running/catalogue/test_function_files.py
+    tests/unit/clearance/function/test_functions.py
+    tests/unit/engine/search/test_global_clustering.py
+    tests/unit/campaigns/test_library.py
+    tests/unit/running/processes/test_live.py
+    tests/unit/engine/search/test_lq_cma_es.py
+    tests/unit/engine/search/test_mlsl.py
+    tests/unit/engine/search/test_monte_carlo.py
+    tests/unit/engine/search/test_nlopt_global.py
+    tests/unit/clearance/function/test_notebook.py
+    tests/unit/engine/search/test_nsga2.py
+    tests/unit/running/catalogue/test_own_components.py
+    tests/unit/engine/search/test_portfolio.py
+    tests/unit/engine/problem/test_problem.py
+    tests/unit/repository/test_readme.py
+    tests/unit/running/reproduce/test_reproduce.py
+    tests/unit/running/runs/test_resume.py
+    tests/unit/engine/stages/test_same_numbers.py
+    tests/unit/engine/stages/test_seeds.py
+    tests/unit/engine/stages/test_sensitivity.py
+    tests/unit/running/runs/test_sources.py
+    tests/unit/engine/stages/test_stages.py
+    tests/unit/engine/kernels/test_text.py
+    tests/unit/engine/kernels/test_text_names.py
+    tests/unit/engine/systems/test_trace.py
 )
 # Of files that are quick otherwise: these start several processes, each of which takes seconds.
 STARTING=(
     tests/contract/test_stages.py::test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api
-    tests/unit/test_arrows.py::test_what_a_process_loads
+    tests/unit/repository/test_arrows.py::test_what_a_process_loads
 )
 
 frontend_types() {

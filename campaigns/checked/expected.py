@@ -2,7 +2,7 @@
 
 How soon a search ends, how many worst cases there are and how long the descents to them take is known only afterwards:
 every number is a range with a usual value. The figures are measured on the campaigns of the library, see
-`tests/unit/test_expected.py`.
+`tests/unit/campaigns/checked/test_expected.py`.
 """
 
 from __future__ import annotations

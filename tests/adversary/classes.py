@@ -17,7 +17,7 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from clearance.testing.problems import Problem
-from tests.unit.cases import document
+from tests.given.case_campaigns import document
 
 NOT_CLEARED = frozenset({"violated", "inconclusive", "refused"})
 VIOLATED = frozenset({"violated"})

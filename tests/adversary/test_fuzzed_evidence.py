@@ -22,9 +22,9 @@ from clearance.cli import WrongInputError
 from clearance.cli.trail import _of_file
 from tests.adversary.mutations import GROWING, mutated
 from tests.fmu import made
+from tests.given import capsule_files as capsules
+from tests.given.capsule_files import few_checks, files_of, zipped
 from tests.logs import written
-from tests.unit import capsules
-from tests.unit.capsules import few_checks, files_of, zipped
 from worker.engine.systems.simulators.declared import fmu_model
 from worker.engine.systems.simulators.logs.approach import Sphere, Unreadable
 from worker.engine.systems.simulators.logs.rosbag import separation_of_mcap

@@ -15,8 +15,8 @@ from backend.db.engine import default_url
 from backend.scenes.live.live import Live
 from backend.settings import Settings
 from tests import migrated as empty
-from tests.api.databases import KINDS, Fresh, on_postgresql
-from tests.api.server import Service
+from tests.given.databases import KINDS, Fresh, on_postgresql
+from tests.given.service import Service
 
 
 @pytest.fixture(scope="session")
@@ -47,7 +47,7 @@ def fresh_postgresql() -> Iterator[Fresh]:
 
 @pytest.fixture
 def database(request: pytest.FixtureRequest) -> str:
-    """Which database the service of a test has; see `tests.api.databases`."""
+    """Which database the service of a test has; see `tests.given.databases`."""
     return str(getattr(request, "param", KINDS[0]))
 
 

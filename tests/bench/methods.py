@@ -18,7 +18,7 @@ from scipy import optimize
 from campaigns import library, load_file
 from clearance.testing.problems import Problem
 from clearance.testing.searching import batch, run, space
-from tests.unit.functions import PUBLISHED, OnUnitCube, on_unit_cube
+from tests.given.functions_with_minima import PUBLISHED, OnUnitCube, on_unit_cube
 from worker.engine.search.base import Floats, Method
 from worker.engine.search.methods import direct
 from worker.engine.systems.closed_loop.assemble import Loop

@@ -23,7 +23,7 @@ import numpy as np
 from campaigns.results.base import EXCLUDED
 from clearance.testing.searching import batch, space
 from tests.bench import small_budgets
-from tests.unit.functions import FUNCTIONS, on_unit_cube
+from tests.given.functions_with_minima import FUNCTIONS, on_unit_cube
 from worker.engine.search.base import Floats
 from worker.running.catalogue.installed import methods
 

@@ -7,7 +7,7 @@ which constants are set (`tuning`, `valleys`), and those on which a choice is ch
 A score of 1 means that the minimum was found, 0 that the result is the median of as many random points as the smallest
 budget: score = 1 - log(1 + gap / tolerance) / log(1 + gap of random points / tolerance), clipped at 0, with the
 tolerance 1e-3 of the gap of the random points. It is averaged over problems and seeds. The problems that judge are
-those of `tests.unit.small_budgets`, on which nothing was tuned.
+those of `tests.given.small_budget_functions`, on which nothing was tuned.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ import numpy as np
 
 from campaigns.results.base import FAILED
 from clearance.testing.searching import batch, space
-from tests.unit.small_budgets import JUDGED, Judged
-from tests.unit.small_budgets_tuning import TUNING
-from tests.unit.small_budgets_valleys import VALLEYS, Landscape
+from tests.given.small_budget_functions import JUDGED, Judged
+from tests.given.small_budget_tuning import TUNING
+from tests.given.small_budget_valleys import VALLEYS, Landscape
 from worker.engine.search.base import Floats
 from worker.running.catalogue.installed import methods
 

@@ -9,8 +9,8 @@ import sys
 
 import pytest
 
+from tests.given.guest_packages import package
 from tests.simulators import package as simulators
-from tests.unit.packages import package
 
 UNIFORM = '''"""Uniform: independent uniform points.
 

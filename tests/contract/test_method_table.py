@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from clearance.testing.searching import BUDGET, Answer, answering, at_most, batch, driven, rough
 from tests.contract.searches import EACH
-from tests.unit.functions import FUNCTIONS as TABLE
-from tests.unit.functions import on_unit_cube
+from tests.given.functions_with_minima import FUNCTIONS as TABLE
+from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Batch, Floats, Method, Minimum
 from worker.running.catalogue.installed import methods
 

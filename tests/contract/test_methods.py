@@ -17,7 +17,7 @@ from clearance.testing import methods as contract
 from clearance.testing import searching
 from clearance.testing.searching import BUDGET, FUNCTIONS, at_most, rough, run
 from tests.contract.searches import EACH, with_each
-from tests.unit.functions import on_unit_cube
+from tests.given.functions_with_minima import on_unit_cube
 from worker.engine.search.base import Method
 from worker.engine.systems.simulators.slots.given import THREADS
 from worker.running.catalogue.installed import methods

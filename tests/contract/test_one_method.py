@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.faults.processes import REPOSITORY
-from tests.unit.cases import document
+from tests.given.case_campaigns import document
 from worker.running.catalogue.installed import methods
 
 ALLOWED = {

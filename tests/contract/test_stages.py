@@ -17,8 +17,8 @@ from campaigns.stages.declared import Declared
 from campaigns.stages.found import declared, stage_result
 from campaigns.stages.plan import plan
 from tests.faults.processes import REPOSITORY
+from tests.given.case_campaigns import campaign
 from tests.simulators import package
-from tests.unit.cases import campaign
 from worker.engine.stages.found import stages
 
 ASKED: dict[str, Any] = {

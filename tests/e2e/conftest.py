@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterator
 import pytest
 from playwright.sync_api import Browser, sync_playwright
 
-from tests.api.server import Service as StoredService
 from tests.e2e import flown as runs_flown
 from tests.e2e.browser import Visit, launch, visiting
 from tests.e2e.flown import Flown
 from tests.faults.processes import REPOSITORY
 from tests.faults.serving import Service, serving
+from tests.given.service import Service as StoredService
 
 Browsers = Callable[[bool], Browser]
 

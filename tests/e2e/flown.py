@@ -17,9 +17,9 @@ from backend.db import workers
 from backend.db.engine import default_url, migrate, read
 from backend.db.tables import Run, Worker
 from campaigns import library, load_file
-from tests.api.server import Service
 from tests.e2e.stored import opened
 from tests.faults.processes import CLEARANCE, started, until
+from tests.given.service import Service
 from tests.simulators import dropped, package
 
 FEW = {"at_most": 2, "evaluations": 100}
@@ -72,7 +72,10 @@ def asked() -> list[dict[str, Any]]:
         {"campaign": case("unicycle_static", QUICK), "name": "Cancelled"},
         {"campaign": package.campaign(), "name": "Basins"},
         {"campaign": package.campaign(2.0), "name": "Basins, another threshold"},
-        {"campaign": several, "name": "Several criteria"},  # a loop that tests/unit/test_front.py compiles
+        {
+            "campaign": several,
+            "name": "Several criteria",
+        },  # a loop that tests/unit/engine/stages/test_front.py compiles
         *(dropping() if dropped.compiler() else []),
     ]
 

@@ -11,7 +11,7 @@ from backend.db.engine import default_url, migrate
 from backend.scenes.base.schemas import Layers, ViewState
 from backend.scenes.live.live import Live
 from backend.settings import Settings
-from tests.api.server import Service
+from tests.given.service import Service
 
 VIEW = ViewState(
     opened=1.0,

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.api.joined import PASSWORD
-from tests.api.server import Service
 from tests.e2e.axe import AXE, violations
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.stored import served
+from tests.given.joined_users import PASSWORD
+from tests.given.service import Service
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
 

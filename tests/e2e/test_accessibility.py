@@ -13,14 +13,14 @@ import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
 from campaigns import library, load_file
-from tests.api.catalogue import published_by_workers
-from tests.api.finished import Work
-from tests.api.reported import finish_fully
-from tests.api.server import Service
 from tests.e2e.axe import AXE, RULES, violations
 from tests.e2e.browser import Visit, nightly_but, visiting
 from tests.e2e.stored import VIEW, served
 from tests.e2e.written import editor, write_over, written
+from tests.given.finished_runs import Work
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service
+from tests.given.small_catalogue import published_by_workers
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
 

@@ -15,13 +15,13 @@ from playwright.sync_api import Browser, Page, Response, expect
 
 from backend.db.tables import Run
 from campaigns import library, load_file
-from tests.api.reported import finish_fully
-from tests.api.server import Service
 from tests.e2e.browser import PATIENCE, Visit, draws, pictured, visiting
 from tests.e2e.conftest import Browsers
 from tests.e2e.flown import AGAIN, BOX, INTRUDER, asked
 from tests.e2e.looking import api, looks
 from tests.faults.processes import until
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(600)]
 DRAWS = False

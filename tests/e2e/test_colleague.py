@@ -16,12 +16,12 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from clearance.cli import invoke
-from tests.api.catalogue import campaign
-from tests.api.joined import PASSWORD
-from tests.api.reported import finish_fully
-from tests.api.server import Service
 from tests.e2e.browser import Visit, undrawn, visiting
 from tests.e2e.stored import served
+from tests.given.joined_users import PASSWORD
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(180)]
 

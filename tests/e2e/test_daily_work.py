@@ -20,12 +20,12 @@ from playwright.sync_api import Browser, Error, Locator, Route, expect
 from backend.db import workers
 from backend.db.queue import Queue
 from backend.db.tables import Run, Worker
-from tests.api.catalogue import campaign
-from tests.api.server import Service
-from tests.api.submitting import submit
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.looking import within
 from tests.e2e.stored import served
+from tests.given.service import Service
+from tests.given.small_catalogue import campaign
+from tests.given.submissions import submit
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False

@@ -23,13 +23,13 @@ from playwright.sync_api import Browser, Download, Page, Route, expect
 from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
 from campaigns.catalogue import UnusableEntry
-from tests.api.catalogue import CATALOGUE, campaign
-from tests.api.reported import finish_fully
-from tests.api.server import Service, until
-from tests.api.versions import CODE, OTHER, edited
 from tests.e2e.browser import Visit, nightly_but, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
+from tests.given.code_versions import CODE, OTHER, edited
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service, until
+from tests.given.small_catalogue import CATALOGUE, campaign
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False

@@ -20,7 +20,7 @@ from tests.faults.serving import serving
 pytestmark = [
     pytest.mark.e2e,
     pytest.mark.timeout(300),
-    # It compiles two robots. By day every step has a test of its own: tests/unit/test_own_components.py and
+    # It compiles two robots. By day every step has a test of its own: in tests/unit/running test_own_components.py and
     # test_examination.py, tests/faults/test_code.py, and in this folder test_evidence.py and test_reading_a_run.py.
     pytest.mark.nightly,
 ]
@@ -32,7 +32,7 @@ MISTAKE = (
     '"kgs", "Mass"',
     r"my_robot\.py, line \d+: MyRobot\.m: unknown unit 'kgs': did you mean",
 )
-"""A file, an edit of it, and the sentence; others: tests/unit/mistakes.py."""
+"""A file, an edit of it, and the sentence; others: tests/given/component_mistakes.py."""
 
 
 def campaign() -> dict[str, Any]:

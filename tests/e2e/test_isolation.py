@@ -8,12 +8,12 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Frame, Page, Request, expect
 
-from tests.api.finished import finish
-from tests.api.server import Service, until
-from tests.api.submitting import submit
-from tests.api.viewing import KEY
 from tests.e2e.browser import Visit, undrawn, visiting
 from tests.e2e.stored import served
+from tests.given.finished_runs import finish
+from tests.given.service import Service, until
+from tests.given.submissions import submit
+from tests.given.viewer_clients import KEY
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 

@@ -12,11 +12,11 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, ViewportSize, expect
 
-from tests.api.server import Service
 from tests.e2e.browser import PATIENCE, Visit, draws, nightly_but, visiting
 from tests.e2e.flown import BASINS, BOX, CANCELLED, CLEARED, INTRUDER, SEVERAL
 from tests.e2e.stored import VIEW
 from tests.faults.processes import until
+from tests.given.service import Service
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 

@@ -15,12 +15,12 @@ import sqlalchemy as sa
 from playwright.sync_api import Browser, Page, expect
 
 from backend.db.tables import Run
-from tests.api.catalogue import campaign
-from tests.api.reported import finish_fully
-from tests.api.server import Service
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.looking import looks
 from tests.e2e.stored import served
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False

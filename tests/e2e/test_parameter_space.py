@@ -11,14 +11,14 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Locator, expect
 
-from tests.api.catalogue import campaign, published_by_workers
-from tests.api.finished import Work
-from tests.api.lost import FLYING, INSIDE, lose
-from tests.api.reported import finish_fully
-from tests.api.server import Service
 from tests.e2e.browser import PATIENCE, Visit, visiting
 from tests.e2e.looking import LOOKS, within
 from tests.e2e.stored import served
+from tests.given.finished_runs import Work
+from tests.given.reported_runs import finish_fully
+from tests.given.runs_with_failures import FLYING, INSIDE, lose
+from tests.given.service import Service
+from tests.given.small_catalogue import campaign, published_by_workers
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False

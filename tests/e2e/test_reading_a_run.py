@@ -22,12 +22,12 @@ from campaigns.results.regression import FindingChange, Regression, Standing
 from campaigns.results.verdict import Check
 from campaigns.stored.records import Trace
 from tests import results
-from tests.api.catalogue import campaign
-from tests.api.finished import COLUMNS, flight
-from tests.api.reported import PARAMETERS, finish_fully
-from tests.api.server import Service
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.stored import served
+from tests.given.finished_runs import COLUMNS, flight
+from tests.given.reported_runs import PARAMETERS, finish_fully
+from tests.given.service import Service
+from tests.given.small_catalogue import campaign
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False

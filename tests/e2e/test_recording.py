@@ -10,11 +10,11 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from backend.scenes.base.palette import LIGHT, rgb
-from tests.api.catalogue import campaign
-from tests.api.reported import finish_fully
-from tests.api.server import Service, until
 from tests.e2e.browser import draws, near, pixels, visiting
 from tests.e2e.stored import served
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service, until
+from tests.given.small_catalogue import campaign
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 

@@ -9,13 +9,13 @@ import sqlalchemy as sa
 from playwright.sync_api import Browser, expect
 
 from backend.db.tables import CatalogueDocument
-from tests.api.reported import finish_fully
-from tests.api.submitting import submit
-from tests.api.versions import edited
 from tests.e2e.axe import AXE, violations
 from tests.e2e.browser import visiting
 from tests.e2e.looking import within
 from tests.e2e.stored import served
+from tests.given.code_versions import edited
+from tests.given.reported_runs import finish_fully
+from tests.given.submissions import submit
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
 

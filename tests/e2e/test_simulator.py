@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.api.server import Service
 from tests.e2e.browser import Visit, draws, undrawn, visiting
 from tests.e2e.flown import BASINS, CLEARED, DRAWN, Flown, asked
 from tests.e2e.looking import api
 from tests.faults.processes import until
+from tests.given.service import Service
 from tests.simulators import dropped
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]

@@ -14,12 +14,12 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from clearance.cli import invoke
-from tests.api.server import Service
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.flown import DROP, asked
 from tests.e2e.looking import api
 from tests.faults.processes import until
 from tests.faults.serving import serving
+from tests.given.service import Service
 from tests.simulators import dropped
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]

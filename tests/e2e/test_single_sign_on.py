@@ -9,13 +9,13 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from backend.db.engine import default_url, migrate
-from tests.api.finished import finish
-from tests.api.provider import CLIENT, SECRET, local_provider
-from tests.api.submitting import submit
 from tests.e2e.axe import AXE, violations
 from tests.e2e.browser import draws, visiting
 from tests.e2e.stored import opened
 from tests.faults.processes import until
+from tests.given.finished_runs import finish
+from tests.given.openid_provider import CLIENT, SECRET, local_provider
+from tests.given.submissions import submit
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
 

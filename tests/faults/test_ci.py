@@ -55,7 +55,7 @@ class Job:
         self.environment = {"CLEARANCE_SERVICE": self.address, "CLEARANCE_TOKEN": token}
 
     def submit(self, file: Path, *options: str) -> tuple[int, str]:
-        """Exit code and output of `clearance submit`, in this process: tests/api/test_ci_guide.py starts it."""
+        """Exit code and output of `clearance submit`, in this process: tests/api/clients/test_ci_guide.py starts it."""
         self._shown.readouterr()
         with pytest.MonkeyPatch.context() as here:
             for name, value in self.environment.items():

@@ -74,7 +74,7 @@ def test_a_taken_port_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[
     )
 
 
-@pytest.mark.nightly  # by day the service itself refuses it, in tests/api/test_process.py
+@pytest.mark.nightly  # by day the service itself refuses it, in tests/api/http/test_process.py
 def test_an_address_open_to_other_machines_is_refused(tmp_path: Path) -> None:
     refused = clearance("serve", "--data", str(tmp_path), "--port", "0", "--host", "0.0.0.0", "--workers", "0")
     assert refused.returncode == 3

@@ -20,8 +20,8 @@ from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from campaigns.stored.records import Ahead, Columns, StagePlan, StageRecord
 from tests import results
-from tests.api.sized import stored_size
 from tests.faults.cases import PLAN, campaign, columns, finding, trace
+from tests.given.stored_sizes import stored_size
 from worker.engine.stages.parts.store import Store
 
 

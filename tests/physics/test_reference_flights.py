@@ -19,8 +19,8 @@ import pytest
 from campaigns import library, load_file
 from campaigns.results.base import OK
 from clearance.testing.problems import Problem
+from tests.given.case_campaigns import campaign
 from tests.physics.scenes import changed
-from tests.unit.cases import campaign
 from worker.engine.reference import Flight, Reference, compiled, flight, stepper
 
 SMOOTH, SLIDING = 1e-8, 1e-3

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.unit.living import Live
+from tests.given.live_process import Live
 from worker.engine.stages.parts import offered
 from worker.evidence.audit import judge
 

@@ -1,4 +1,4 @@
-// Names of parameters: the same as those of the service (`tests/unit/test_check_titles.py`).
+// Names of parameters: the same as those of the service (`tests/unit/campaigns/results/test_check_titles.py`).
 import { expect, it } from 'vitest'
 import { apart, nameOf, namesOf } from './names'
 

@@ -3,7 +3,7 @@
 sin and cos: minimax polynomials of the Cephes library (S. L. Moshier) on [-pi/4, pi/4] after Cody-Waite reduction in
 two parts. atan: a polynomial in x^2 through Chebyshev nodes on [-tan(pi/8), tan(pi/8)]; the rational function of Cephes
 has fewer terms, but division throughput limits a wide loop. Every function propagates NaN. Errors are measured in
-tests/unit/test_maths.py.
+tests/unit/engine/kernels/test_maths.py.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
 """All that Clearance uses of numba's insides, which another version may rename: the minor version is pinned, and
-`tests/unit/test_numba_internals.py` says which name moved. Other modules import only what numba documents.
+`tests/unit/engine/kernels/test_numba_internals.py` says which name moved. Other modules import only what numba
+documents.
 
 Start reading at `inlined`, `cached`, `linked`.
 """

@@ -45,7 +45,7 @@ LEAST = 0.02
 LARGEST = 1000
 """No population grows beyond this: where the model ranks all but a few, it would double with every few evaluations."""
 
-# Set on `tests.unit.small_budgets_valleys`.
+# Set on `tests.given.small_budget_valleys`.
 EXPLORED = 0.4
 """Fraction of the evaluations so far to which the sample grows, with the stars, before a restart."""
 AGAIN = 0.6
@@ -53,7 +53,7 @@ AGAIN = 0.6
 ALIKE = 4
 """Descents with the same population."""
 
-# Set on `tests.unit.small_budgets_tuning`.
+# Set on `tests.given.small_budget_tuning`.
 NARROW = 0.05
 """A descent may end early once its deviations are below this fraction of every range."""
 LATELY = 6

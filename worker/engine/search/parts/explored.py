@@ -22,7 +22,7 @@ import numpy as np
 
 from worker.engine.search.base import Batch, Floats, Space
 
-# Set on `tests.unit.small_budgets_valleys`.
+# Set on `tests.given.small_budget_valleys`.
 NEAR, NEAREST = 0.6, 0.25
 """The part of the mean distance that is near, and the largest distance that is."""
 BESIDE = 0.15

@@ -1,0 +1,84 @@
+"""What a run takes is estimated by the service: as in an earlier run of the campaign, or as such runs usually are."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+
+from campaigns.asked.load import load_document
+from campaigns.checked.expected import expected, total
+from tests.given.finished_runs import finish
+from tests.given.openapi_document import conforms
+from tests.given.service import Service
+from tests.given.small_catalogue import CATALOGUE, campaign
+from tests.given.submissions import submit
+from tests.given.timed_simulators import measured, publish, run
+from tests.simulators import package
+
+
+def estimate(client: httpx.Client, document: dict[str, Any]) -> dict[str, Any]:
+    checked = client.post("/api/v1/campaigns/check", json={"campaign": document}).json()
+    assert checked["problems"] == []
+    conforms(checked["estimate"], {"$ref": "#/components/schemas/Estimate"})
+    return dict(checked["estimate"])
+
+
+def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: httpx.Client) -> None:
+    told = estimate(client, campaign())
+    found = expected(load_document(campaign()), CATALOGUE)
+    assert told["stages"] == [stage._asdict() for stage in found]
+    assert (told["least"], told["evaluations"], told["most"]) == total(found)
+    assert told["least"] < told["evaluations"] < told["most"]
+    assert not told["near"]
+    assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
+    assert "Each worst case that violates adds about 171 evaluations" in told["said"]
+    assert told["time_said"] == "The time is known after a first run of the same components."
+
+
+def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, client: httpx.Client) -> None:
+    name = submit(client)
+    finish(service)
+    found = client.get(f"/api/v1/runs/{name}").json()
+    told = estimate(client, campaign())
+    assert (told["run"], told["evaluations"]) == (name, found["evaluations"])
+    assert told["least"] == told["most"] == found["evaluations"]
+    assert told["near"]
+    assert told["seconds"] == told["seconds_least"] == told["seconds_most"] > 0
+    assert name in told["said"]
+    assert name in told["time_said"]
+    other = estimate(client, campaign(seed=7))
+    assert other["run"] is None, "of another campaign it is an estimate"
+    client.post("/api/v1/runs/remove", json={"runs": [name], "reason": "wrong"})
+    assert estimate(client, campaign())["run"] is None
+
+
+def test_a_campaign_with_problems_has_none(service: Service, client: httpx.Client) -> None:
+    wrong = campaign(criterion={"component": "unknown", "threshold": 1})
+    assert client.post("/api/v1/campaigns/check", json={"campaign": wrong}).json()["estimate"] is None
+
+
+def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
+    bare: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("backend.catalog.service.check", lambda campaign, catalogue: [])  # it has no methods
+    publish(bare)
+    with bare.signed_in() as client:
+        told = estimate(client, package.campaign())
+        assert told["seconds"] is None
+        assert "`clearance check-simulator two_basins --data DIR`" in told["time_said"]
+        run(bare, "aa", measured(call_seconds=0.5, slots=2))
+        told = estimate(client, package.campaign(seed=99))
+        assert told["time_said"] == (
+            "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 202 more confirm results."
+        )
+        for seconds, evaluations in (("seconds", "evaluations"), ("seconds_least", "least"), ("seconds_most", "most")):
+            assert told[seconds] == 0.5 * (-(-told[evaluations] // 2) + 101)
+        run(bare, "aa", measured(call_seconds=0.5, slots=2, start_seconds=4.0, recycle=8))
+        slow = estimate(client, package.campaign(seed=98))
+        assert slow["time_said"] == (
+            "One evaluation took 500 ms (R-0002, 15 evaluations) and the start of a process 4 s, on 2 slots; 202 more, "
+            "each in a fresh process, confirm results."
+        )
+        assert slow["seconds"] == 4.0 + 1.0 * -(-told["evaluations"] // 2) + 4.5 * 101

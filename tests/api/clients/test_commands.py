@@ -1,0 +1,185 @@
+"""`clearance runs`, `show`, `cancel`, `export`, `follow`, `validate --service` against a real service."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree as Xml
+
+import pytest
+import yaml
+
+from clearance.cli import INTERNAL, VIOLATED, WRONG_INPUT, invoke
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service
+from tests.given.small_catalogue import campaign
+from tests.given.submissions import submit
+
+Command = Callable[..., int]
+
+
+@pytest.fixture
+def command(service: Service, monkeypatch: pytest.MonkeyPatch) -> Command:
+    """The command line, with the service's address and a token in its environment."""
+    monkeypatch.setenv("CLEARANCE_SERVICE", service.url)
+    monkeypatch.setenv("CLEARANCE_TOKEN", service.token())
+    monkeypatch.delenv("GITHUB_STEP_SUMMARY", raising=False)
+    return lambda *arguments: invoke([*map(str, arguments)])
+
+
+@pytest.fixture
+def violated(service: Service, command: Command) -> str:
+    """A run that is done, and two that are queued."""
+    with service.signed_in() as client:
+        answer = client.post("/api/v1/runs", json={"campaign": campaign(), "labels": {"branch": "main"}})
+        assert answer.status_code == 201
+        finish_fully(service, "violated")
+        submit(client, name="Second")
+        submit(client, name="Third")
+    return "R-0001"
+
+
+def said(capsys: pytest.CaptureFixture[str]) -> str:
+    return capsys.readouterr().out
+
+
+def test_runs_are_listed_filtered_and_limited(
+    violated: str, command: Command, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert command("runs") == 0
+    lines = said(capsys).splitlines()
+    assert [line.split()[:2] for line in lines] == [["R-0003", "queued"], ["R-0002", "queued"], ["R-0001", "violated"]]
+    assert lines[2].endswith("branch=main")
+    for options, found in (
+        (("--label", "branch=main"), ["R-0001"]),
+        (("--state", "queued"), ["R-0003", "R-0002"]),
+        (("--state", "queued", "--state", "done", "--limit", "2"), ["R-0003", "R-0002"]),
+        (("--verdict", "violated"), ["R-0001"]),
+        (("R-0002",), ["R-0002"]),
+        (("--owner", "nobody"), []),
+    ):
+        assert command("runs", *options, "--json") == 0
+        assert [run["id"] for run in json.loads(said(capsys))] == found
+    assert command("runs", "--label", "main") == WRONG_INPUT
+    assert "give KEY=VALUE" in capsys.readouterr().err
+
+
+def test_a_run_is_shown(violated: str, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command("show", violated) == 0, "the exit code of a command that does not wait is not the verdict"
+    text = said(capsys)
+    assert text.startswith("R-0001 Violated: Unicycle past a pillar\n")
+    for part in ("fails  X: holds", "F1: d_min 1.3 m, margin +0.8 m; vehicle.m = 6.0", "Labels: branch=main"):
+        assert part in text
+    assert text.rstrip().endswith("/runs/R-0001")
+    assert command("show", violated, "--json") == 0
+    assert json.loads(said(capsys))["id"] == violated
+    assert command("show", "R-0042") == WRONG_INPUT
+    assert "there is no run" in capsys.readouterr().err
+
+
+def test_runs_are_cancelled(violated: str, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command("cancel", "R-0003", violated) == 0
+    assert said(capsys).splitlines() == ["R-0003 cancelled", "R-0001 done: violated"]
+    assert command("cancel", "R-0002", "../x") == WRONG_INPUT
+    capsys.readouterr()
+    assert command("runs", "--state", "queued", "--json") == 0
+    assert [run["id"] for run in json.loads(said(capsys))] == ["R-0002"], "nothing is sent before all are read"
+
+
+def test_a_name_cannot_write_to_the_terminal_or_break_the_picture(
+    service: Service, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with service.signed_in() as client:
+        answer = client.post("/api/v1/runs", json={"campaign": campaign(), "name": "a\x1b[2J\r<b>"})
+        assert answer.status_code == 201, answer.text
+    for words in (("runs",), ("show", "R-0001")):
+        assert command(*words) == 0
+        assert "a\ufffd[2J\ufffd<b>" in said(capsys)
+    finish_fully(service)
+    assert command("export", "R-0001", "--out", tmp_path, "--file", "worst-case.svg") == 0
+    assert "a\ufffd[2J\ufffd<b>" in "".join(Xml.parse(tmp_path / "worst-case.svg").getroot().itertext())
+
+
+def test_files_are_exported(
+    violated: str, command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert command("export", violated) == 0
+    assert len(said(capsys).splitlines()) == len(list((tmp_path / violated).iterdir())) == 5
+    assert command("export", violated, "--out", "p", "--file", "worst-case.svg", "--file", "traces.csv") == 0
+    assert sorted(path.name for path in Path("p").iterdir()) == ["traces.csv", "worst-case.svg"]
+    picture = Xml.parse("p/worst-case.svg").getroot()
+    assert picture.tag == "{http://www.w3.org/2000/svg}svg"
+    told = "".join(picture.itertext())
+    assert "R-0001: violated, worst case F1 with a margin of +0.8 m" in told
+    assert "East (x), m" in told
+    assert command("export", violated, "--file", "passwd") == WRONG_INPUT
+    assert "there is no file 'passwd' of a run" in capsys.readouterr().err
+    assert command("export", "R-0002", "--out", "q", "--file", "worst-case.svg") == WRONG_INPUT
+    assert "R-0002 has no picture of a worst case" in capsys.readouterr().err
+    assert list(Path("q").iterdir()) == []
+
+
+def test_follow_writes_the_files_of_a_job(violated: str, command: Command, tmp_path: Path, service: Service) -> None:
+    files = {name: tmp_path / name for name in ("junit.xml", "summary.md", "run.sarif")}
+    options = ("--junit", files["junit.xml"], "--summary", files["summary.md"], "--sarif", files["run.sarif"])
+    assert command("follow", violated, *options) == VIOLATED
+    names = {str(case.get("name")) for case in Xml.parse(files["junit.xml"]).iter("testcase")}
+    assert {"verdict", "criterion: d_min", "check: Nominal case", "check: X"} <= names
+    assert "![The worst case, seen from above](summary-R-0001.svg)" in files["summary.md"].read_text()
+    assert (tmp_path / "summary-R-0001.svg").read_text().startswith("<svg ")
+    results = json.loads(files["run.sarif"].read_text())["runs"][0]["results"]
+    assert [result["ruleId"] for result in results] == ["check/x"]
+    place = results[0]["locations"][0]["physicalLocation"]
+    assert place["artifactLocation"]["uri"] == f"{service.url}/api/v1/runs/R-0001/campaign.yaml"
+    assert place["region"]["startLine"] > 1
+
+
+def test_the_picture_of_a_step_of_github_is_among_its_files(
+    violated: str, command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    summary = tmp_path / "step" / "summary"
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(summary))
+    assert command("follow", violated, "--summary", summary, "--out", tmp_path / "out") == VIOLATED
+    assert (tmp_path / "out" / "worst-case.svg").exists()
+    assert "![" not in summary.read_text(), "GitHub would show a broken one"
+    assert list(summary.parent.iterdir()) == [summary]
+
+
+def test_a_submission_of_a_group_says_what_it_supersedes(
+    violated: str, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "campaign.yaml"
+    file.write_text(yaml.safe_dump(campaign()))
+    options = ("--group", "p/main", "--no-wait", "--priority", "-3")
+    assert command("submit", file, *options) == 0
+    assert command("submit", file, *options) == 0
+    out, err = capsys.readouterr()
+    assert (out, err) == ("R-0004\nR-0005\n", "R-0004 of the group p/main superseded\n")
+    assert command("show", "R-0004") == 0
+    assert "R-0005 superseded it in the group p/main" in said(capsys)
+    assert command("follow", "R-0004") == 130
+    assert "R-0005 superseded it in the group p/main" in said(capsys)
+    assert command("submit", file, "--sweep", "avoider.d_0=1,2", "--group", "g") == WRONG_INPUT
+
+
+def test_a_campaign_is_validated_by_a_service(
+    command: Command, service: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    right, wrong = tmp_path / "right.yaml", tmp_path / "wrong.yaml"
+    right.write_text(yaml.safe_dump(campaign()))
+    other = campaign()
+    other["scenario"]["vehicle"]["component"] = "hovercraft"
+    wrong.write_text(yaml.safe_dump(other))
+    assert command("validate", right, "--service", service.url) == 0
+    assert f"can be run by {service.url}. Digest" in said(capsys)
+    assert command("validate", wrong, right, "--service", service.url) == WRONG_INPUT
+    out, err = capsys.readouterr()
+    assert "scenario.vehicle.component" in err
+    assert "hovercraft" in err
+    assert "1 of 2 campaigns cannot be used" in err
+    assert "can be run by" in out, "the others are checked all the same"
+    assert service.rows()["runs"] == 0
+    assert command("validate", right, "--service", service.url, "--normal") == WRONG_INPUT
+    assert command("validate", right, "--service", "http://127.0.0.1:9", "--patience", "0") == INTERNAL

@@ -1,0 +1,65 @@
+"""A disk that is full, and a database that another process has locked: a sentence, and nothing half done."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from clearance.cli import INTERNAL, invoke
+from tests.given.problem_documents import problem
+from tests.given.service import Service
+
+FILES = "/api/v1/requirements/files"
+LARGE = b"id,text\n" + b"".join(b"R%d,%s\n" % (i, b"x" * 900) for i in range(500))
+
+
+@contextmanager
+def full(engine: sa.Engine) -> Iterator[None]:
+    """No connection of the engine can make the database larger."""
+
+    def limited(connection: Any, *_: Any) -> None:
+        (pages,) = connection.execute("PRAGMA page_count").fetchone()
+        connection.execute(f"PRAGMA max_page_count={pages}")
+
+    def free(connection: Any, *_: Any) -> None:
+        connection.execute("PRAGMA max_page_count=1000000")
+
+    sa.event.listen(engine, "checkout", limited)
+    try:
+        yield
+    finally:
+        sa.event.remove(engine, "checkout", limited)
+        sa.event.listen(engine, "checkout", free)
+
+
+def test_an_import_on_a_full_disk_is_refused_and_changes_nothing(service: Service, client: httpx.Client) -> None:
+    where = {"kind": "csv", "name": "a.csv"}
+    with full(service.app.state.engine):
+        answer = client.post(FILES, params=where, content=LARGE)
+        assert "the disk of the database is full; nothing was changed" in str(problem(answer, 503)["detail"])
+        assert client.get(FILES).json() == []
+        assert client.get("/api/v1/requirements").json()["total"] == 0
+    assert client.post(FILES, params=where, content=LARGE).status_code == 201
+
+
+def test_a_command_on_an_unusable_database_ends_with_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert invoke(["token", "create", "one", "--data", str(tmp_path)]) == 0
+
+    def refuse(connection: Any, *_: Any) -> None:
+        connection.execute("PRAGMA query_only=ON")
+
+    sa.event.listen(sa.Engine, "checkout", refuse)
+    try:
+        capsys.readouterr()
+        assert invoke(["token", "create", "two", "--data", str(tmp_path)]) == INTERNAL
+    finally:
+        sa.event.remove(sa.Engine, "checkout", refuse)
+    assert capsys.readouterr().err == "Error: the database cannot be used: attempt to write a readonly database\n"

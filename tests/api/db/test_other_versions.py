@@ -1,0 +1,75 @@
+"""Values stored by another version in an unreadable form: reported as such, never an internal error."""
+
+from __future__ import annotations
+
+import re
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Finding, Run, Stage, Trace
+from backend.scenes.recordings import recording
+from tests.given.finished_runs import finish
+from tests.given.problem_documents import problem
+from tests.given.row_changes import changed
+from tests.given.service import Service
+from tests.given.submissions import submit
+
+ODD = {"version": 99}
+STORED = {
+    "campaign": sa.update(CampaignRow).values(document=ODD),
+    "summary": sa.update(Run).values(summary={"verdict": "cleared"} | ODD),
+    "result": sa.update(Stage).values(result={"stage": "search"} | ODD),
+    "kind": sa.update(Stage).where(Stage.position == 1).values(kind="corners", state="running"),
+    "validation": sa.update(Finding).values(validation=ODD),
+    "slices": sa.update(Finding).values(slices=ODD),
+    "boundary": sa.update(Finding).values(boundary=ODD),
+    "closest": sa.update(Finding).values(closest=ODD),
+    "found": sa.update(Finding).values(found=[ODD]),
+    "head": sa.update(Trace).values(meta=ODD | {"obstacles": 7}),
+    "columns": sa.update(Trace).values(columns=[ODD] * 10),
+}
+SAID = {
+    "campaign": "",
+    "summary": "",
+    "result": "stages",
+    "validation": "findings",
+    "head": "traces/F1",
+    "columns": "traces/F1",
+}
+"""What answers with it, and so has to say that it cannot."""
+LIKE_THE_VALIDATION = ("slices", "boundary", "closest", "found")
+"""Of a finding and read with it, as its validation is: at night."""
+
+
+def of_a_run(client: httpx.Client) -> list[str]:
+    document = client.get("/api/v1/openapi.json").json()
+    paths = [path for path, methods in document["paths"].items() if "/runs/{run}" in path and "get" in methods]
+    return [path for path in paths if not path.endswith(("events", "report.pdf"))]
+
+
+@pytest.fixture(scope="module")
+def run(still: Service, guest: httpx.Client) -> str:
+    """A finished run."""
+    run = submit(guest)
+    finish(still)
+    return run
+
+
+@pytest.mark.parametrize(
+    "what", [pytest.param(w, marks=[pytest.mark.nightly] * (w in LIKE_THE_VALIDATION)) for w in STORED]
+)
+def test_it_is_reported_as_of_another_version(
+    what: str, still: Service, guest: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording, "RATE", 0.2)  # few frames: making one takes a second otherwise
+    with changed(still.engine, STORED[what]):
+        for path in of_a_run(guest):
+            answer = guest.get(re.sub(r"\{\w+\}", "F1", path.replace("{run}", run)), follow_redirects=False)
+            assert answer.status_code < 500, (path, answer.text)
+        if what in SAID:
+            address = f"/api/v1/runs/{run}/{SAID[what]}".rstrip("/")
+            assert "another version" in str(problem(guest.get(address), 409)["detail"])
+        assert guest.get("/api/v1/runs").status_code == 200

@@ -1,0 +1,86 @@
+"""The OpenAPI document: complete, up to date in the front end, and consistent with responses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from campaigns.version import VERSION
+from tests.given.finished_runs import finish
+from tests.given.openapi_document import DOCUMENT, OPERATIONS, conforms
+from tests.given.service import Service
+from tests.given.submissions import submit
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    assert f'version = "{VERSION}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert DOCUMENT["info"]["version"] == VERSION
+
+
+@pytest.mark.parametrize(("path", "method", "operation"), OPERATIONS, ids=lambda v: v if isinstance(v, str) else "")
+def test_every_operation_is_described(path: str, method: str, operation: dict[str, Any]) -> None:
+    assert path.startswith("/api/v1/")
+    assert operation["tags"]
+    assert operation["summary"]
+    assert operation["description"]
+    assert "application/problem+json" in operation["responses"]["default"]["content"]
+    takes_body = ("/api/v1/runs", "/api/v1/runs/cancel", "/api/v1/runs/remove", "/api/v1/runs/restore")
+    takes_body += ("/api/v1/campaigns/check", "/api/v1/campaigns/preview", "/api/v1/drafts", "/api/v1/sweeps")
+    takes_body += ("/api/v1/users", "/api/v1/tokens", "/api/v1/requirements/files")
+    takes_body += (
+        "/api/v1/runs/{run}/flights",
+        "/api/v1/runs/{run}/cases",
+        "/api/v1/runs/{run}/signoffs",
+        "/api/v1/runs/{run}/signoffs/{signoff}/withdraw",
+    )
+    assert ("requestBody" in operation) == (method in ("patch", "put") or (path in takes_body and method == "post"))
+
+
+def test_operation_ids_are_short_and_distinct() -> None:
+    ids = [operation["operationId"] for _, _, operation in OPERATIONS]
+    assert len(ids) == len(set(ids))
+    assert all(len(i) < 20 for i in ids)
+
+
+def test_every_reference_leads_somewhere() -> None:
+    text = json.dumps(DOCUMENT)
+    names = {part.split('"')[0] for part in text.split("#/components/schemas/")[1:]}
+    assert names <= DOCUMENT["components"]["schemas"].keys()
+
+
+def test_the_service_answers_with_the_same_document(guest: httpx.Client) -> None:
+    assert guest.get("/api/v1/openapi.json").json() == DOCUMENT
+
+
+def test_answers_are_as_described(service: Service, client: httpx.Client) -> None:
+    submit(client)
+    finish(service)
+    submit(client, seed=2)
+    client.post("/api/v1/drafts", json={"name": "", "text": "name:"})
+    seen = 0
+    for path, method, operation in OPERATIONS:
+        if method != "get" or path.endswith("/events"):
+            continue
+        # Of an open view and of simulators: tested in test_view_channel, test_proposals and test_cases.
+        if "{key}" in path or "/simulators/" in path or path.endswith("/cases"):
+            continue
+        if "{sweep}" in path or path.endswith("/trends"):  # tested in test_sweeps and test_trends
+            continue
+        content = operation["responses"]["200"]["content"]
+        if "application/json" not in content:  # files are tested in test_exports and test_reports
+            continue
+        address = path.replace("{run}", "R-0001").replace("{draft}", "D-0001").replace("{user}", "local")
+        address = address.replace("{name}", "F1" if "traces" in path else "unicycle_static")
+        address = address.replace("{file}", "run.json")
+        # The code of a run is compared with that of another one.
+        answer = client.get(address, params={"against": "R-0002"} if path.endswith("/code") else None)
+        assert answer.status_code == 200, address
+        conforms(answer.json(), content["application/json"]["schema"], address)
+        seen += 1
+    assert seen >= 13

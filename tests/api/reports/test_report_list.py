@@ -1,0 +1,78 @@
+"""The list of reports: of every run that has ended, with its sign-offs and the digest printed on the report."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.tables import Run
+from backend.reports import pdf
+from tests.given.finished_runs import finish
+from tests.given.problem_documents import problem
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service
+from tests.given.submissions import submit
+
+
+def listed(client: httpx.Client, **query: Any) -> dict[str, Any]:
+    answer = client.get("/api/v1/reports", params=query)
+    assert answer.status_code == 200, answer.text
+    return dict(answer.json())
+
+
+def sign(client: httpx.Client, run: str, name: str) -> int:
+    digest = client.get(f"/api/v1/runs/{run}/signoffs").json()["digest"]
+    answer = client.post(f"/api/v1/runs/{run}/signoffs", json={"name": name, "role": "Reviewer", "digest": digest})
+    assert answer.status_code == 201
+    return int(answer.json()["id"])
+
+
+def test_reports_of_ended_runs(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = [submit(client, name=name) for name in ("Alpha", "Beta", "Gamma", "Delta")]
+    finish_fully(service, "cleared")
+    finish(service)
+    client.post(f"/api/v1/runs/{runs[2]}/cancel")
+    sign(client, runs[0], "Ada")
+    gone = sign(client, runs[0], "Bob")
+    client.post(f"/api/v1/runs/{runs[0]}/signoffs/{gone}/withdraw", json={"reason": "on second thoughts"})
+    found = listed(client)
+    assert [item["run"] for item in found["items"]] == runs[2::-1]
+    assert (found["total"], found["next_cursor"]) == (3, None)
+    first = found["items"][2]
+    assert (first["verdict"], first["signed"], first["outdated"], first["signed_by"]) == ("cleared", 1, 0, ["Ada"])
+    assert first["digest"] == client.get(f"/api/v1/runs/{runs[0]}/signoffs").json()["digest"]
+    html, printed = first["files"]
+    assert first["id"] in client.get(html["href"]).text
+    assert (html["unavailable"], printed["href"]) == (None, f"/api/v1/runs/{runs[0]}/report.pdf")
+    assert (found["items"][0]["state"], found["items"][0]["verdict"]) == ("cancelled", None)
+    monkeypatch.setattr(pdf, "browser", lambda: None)
+    assert "install it" in listed(client)["items"][0]["files"][1]["unavailable"]
+
+
+def test_a_sign_off_of_other_results_is_outdated(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish_fully(service)
+    sign(client, run, "Ada")
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).values(worst_cost=99.0))
+    (item,) = listed(client)["items"]
+    assert (item["signed"], item["outdated"], item["signed_by"]) == (0, 1, [])
+
+
+def test_pages_and_search(client: httpx.Client) -> None:
+    for i in range(5):
+        client.post(f"/api/v1/runs/{submit(client, name='Loop odd' if i % 2 else 'Loop even', seed=i)}/cancel")
+    first = listed(client, limit=2)
+    second = listed(client, limit=2, cursor=first["next_cursor"])
+    third = listed(client, limit=2, cursor=second["next_cursor"])
+    assert [item["run"] for page in (first, second, third) for item in page["items"]] == [
+        f"R-000{i}" for i in range(5, 0, -1)
+    ]
+    assert third["next_cursor"] is None
+    found = listed(client, q="loop odd")
+    assert ([item["run"] for item in found["items"]], found["total"]) == (["R-0004", "R-0002"], 2)
+    assert listed(client, q="no such thing")["items"] == []
+    problem(client.get("/api/v1/reports", params={"cursor": "x"}), 422)

@@ -1,0 +1,236 @@
+"""The report for a safety case: sections, figures, unfinished runs, hostile names, the PDF."""
+
+from __future__ import annotations
+
+import html
+import os
+import re
+import shutil
+from pathlib import Path
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.tables import CatalogueDocument, Run, Trace
+from backend.reports import pdf, plot, words
+from campaigns.claims import earlier, numbers
+from tests.given.databases import AT_NIGHT, BOTH
+from tests.given.finished_runs import Work, finish
+from tests.given.problem_documents import problem
+from tests.given.reported_runs import finish_fully
+from tests.given.service import Service
+from tests.given.small_catalogue import campaign
+from tests.given.submissions import submit
+
+SECTIONS = (
+    "Scope of the claim", "Uncertain parameters and worst case", "Checks behind the verdict", "Worst cases",
+    "Sensitivity", "Methods and settings", "Evaluations", "Statistical statement", "Validation",
+    "Limits of this evidence", "Provenance", "Approval", "Appendix. Model",
+)  # fmt: skip
+HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(1)>\"'>{{ 7*7 }}"
+
+
+@pytest.fixture
+def run(service: Service, client: httpx.Client) -> str:
+    """A finished run with a result of every kind."""
+    run = submit(client)
+    finish_fully(service)
+    return run
+
+
+def report(client: httpx.Client, run: str) -> str:
+    answer = client.get(f"/api/v1/runs/{run}/report.html")
+    assert answer.status_code == 200
+    assert answer.headers["content-type"] == "text/html; charset=utf-8"
+    return answer.text
+
+
+@AT_NIGHT
+def test_it_has_every_section_and_figure(client: httpx.Client, run: str) -> None:
+    text = report(client, run)
+    found = [re.sub(r"^\d+\. ", "", heading) for heading in re.findall(r"<h2>(.*?)</h2>", text)]
+    assert found == list(SECTIONS)
+    labels = re.findall(r'<svg class="ch"[^>]*aria-label="([^"]*)"', text)
+    assert [label.partition(" ")[0] for label in labels] == [
+        "Flights", "Separation", "d_min", "d_min", "Best", "Change", "Histogram",
+    ]  # fmt: skip
+    assert len(set(re.findall(r"<b>(?:Figure|Table) \d\.</b>", text))) == 11
+
+
+@BOTH
+def test_its_numbers_are_those_that_are_stored(client: httpx.Client, run: str) -> None:
+    text = html.unescape(re.sub(r"<[^>]+>", "", report(client, run)))
+    for said in (
+        "dmin stayed above 0.5\u202fm in all 1\u202f000 evaluations. A search can miss a worse case.",
+        "At most 5\u202f% of the flights have dmin below 1.33\u202fm.",
+        "0 of 3\u202f000 samples drawn violate the criterion",
+        "The step-halving check and DOP853 agree for nominal and F1.",
+        "completed the 100 iterations",
+        "numpy 2.4.6",
+        "A CPU",
+    ):
+        assert said in text, said
+    told = client.get(f"/api/v1/runs/{run}/exports/run.json").json()
+    assert told["results_digest"] in text
+    assert told["run"]["campaign_digest"] in text
+
+
+def test_it_needs_nothing_else_and_runs_nothing(client: httpx.Client, run: str) -> None:
+    answer = client.get(f"/api/v1/runs/{run}/report.html")
+    policy = answer.headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "unsafe" not in policy
+    assert "script" not in policy
+    (own,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]*)"', answer.text)
+    assert policy.startswith(html.unescape(own))
+    assert not re.search(r"<script|\son\w+=|javascript:|<link|<img|<iframe|\sstyle=", answer.text)
+    assert set(re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?(\w+:)', answer.text)) <= {"data:"}
+    assert "http" not in answer.text.replace('http-equiv="Content-Security-Policy"', "")
+    assert answer.headers["content-disposition"] == (
+        'inline; filename="R-0001-unicycle-past-a-pillar-safety-case-report.html"'
+    )
+
+
+def test_hostile_words_stay_words(service: Service, client: httpx.Client) -> None:
+    document = campaign(name=HOSTILE[:100], summary=HOSTILE, notes=HOSTILE)
+    answer = client.post("/api/v1/runs", json={"campaign": document, "name": HOSTILE[:100]})
+    assert answer.status_code == 201, answer.text
+    finish_fully(service, text=HOSTILE, checked=HOSTILE)
+    text = report(client, "R-0001")
+    assert "<script" not in text
+    assert "<img" not in text
+    assert text.count("&lt;script&gt;alert(1)&lt;/script&gt;") >= 5
+    assert "{{ 7*7 }}" in text
+    assert "49}}" not in text
+    (style,) = re.findall(r"<style>(.*?)</style>", text, re.DOTALL)
+    assert "alert" not in style
+
+
+@pytest.mark.parametrize("verdict", ["violated", "inconclusive"])
+def test_other_verdicts_are_reported(service: Service, client: httpx.Client, verdict: str) -> None:
+    run = submit(client)
+    finish_fully(service, verdict, "Nothing may be claimed.")
+    text = report(client, run)
+    assert f'<section class="vbox {"bad" if verdict == "violated" else "unk"}"' in text
+    assert f"</svg>{verdict.capitalize()}</div>" in text
+
+
+def test_an_unfinished_run_claims_nothing(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    queued = report(client, run)
+    assert "Queued: no verdict" in queued
+    assert "not ended" in queued
+    assert 'content:"No verdict' in queued
+    work = Work(service)
+    work.nominal()
+    work.search(0, 700)
+    text = report(client, run)
+    assert "Running: no verdict" in text
+    assert "No claim is made" in text
+    assert "This report is not evidence for a safety case" in text
+    assert "No independent random sample was simulated" in text
+    assert "Cleared</div>" not in text
+    assert not [heading for heading in SECTIONS if heading not in text]
+
+
+def test_the_report_of_a_run_with_bare_results_names_what_is_unknown(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    text = report(client, run)
+    assert "No sensitivity study is stored" in text
+    assert "No case was validated" in text
+    assert text.count("not recorded") >= 5
+
+
+def test_without_a_catalogue_the_model_is_reported_as_unknown(service: Service, client: httpx.Client, run: str) -> None:
+    with service.engine.begin() as connection:
+        connection.execute(sa.delete(CatalogueDocument))
+        connection.execute(sa.update(Run).values(snapshot=None))
+    text = report(client, run)
+    assert "This installation has no component" in text
+    assert "not described" in text
+
+
+def test_components_that_may_have_changed_since_are_named(service: Service, client: httpx.Client, run: str) -> None:
+    text = report(client, run)
+    assert "the run used clearance 0.1.0, and the components were stored with the run as described by test" in text
+    with service.engine.begin() as connection:
+        trace = sa.select(Trace.meta).where(Trace.name == "nominal")
+        meta = connection.scalar(trace) | {"parameters": {"vehicle.m": 5.5, "vehicle.J": 0.05}}  # type: ignore[operator]
+        connection.execute(sa.update(Trace).where(Trace.name == "nominal").values(meta=meta))
+    text = report(client, run)
+    assert "vehicle.m was 5.5 in the nominal case of the run; its nominal value here is 5" in text
+    assert "vehicle.J was" not in text
+
+
+def test_parameters_with_one_symbol_are_distinguished(client: httpx.Client) -> None:
+    document = campaign()
+    document["scenario"]["obstacles"] *= 2
+    document["uncertain"] |= {f"obstacles.{i}.radius": {"low": 0.4, "high": 0.6} for i in range(2)}
+    text = report(client, submit(client, **document))
+    for i in range(2):
+        named = f'<i class="v" title="obstacles.{i}.radius">radius</i> of obstacle {i + 1}</td>'
+        assert f'{named}<td>Radius <span class="m mono">obstacles.{i}.radius</span></td>' in text
+    assert '<i class="v" title="vehicle.m">m</i></td><td>M <span class="m mono">vehicle.m</span></td>' in text
+
+
+def test_it_is_printed_as_pdf(client: httpx.Client, run: str) -> None:
+    answer = client.get(f"/api/v1/runs/{run}/report.pdf", timeout=90)
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == "application/pdf"
+    assert answer.headers["content-disposition"].endswith('-safety-case-report.pdf"')
+    assert answer.content.startswith(b"%PDF-")
+    assert answer.content.count(b"/Type /Page\n") >= 4
+    assert b"/MediaBox [0 0 594" in answer.content or b"/MediaBox [0 0 595" in answer.content
+
+
+def test_without_a_browser_the_message_names_what_to_install(
+    client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    told = problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)
+    assert "apt install chromium" in str(told["detail"])
+    listed = {file["href"]: file["unavailable"] for file in client.get(f"/api/v1/runs/{run}/exports").json()}
+    assert "Chromium" in (listed[f"/api/v1/runs/{run}/report.pdf"] or "")
+    assert listed[f"/api/v1/runs/{run}/report.html"] is None
+
+
+def _stand_in(folder: Path, program: str) -> None:
+    file = folder / pdf.NAMES[0]
+    file.write_text(f"#!{shutil.which('sh')}\n{program}\n")
+    file.chmod(0o755)
+
+
+def test_a_browser_that_fails_or_hangs_is_a_problem(
+    client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    _stand_in(tmp_path, "echo no display >&2; exit 7")
+    assert "ended without writing a file" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
+    monkeypatch.setattr(pdf, "PATIENCE", 0.3)
+    _stand_in(tmp_path, "sleep 600 & sleep 600")
+    assert "took too long" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
+
+
+@pytest.mark.parametrize("file", ["report.html", "report.pdf"])
+def test_no_report_of_a_run_that_is_not_there(guest: httpx.Client, file: str) -> None:
+    problem(guest.get(f"/api/v1/runs/R-0999/{file}"), 404)
+
+
+def test_numbers_as_in_print() -> None:
+    assert numbers.fixed(-1234567.891, 1) == "\u22121\u202f234\u202f567.9"
+    assert numbers.fixed(-0.001, 2) == "0.00"
+    assert numbers.fixed(float("nan")) == numbers.NONE
+    assert (numbers.difference(7.194), numbers.difference(0.0001)) == ("+7.19", "0.00")
+    assert (numbers.plain(0.05), numbers.plain(1e-6), numbers.plain(12000.5)) == ("0.05", "1e\u22126", "12\u202f000.5")
+    assert numbers.unit_in_print("N s2/m") == "N·s²/m"
+    terms = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "avoider.dpsi": "dpsi"}, {"m", "m/s", "kg m2"})
+    stored = "a < d_min and d_min2; vehicle.m at -0.2 m/s, 3e-06 kg m2, vehicle.mass, 2 metres."
+    set_ = words.drawn(earlier.said(stored, terms))
+    assert set_ == (
+        'a &lt; <i class="v">d</i><sub>min</sub> and d_min2; <i class="v" title="vehicle.m">m</i> '
+        "at \u22120.2\u202fm/s, 3e\u221206\u202fkg·m², vehicle.mass, 2 metres."
+    )
+    assert plot.linear_ticks(-2, 2, 4) == [-2, -1, 0, 1, 2]
+    assert words.flowed(f"{'long ' * 18}\nline\nshort\nnext") == f"{'long ' * 18} line\nshort\nnext"

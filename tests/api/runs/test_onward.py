@@ -1,0 +1,128 @@
+"""A run that waits for the code that began it: what the service says, and the two ways on that it offers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import sqlalchemy as sa
+
+from backend.db import workers
+from backend.db.engine import read
+from backend.db.queue import Queue
+from backend.db.store import RunStore
+from backend.db.tables import CatalogueDocument, EvaluationChunk, RunRefusal
+from campaigns import Campaign
+from campaigns.identity.code import model_of
+from tests.given.code_versions import CODE, VERSIONS, edited, parts
+from tests.given.finished_runs import search
+from tests.given.reported_runs import PLAN
+from tests.given.service import Service
+from tests.given.small_catalogue import CATALOGUE, campaign
+from tests.given.submissions import submit
+
+HERE, OLD = "a" * 64, "b" * 64
+DIFFERS = "the code digest was 0123456789ab, here it is ba9876543210"
+
+
+def waiting(service: Service, client: httpx.Client) -> str:
+    """A run with 100 evaluations that a worker of another version has refused; its worker is gone."""
+    run = submit(client)
+    claim = Queue(service.engine).claim("old", (), OLD)
+    assert claim is not None
+    store = RunStore(service.engine, claim)
+    store.plan(PLAN)
+    model = model_of(Campaign.model_validate(campaign()), parts(CATALOGUE.model_dump(mode="json")))
+    store.record_versions(VERSIONS.model_copy(update={"model": model}), CODE)
+    store.begin(2)
+    store.append(2, 0, search(0, 100))
+    Queue(service.engine).give_back(claim)
+    refusing = Queue(service.engine).claim("new", (), HERE)
+    assert refusing is not None
+    Queue(service.engine).refuse(refusing, HERE, DIFFERS)
+    assert Queue(service.engine).claim("new", (), HERE) is None
+    arrive(service, "new", HERE)
+    return run
+
+
+def arrive(service: Service, name: str, installation: str) -> None:
+    with service.engine.begin() as connection:
+        workers.arrive(connection, name)
+        workers.beat(connection, name, None, (), installation)
+
+
+def one(client: httpx.Client, run: str) -> dict[str, Any]:
+    return dict(client.get(f"/api/v1/runs/{run}").json())
+
+
+def stored(service: Service) -> tuple[int, int]:
+    """The chunks of evaluations, and the refusals."""
+    with read(service.engine) as reader:
+        found = [reader.scalar(sa.select(sa.func.count()).select_from(t)) for t in (EvaluationChunk, RunRefusal)]
+    return found[0] or 0, found[1] or 0
+
+
+def test_it_says_what_differs_until_a_worker_of_its_version_is_there(service: Service, client: httpx.Client) -> None:
+    run = waiting(service, client)
+    found = one(client, run)
+    assert (found["state"], found["other_code"], found["evaluations"]) == ("queued", DIFFERS, 100)
+    assert found["waits"] == (
+        f"Other code began it than the running workers have: {DIFFERS}. Start a worker of the version that began it, "
+        "and it continues; or begin it again, without its 100 evaluations; or continue it as a new run, with the "
+        "evaluations that are still valid."
+    )
+    arrive(service, "old", OLD)
+    found = one(client, run)
+    assert found["other_code"] is None
+    assert found["waits"] == "It starts automatically within a few seconds."
+
+
+def test_begun_again_it_has_nothing_of_before(service: Service, client: httpx.Client) -> None:
+    run = waiting(service, client)
+    assert stored(service) == (1, 1)
+    answer = client.post(f"/api/v1/runs/{run}/restart")
+    assert answer.status_code == 200, answer.text
+    assert stored(service) == (0, 0)
+    fresh = one(client, submit(client))
+    again = one(client, run)
+    own = {"id", "created", "waits", "planned"}
+    assert {k: v for k, v in again.items() if k not in own} == {k: v for k, v in fresh.items() if k not in own}
+    assert client.get(f"/api/v1/runs/{run}/history").json()[0]["action"] == "run.restarted"
+    assert client.post(f"/api/v1/runs/{run}/restart").status_code == 409
+    assert Queue(service.engine).claim("new", (), HERE) is not None
+
+
+def test_continued_as_a_new_run(service: Service, client: httpx.Client) -> None:
+    run = waiting(service, client)
+    answer = client.post(f"/api/v1/runs/{run}/continuation")
+    assert answer.status_code == 201, answer.text
+    made = answer.json()
+    assert answer.headers["Location"].endswith(f"/api/v1/runs/{made['id']}")
+    assert (made["continues"], made["state"], made["other_code"]) == (run, "queued", None)
+    old = one(client, run)
+    assert (old["state"], old["error"], old["evaluations"]) == ("cancelled", f"It was continued as {made['id']}.", 100)
+    claim = Queue(service.engine).claim("new", (), HERE)
+    assert claim is not None
+    cited = RunStore(service.engine, claim).cited()
+    assert cited is not None
+    assert (cited.begun.versions.code, {at: len(c.status) for at, c in cited.evaluations.items()}) == (
+        CODE.digest, {2: 100},
+    )  # fmt: skip
+    repeated = client.post(f"/api/v1/runs/{run}/continuation")
+    assert (repeated.status_code, repeated.json()["type"]) == (409, "urn:clearance:problem:not-waiting")
+
+
+def test_evaluations_of_another_model_are_not_continued(service: Service, client: httpx.Client) -> None:
+    run = waiting(service, client)
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(CatalogueDocument).values(document=edited()))
+    answer = client.post(f"/api/v1/runs/{run}/continuation")
+    assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
+    assert one(client, run)["state"] == "queued"
+
+
+def test_a_run_that_does_not_wait_for_its_code(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    for way in ("restart", "continuation"):
+        assert client.post(f"/api/v1/runs/{run}/{way}").status_code == 409
+        assert client.post(f"/api/v1/runs/R-9999/{way}").status_code == 404

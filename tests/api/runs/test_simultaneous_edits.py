@@ -1,0 +1,58 @@
+"""Of two edits that are made at the same time, none is lost unseen; on PostgreSQL, which has several writers."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.tables import AuditHead, Draft
+from tests.faults.processes import until
+from tests.given.databases import POSTGRESQL
+from tests.given.service import Service
+
+DRAFT = {"name": "", "text": "name: x"}
+EDITS: dict[str, tuple[str, str, list[dict[str, Any]]]] = {
+    "a draft": ("/api/v1/drafts/D-0001", "PUT", [{**DRAFT, "version": 1}] * 2),
+    "a user": ("/api/v1/users/ann", "PATCH", [{"role": "engineer"}, {"disabled": True}]),
+    "settings": ("/api/v1/settings", "PATCH", [{"own_sign_offs": True}] * 2),  # the default is false: both change it
+}
+
+
+def _outside(service: Service) -> sa.Connection:
+    """Within a transaction, PostgreSQL would show the same activity for ever."""
+    return service.engine.connect().execution_options(isolation_level="AUTOCOMMIT")
+
+
+@POSTGRESQL
+@pytest.mark.parametrize("name", EDITS)
+def test_of_two_who_edit_at_the_same_time_one_is_refused(service: Service, client: httpx.Client, name: str) -> None:
+    """Both wait for the audit trail or for each other, until the trail is released."""
+    client.post("/api/v1/users", json={"name": "ann", "role": "viewer"})
+    client.post("/api/v1/drafts", json=DRAFT)
+    path, method, given = EDITS[name]
+    read = client.get(path).headers["etag"]
+    waiting = "select count(*) from pg_stat_activity where wait_event_type = 'Lock' and datname = current_database()"
+
+    def edit(body: dict[str, Any]) -> int:
+        return client.request(method, path, json=body, headers={"If-Match": read}).status_code
+
+    with ThreadPoolExecutor(2) as two, _outside(service) as watching:
+        with service.engine.begin() as holding:
+            holding.execute(sa.select(AuditHead.row).with_for_update())
+            holding.execute(sa.select(Draft.id).with_for_update())
+            answers = two.map(edit, given)
+            until(lambda: watching.scalar(sa.text(waiting)) == 2, "both wait")
+        assert sorted(answers) == [200, 412]
+
+
+@POSTGRESQL
+def test_settings_that_are_changed_at_the_same_time_are_both_stored(service: Service, client: httpx.Client) -> None:
+    with ThreadPoolExecutor(4) as four:
+        stored = four.map(
+            lambda on: client.patch("/api/v1/settings", json={"own_sign_offs": on}).status_code, [True, False] * 8
+        )
+        assert set(stored) == {200}

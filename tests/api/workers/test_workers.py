@@ -1,0 +1,181 @@
+"""Whether anybody works: the workers with their runs, live over the event stream, and why a queued run waits."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db import workers
+from backend.db.queue import Queue
+from backend.db.tables import Run, Worker
+from backend.events import roster
+from backend.events.roster import Roster
+from backend.events.watch import Watch
+from tests.given.event_streams import streaming
+from tests.given.finished_runs import Work
+from tests.given.openapi_document import conforms
+from tests.given.service import Service
+from tests.given.submissions import submit
+
+
+def asked(client: httpx.Client) -> dict[str, Any]:
+    answer = client.get("/api/v1/workers")
+    assert answer.status_code == 200, answer.text
+    conforms(answer.json(), {"$ref": "#/components/schemas/Workers"})
+    return dict(answer.json())
+
+
+def arrive(service: Service, *names: str, run: int | None = None) -> None:
+    with service.engine.begin() as connection:
+        for name in names:
+            workers.arrive(connection, name)
+            workers.beat(connection, name, run)
+
+
+def silent(service: Service, name: str, seconds: float) -> None:
+    """As if the worker had sent its last heartbeat that long ago."""
+    with service.engine.begin() as connection:
+        beat = time.time() - seconds
+        connection.execute(sa.update(Worker).where(Worker.name == name).values(beat=beat, started=beat))
+
+
+def listed(client: httpx.Client, run: str) -> dict[str, Any]:
+    """The run as in the list; its own page says the same."""
+    (found,) = client.get(f"/api/v1/runs?q={run}").json()["items"]
+    assert client.get(f"/api/v1/runs/{run}").json()["waits"] == found["waits"]
+    return dict(found)
+
+
+def test_without_a_worker_the_last_one_is_known(service: Service, client: httpx.Client) -> None:
+    none = asked(client)
+    assert (none["alive"], none["last_seen"], none["items"]) == (0, None, [])
+    arrive(service, "w1")
+    silent(service, "w1", 48)
+    found = asked(client)
+    assert found["alive"] == 0
+    assert found["now"] - found["last_seen"] == pytest.approx(48, abs=5)
+    assert [(w["name"], w["state"]) for w in found["items"]] == [("w1", "silent")]
+    with service.engine.begin() as connection:
+        workers.leave(connection, "w1")
+    found = asked(client)
+    assert found["items"] == []
+    assert found["now"] - found["last_seen"] < 5, "an orderly stop is remembered too"
+
+
+def test_every_worker_with_its_run_and_stage(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    submit(client, seed=2)
+    arrive(service, "w1", "w2")
+    work = Work(service)
+    arrive(service, "w1", run=1)
+    with service.engine.begin() as connection:
+        workers.doing(connection, "w1", 1, "compiling", 14.2)
+    found = asked(client)
+    assert (found["alive"], found["queued"]) == (2, 1)
+    busy, idle = sorted(found["items"], key=lambda w: w["state"])
+    assert (busy["state"], busy["run"], busy["stage"], idle["state"], idle["run"]) == ("busy", run, None, "idle", None)
+    assert busy["doing"]["sentence"].startswith("Compiling your closed loop, about 15 s, once")
+    work.search(0, 10)
+    assert {w["name"]: w["stage"] for w in asked(client)["items"]} == {"w1": "Search, direct", "w2": None}
+
+
+def test_a_run_says_that_its_loop_is_compiled(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    arrive(service, "w1")
+    assert Queue(service.engine).claim("w1") is not None
+    arrive(service, "w1", run=1)
+    assert listed(client, run)["doing"] is None
+    with service.engine.begin() as connection:
+        workers.doing(connection, "w1", 1, "compiling")
+    doing = listed(client, run)["doing"]
+    assert doing["sentence"] == "Compiling your closed loop, once: it is stored for later runs.", (
+        "no number is invented"
+    )
+    with service.engine.begin() as connection:
+        workers.doing(connection, "w1", 2, "compiling")  # of another run
+    assert listed(client, run)["doing"] is None
+    with service.engine.begin() as connection:
+        workers.doing(connection, "w1", 1)
+    assert listed(client, run)["doing"] is None
+
+
+@pytest.mark.parametrize("stored", [{"what": "compiling"}, {"x": 1}, [], "compiling"])
+def test_what_another_version_stored_is_not_shown(service: Service, client: httpx.Client, stored: Any) -> None:
+    run = submit(client)
+    arrive(service, "w1")
+    assert Queue(service.engine).claim("w1") is not None
+    arrive(service, "w1", run=1)
+    with service.engine.begin() as connection:
+        connection.execute(sa.update(Worker).values(doing=stored))
+    assert listed(client, run)["doing"] is None
+    assert asked(client)["items"][0]["doing"] is None
+
+
+def test_a_queued_run_says_why_it_waits(service: Service, client: httpx.Client) -> None:
+    first, second, third = submit(client), submit(client, seed=2), submit(client, seed=3)
+    assert listed(client, first)["waits"] == "No worker is running. Start one with `clearance worker`."
+    arrive(service, "w1", "w2")
+    assert listed(client, first)["waits"] == "It starts automatically within a few seconds."
+    assert listed(client, second)["waits"] == "Position 2 in the queue; it starts automatically."
+    for name, run in (("w1", 1), ("w2", 2)):
+        assert Queue(service.engine).claim(name) is not None
+        arrive(service, name, run=run)
+    fourth = submit(client, seed=4)
+    busy = (
+        f"All 2 workers are busy with {first}, {second}; position {{}} in the queue. It starts automatically when one"
+    )
+    assert listed(client, third)["waits"].startswith(busy.format(1))
+    assert listed(client, fourth)["waits"].startswith(busy.format(2))
+    assert listed(client, first)["waits"] is None
+    with service.engine.begin() as connection:
+        connection.execute(sa.update(Run).where(Run.id == 4).values(priority=5))
+    assert "position 1 in" in listed(client, fourth)["waits"]
+    silent(service, "w1", 30)
+    silent(service, "w2", 300)
+    assert listed(client, third)["waits"].startswith("No worker is running; the last one was seen less than 2 min ago.")
+
+
+def test_the_stream_reports_workers(service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(roster, "PERIOD", 0.0)
+    run = submit(client)
+    with streaming(client) as stream, streaming(client, run=run) as other:
+        assert stream.next("workers")["alive"] == 0
+        assert other.next("run")["waits"].startswith("No worker is running")
+        arrive(service, "w1")
+        assert stream.next("workers")["alive"] == 1
+        assert other.next("workers")["alive"] == 1
+        assert other.next("run")["waits"].startswith("It starts automatically")
+
+
+def test_falling_silent_is_noticed_though_nothing_is_written(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    submit(client)
+    arrive(service, "w1")
+    watch, seen = Watch(service.engine), Roster(service.engine)
+    assert seen.look() == []
+    watch.look([])
+    (before,) = watch.everything(None)
+    seen._due = 0.0
+    monkeypatch.setattr("backend.workers.service.SEEN", -1.0)
+    monkeypatch.setattr("backend.runs.waiting.SEEN", -1.0)
+    (event,) = seen.look()
+    assert '"alive":0' in event.data
+    (after,) = watch.look([], moved=True)
+    assert "No worker is running" in after.data
+    assert "No worker is running" not in before.data
+    watch.close()
+
+
+def test_a_heartbeat_alone_is_no_news(service: Service) -> None:
+    arrive(service, "w1")
+    seen = Roster(service.engine)
+    seen.look()
+    with service.engine.begin() as connection:
+        workers.beat(connection, "w1", None)
+    seen._due = 0.0
+    assert seen.look() == []

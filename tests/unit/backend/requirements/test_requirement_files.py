@@ -1,0 +1,145 @@
+"""ReqIF and CSV files of requirements: what is read, what is refused, what is written and read again."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from pathlib import Path
+
+import pytest
+
+from backend.requirements import reqif, sheet
+from backend.requirements.reqif import CannotRead, Read
+from backend.requirements.schemas import RequirementRow
+
+WRITTEN = Path(__file__).parents[3] / "api" / "requirements" / "written.reqif"
+PUBLIC = os.environ.get("CLEARANCE_REQIF_EXAMPLES", "")
+"""A folder of public ReqIF files, such as a clone of strictdoc-project/reqif."""
+
+
+def test_ids_texts_and_attributes_of_a_reqif_file() -> None:
+    found, skipped = reqif.read(WRITTEN.read_bytes())
+    text = "The vehicle shall keep 0.5 m from obstacles.\nalso those that move"
+    assert found == [
+        Read("SYS-1", text, {"Level": "DAL A, DAL B"}),
+        Read("SYS-2", "It shall reach its goal < 60 s.", {"Order": "7"}),
+    ]
+    assert skipped == 1, "the heading"
+
+
+def test_the_attributes_may_be_named() -> None:
+    found, skipped = reqif.read(WRITTEN.read_bytes(), "reqif.foreignid", "Order")
+    assert ([(one.id, one.text) for one in found], skipped) == ([("SYS-2", "7")], 2)
+    with pytest.raises(CannotRead, match="an object has no value of the attribute 'Order'; the file has"):
+        reqif.read(WRITTEN.read_bytes(), "Order")
+
+
+def test_a_written_reqif_file_is_read_again() -> None:
+    rows = [('A & "1"', "Keep < 5 m,\nalways", "met", "A: R-0001."), ("é", "x\x0by", "no evidence", "")]
+    found, _ = reqif.read(reqif.write(rows, 0.0, "Clearance"))
+    assert [(one.id, one.text) for one in found] == [('A & "1"', "Keep < 5 m,\nalways"), ("é", "x\ufffdy")]
+    assert found[0].attributes == {"Clearance.Status": "met", "Clearance.Sentence": "A: R-0001."}
+
+
+LAUGHS = b'<!DOCTYPE l [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;">]><REQ-IF>&b;</REQ-IF>'
+OUTSIDE = b'<!DOCTYPE l [<!ENTITY a SYSTEM "file:///etc/passwd">]><REQ-IF>&a;</REQ-IF>'
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (LAUGHS, "document type declaration"),
+        (OUTSIDE, "document type declaration"),
+        (b'<!DOCTYPE l SYSTEM "http://127.0.0.1/x.dtd"><REQ-IF/>', "document type declaration"),
+        (b"<REQ-IF>" + b"<a>" * 100_000, "deeper than 100 levels"),
+        (b"<html/>", "its root element is html, expected REQ-IF"),
+        (b"", "not readable as XML"),
+        (b"PK\x03\x04", "unpack it"),
+        (b'<?xml version="1.0" encoding="nope"?><REQ-IF/>', "not readable as XML: unknown encoding"),
+        ("<REQ-IF>é</REQ-IF>".encode("latin-1"), "not readable as XML"),
+        (b"<REQ-IF/>", "no object of the file has a text (0 objects)"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_a_file_that_is_no_acceptable_reqif_is_refused_with_a_sentence(content: bytes, said: str) -> None:
+    with pytest.raises(CannotRead, match=r".*") as refused:
+        reqif.read(content)
+    assert said in str(refused.value)
+
+
+def test_a_file_with_too_many_elements_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reqif, "MOST_ELEMENTS", 50)
+    with pytest.raises(CannotRead, match="more than 50 elements: export fewer objects at a time"):
+        reqif.read(WRITTEN.read_bytes())
+
+
+def test_an_attribute_that_no_object_has_names_those_of_the_file() -> None:
+    with pytest.raises(CannotRead, match=r"the file has the attributes Level, Order, ReqIF.ChapterName"):
+        reqif.read(WRITTEN.read_bytes(), "", "Nope")
+
+
+@pytest.mark.skipif(not PUBLIC, reason="CLEARANCE_REQIF_EXAMPLES names no folder")
+def test_public_files_are_read_or_refused_with_a_sentence() -> None:
+    read = 0
+    for file in sorted(Path(PUBLIC).rglob("*.reqif")):
+        try:
+            found, _ = reqif.read(file.read_bytes())
+        except CannotRead:
+            continue
+        else:
+            assert all(one.id and one.text for one in found)
+            read += 1
+    assert read
+
+
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_a_csv_file_with_other_columns(separator: str) -> None:
+    lines = ["ID,Text,Owner", 'A-1,"Keep ""5 m"", always\r\nand ever",Ada', ",,", "A-2,,Bob", "A-3, x ,"]
+    text = "\ufeff" + "\r\n".join(lines).replace(",", separator).replace('m""' + separator, 'm"",')
+    found, skipped = sheet.read(text.encode())
+    assert found == [Read("A-1", 'Keep "5 m", always\r\nand ever', {"Owner": "Ada"}), Read("A-3", "x", {})]
+    assert skipped == 1
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"a,b\n1,2\n", "no column for the id: the header has a, b; it needs 'id'"),
+        (b"id,b\n1,2\n", "no column for the text"),
+        (b"", "the header has nothing"),
+        (b"id,text\n1\n", "row 2 has 1 columns, the header has 2"),
+        (b'id,text\n1,"open', "line 2 is not readable as CSV"),
+        (b"id,text\n1,\xe9\n", "is not UTF-8 text (byte 10): save it as CSV UTF-8"),
+        (b"id,text\n1,a\0b\n", "null characters"),
+        (b"id,text\n1,\n", "no row with a text"),
+        (b"id,text\n1," + b"x" * 200_000 + b"\n", "field larger than field limit"),
+    ],
+)
+def test_a_file_that_is_no_acceptable_csv_is_refused_with_a_sentence(content: bytes, said: str) -> None:
+    with pytest.raises(CannotRead, match=r".*") as refused:
+        sheet.read(content)
+    assert said in str(refused.value)
+
+
+def test_columns_may_be_named() -> None:
+    found, _ = sheet.read(b"id,key,words,text\n1,K,W,T\n", "key", "words")
+    assert found == [Read("K", "W", {"id": "1", "text": "T"})]
+
+
+def test_an_export_has_columns_for_the_most_frequent_attributes_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files may name any number of attributes, and every row of a CSV file has every column."""
+    monkeypatch.setattr(sheet, "MOST_COLUMNS", 2)
+    given = [{"b": "1", "a": "2", "x": "=3"}, {"b": "4", "y": "5"}, {"a": "6"}]
+    rows = [
+        RequirementRow(
+            id=f"R{i}", text="t", status="no evidence", sentence="", registered=True, file=None, attributes=attributes,
+            changed=None, changed_by=None, etag="", runs=[], total=0, removed=0, sweeps=0,
+        )
+        for i, attributes in enumerate(given)
+    ]  # fmt: skip
+    lines = list(csv.reader(io.StringIO(b"".join(sheet.requirements(rows)).decode())))
+    assert lines[0][5:] == ["a", "b", "other attributes"]
+    assert [line[5:] for line in lines[1:]] == [["2", "1", "x: =3"], ["", "4", "y: 5"], ["6", "", ""]]
+    found, _ = sheet.read(b"".join(sheet.requirements(rows)))
+    assert found[0].attributes["other attributes"] == "x: =3"

@@ -1,0 +1,165 @@
+"""Methods and budgets proposed from the time of an evaluation: they fit, they exist, and the command prints them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from functools import partial
+
+import pytest
+import yaml
+
+from campaigns import check
+from campaigns.asked import proposal
+from campaigns.asked.proposal import Cost, lasting
+from campaigns.rules import GLOBAL_LEAST
+from clearance.cli import WRONG_INPUT, invoke
+from tests.given.case_campaigns import searching
+from worker.running.catalogue.installed import catalogue, methods
+
+METHODS = catalogue().methods
+TITLES = {method.name: method.title for method in METHODS}
+proposed = partial(proposal.proposed, METHODS)
+GRID = list(itertools.product([1e-6, 1e-3, 0.03, 1.0, 12.0, 900.0], [1, 4, 25], [1, 4, 300], [0.5, 10.0, 1200.0, 1e6]))
+
+
+def test_the_sentence_of_a_simulator_of_twelve_seconds() -> None:
+    found = proposed(12.0, 4, slots=4, patience=1200.0)
+    assert found.sentence == (
+        "One evaluation takes about 12 s: 400 evaluations take about 20 min on 4 slots; use lq-CMA-ES and TuRBO"
+    )
+    assert [(s.method, s.evaluations, s.options) for s in found.searches] == [
+        ("lq_cma_es", 200, {"at_once": 4}), ("turbo", 200, {"batch": 4})
+    ]  # fmt: skip
+    assert found.seconds == 1200.0
+
+
+@pytest.mark.parametrize(("cost", "parameters", "slots", "patience"), GRID)
+def test_whatever_is_proposed_fits_and_can_be_run(cost: float, parameters: int, slots: int, patience: float) -> None:
+    found = proposed(cost, parameters, slots, patience)
+    assert bool(found.searches) == (cost <= patience)
+    assert found.seconds <= patience * (1 + 1e-9)
+    assert found.seconds == pytest.approx(sum(math.ceil(s.evaluations / slots) * cost for s in found.searches))
+    assert f"about {lasting(cost)}" in found.sentence
+    for search in found.searches:
+        assert search.evaluations >= 1
+        assert cost >= 0.02 or not methods()[search.method].costly
+    if found.searches:
+        stages = [{"method": s.method, "evaluations": s.evaluations, "options": s.options} for s in found.searches]
+        assert check(searching(*stages), catalogue()) == []
+
+
+@pytest.mark.parametrize("start", [0.3, 5.0, 1e3])
+def test_the_start_of_the_processes_is_part_of_the_time(start: float) -> None:
+    for cost, parameters, slots, patience in GRID:
+        found = proposed(cost, parameters, slots, patience, start)
+        assert bool(found.searches) == (start + cost <= patience)
+        if found.searches:
+            rounds = sum(math.ceil(s.evaluations / slots) for s in found.searches)
+            assert found.seconds == pytest.approx(start + rounds * cost)
+            assert found.seconds <= patience * (1 + 1e-9)
+        elif start > cost:
+            assert f"the start of its process {lasting(start)}, longer than the {lasting(patience)}" in found.sentence
+
+
+@pytest.mark.parametrize(
+    ("calls", "recycle", "each", "fresh"),
+    [(1, 0, 2.0, 5.0), (1, 1, 5.0, 5.0), (1, 3, 3.0, 5.0), (2, 3, 3.0, 5.0), (5, 3, 6.0, 10.0)],
+)
+def test_processes_that_are_replaced_or_fresh_take_their_start(
+    calls: int, recycle: int, each: float, fresh: float
+) -> None:
+    """On four slots: five calls of an evaluation take two turns."""
+    cost = Cost("R-0001", 2.0, 4, 15, start=3.0, recycle=recycle)
+    at_once = cost.of(calls)[1]
+    assert cost.of(calls) == (pytest.approx(each), {1: 4, 2: 2, 5: 1}[calls])
+    assert cost.again(at_once, calls) == pytest.approx(fresh)
+    seconds, known = cost.lasts(10 * at_once, calls, again=2 * at_once)
+    assert seconds == pytest.approx(3.0 + 10 * each + 2 * fresh)
+    assert "and the start of a process 3 s" in known
+    assert known.endswith(f", on 4 slots; {2 * at_once} more, each in a fresh process, confirm results.")
+
+
+def test_two_methods_each_get_enough_to_count_as_a_search() -> None:
+    for cost, parameters, slots, patience in GRID:
+        found = proposed(cost, parameters, slots, patience)
+        assert (
+            all(s.evaluations >= GLOBAL_LEAST.value * parameters for s in found.searches)
+            or "second method" in found.sentence
+        )
+
+
+def test_where_two_methods_do_not_fit_the_sentence_names_what_is_missing() -> None:
+    found = proposed(60.0, 5, patience=1800.0)
+    assert [(s.method, s.evaluations) for s in found.searches] == [("turbo", 30)]
+    assert found.sentence.endswith("a second method, without which nothing is cleared, fits if you allow 4.2 h")
+    assert len(proposed(60.0, 5, patience=4.2 * 3600).searches) == 2
+    none = proposed(7200.0, 5, patience=600.0)
+    assert none.sentence.endswith("about 2 h, longer than the 10 min that are available: allow more time")
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [((0.0, 3), "cost 0"), ((float("nan"), 3), "cost nan"), ((float("inf"), 3), "cost inf"), ((-1.0, 3), "cost -1"),
+     ((1.0, 3, 1, 9.0, -1.0), "start -1"), ((1.0, 3, 1, 9.0, float("nan")), "start nan"),
+     ((1.0, 0), "parameters 0"), ((1.0, 3, 0), "slots 0"), ((1.0, 3, 1, 0.0), "patience 0")],
+)  # fmt: skip
+def test_impossible_values_are_refused(given: tuple[float, int], names: str) -> None:
+    with pytest.raises(ValueError, match=names):
+        proposed(*given)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(2e-5, "20 µs"), (0.0123, "12 ms"), (12.0, "12 s"), (99.9, "100 s"), (1200.0, "20 min"), (5000.0, "83 min"),
+     (9000.0, "2.5 h"), (1e6, "12 days"), (1e9, "12,000 days")],
+)  # fmt: skip
+def test_lengths_of_time(seconds: float, text: str) -> None:
+    assert lasting(seconds) == text
+
+
+def test_the_command_prints_stages_of_a_campaign(capsys: pytest.CaptureFixture[str]) -> None:
+    assert invoke(["propose", "--cost", "12", "--parameters", "4", "--slots", "4", "--patience", "1200"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("# One evaluation takes about 12 s: 400 evaluations")
+    stages = yaml.safe_load(shown)["stages"]["search"]
+    assert stages[1] == {"method": "turbo", "evaluations": 200, "options": {"batch": 4}}
+    assert check(searching(*stages), catalogue()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [(["--cost", "0", "--parameters", "3"], "invalid cost 0"), (["--cost", "9999", "--parameters", "3"], "allow more")],
+)
+def test_the_command_refuses_what_cannot_be(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert invoke(["propose", *arguments]) == WRONG_INPUT
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("slots", "calls", "expected"),
+    [(1, 1, (2.0, 1)), (4, 1, (2.0, 4)), (4, 2, (2.0, 2)), (4, 3, (2.0, 1)), (4, 5, (4.0, 1)), (2, 5, (6.0, 1))],
+)
+def test_calls_of_an_evaluation_go_through_the_slots_in_turns(
+    slots: int, calls: int, expected: tuple[float, int]
+) -> None:
+    assert Cost("R-0001", 2.0, slots, 15).of(calls) == expected
+
+
+def test_what_a_measured_cost_proposes_is_what_the_command_proposes() -> None:
+    for cost, parameters, slots, patience in GRID:
+        found = Cost("R-0001", cost, slots, 15).proposed(METHODS, parameters, patience)
+        same = proposed(cost, parameters, slots, patience)
+        assert (found.searches, found.seconds, found.note) == (same.searches, same.seconds, same.note)
+        if found.searches:
+            assert found.sentence.startswith(f"In {lasting(patience)} on {slots} slot")
+            assert f"{found.searches[0].evaluations:,}" in found.sentence
+            assert all(TITLES[s.method] in found.sentence for s in found.searches)
+            assert found.sentence.endswith(found.note)
+
+
+def test_no_call_is_no_evaluation() -> None:
+    with pytest.raises(ValueError, match="calls 0"):
+        Cost("R-0001", 2.0, 1, 15).proposed(METHODS, 2, 60.0, calls=0)

@@ -1,0 +1,71 @@
+"""Every check of a verdict has a title, and no check claims to hold for evaluations without a value."""
+
+from __future__ import annotations
+
+from backend.reports.words import svg_symbol, symbol_html
+from campaigns.asked.spec import Encounter
+from campaigns.results.verdict import Check
+from campaigns.results.verdicts import described, validated
+from campaigns.rules import RULES, rule
+from campaigns.symbols import labels
+from tests.given.case_campaigns import case1
+from tests.given.verdict_evidence import case, concluded, evidence
+from worker.evidence.verdicts.checks import checks
+
+
+def test_every_check_has_a_title() -> None:
+    names = {check.name for check in checks(case1(), evidence(excluded=1))} | {"noise", "target", "probability"}
+    assert all(rule(name) for name in names)
+    intended = Encounter.model_json_schema()["properties"]["intended"]["propertyNames"]["enum"]
+    assert {name.replace("_", " ") for name in intended} == {rule.code for rule in RULES if rule.intended}
+
+
+def test_checks_of_values_are_open_where_evaluations_failed() -> None:
+    stored = concluded(failed=2).checks
+    told = {check.name: check for check in described(stored, 2)}
+    of_values = [rule.code for rule in RULES if rule.of_values]
+    assert of_values
+    for name in of_values:
+        assert told[name].ok
+        assert told[name].standing == "open"
+        assert told[name].but == "2 evaluations failed and have no value"
+    assert told["evaluations"].standing == "fails"
+    assert told["motion"].standing == "holds"
+    assert {check.standing for check in described(concluded().checks, 0)} == {"holds"}
+
+
+def test_a_check_of_an_earlier_version_is_titled_by_its_name() -> None:
+    (told,) = described([Check(name="half step", ok=True, text="")], 0)
+    assert (told.title, told.standing, told.but) == ("Half step", "holds", "")
+
+
+def test_a_case_is_described_by_what_was_stored() -> None:
+    assert validated(case(agrees=None, violates=None)) == "confirmed"
+    assert validated(None) == "not validated"
+    assert validated(case()) == "integrations agree"
+    assert validated(case(agrees=False, violates=True)) == "violation confirmed, beyond tolerance"
+    assert validated(case(confirmed=False)) == "integrations disagree"
+
+
+def test_a_shared_symbol_is_never_shown() -> None:
+    known = {"vehicle.m": "m", "obstacles.0.x": "x", "obstacles.1.x": "x", "start.x": "x"}
+    assert labels(["vehicle.m", "obstacles.1.x"], known) == {"vehicle.m": "m", "obstacles.1.x": "x of obstacle 2"}
+    assert labels(["a.q", "b.q"], {}) == {"a.q": "a.q", "b.q": "b.q"}
+
+
+def test_a_shared_symbol_names_the_part_it_belongs_to() -> None:
+    paths = ["obstacles.0.position.y", "start.y", "faults.2.y", "vehicle.y", "vehicle.b", "sim.y"]
+    found = labels(paths, dict.fromkeys(paths, "y"))
+    assert found["obstacles.0.position.y"] == "y of obstacle 1"
+    assert (found["start.y"], found["faults.2.y"]) == ("y of the start", "y of fault 3")
+    # Names that would not distinguish two parameters, and parts without a name: the path.
+    assert [found[path] for path in paths[3:]] == ["vehicle.y", "vehicle.b", "sim.y"]
+    assert len(set(found.values())) == len(paths)
+
+
+def test_the_symbol_of_a_name_is_in_italics_and_its_part_is_not() -> None:
+    assert symbol_html("omega_r of obstacle 1", "obstacles.0.rate") == (
+        '<i class="v" title="obstacles.0.rate">ω</i><sub>r</sub> of obstacle 1'
+    )
+    assert symbol_html("m", "vehicle.m") == '<i class="v" title="vehicle.m">m</i>'
+    assert svg_symbol("y of obstacle 1").endswith("<tspan> of obstacle 1</tspan>")

@@ -1,0 +1,160 @@
+"""`clearance replay`: stored evaluations give the same bits again, and whatever else happens is said."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from backend.db.engine import connect
+from backend.db.queue import submit
+from campaigns.results.base import EXCLUDED
+from campaigns.versions import Processor, Versions
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from tests.given.corrupted_records import CERTIFY, RUNS, Folder, write_called, written
+from tests.migrated import migrated
+from tests.simulators.adversaries import adversary
+from worker.engine.stages.parts import offered
+from worker.running.runs.replay import other_machine
+
+SEARCH = 2
+"""The position of the first search in the plan of these runs."""
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer simulations with the reference integrator, as in the tests of the audit."""
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
+    monkeypatch.setattr(offered, "AT_MOST", 3)
+
+
+def replayed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, Any]:
+    """The exit code, and what is printed with --json."""
+    capsys.readouterr()
+    code = invoke(["replay", *arguments, "--json"])
+    return code, json.loads(capsys.readouterr().out)
+
+
+def test_findings_have_the_same_bits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = written(tmp_path / "out", "violated")
+    labels = [f["label"] for f in json.loads((folder / "result.json").read_text())["findings"]]
+    code, said = replayed(capsys, str(folder))
+    assert (code, said["agrees"], said["differences"]) == (0, True, [])
+    assert [case["case"] for case in said["cases"]] == labels != []
+    assert all(case["agreement"] == "same bits" and case["now"] == {**case["stored"], "reason": None}
+               for case in said["cases"])  # fmt: skip
+    assert invoke(["replay", str(folder), "F1"]) == 0
+    line, closing = capsys.readouterr().out.splitlines()
+    assert line.startswith("F1: stored d_min 0.")
+    assert line.endswith(" m: same bits")
+    assert closing == "Installation and machine are the same as those that made the run. It agrees."
+
+
+def test_a_sample_is_simulated_with_its_own_noise(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = Folder(written(tmp_path / "out", "noisy"))
+    draws = folder.evidence["results"][CERTIFY]["drawn_realisations"]
+    rows = [0, draws // 2, draws - 1, draws, draws + 1]  # the last two are of the grid
+    names = [f"certify:{row}" for row in rows] + [f"{SEARCH}:0"]
+    code, said = replayed(capsys, str(folder.path), *names)
+    assert code == 0, said
+    folder.evidence["results"][CERTIFY]["drawn_realisations"] = 0
+    folder.write()
+    code, said = replayed(capsys, str(folder.path), *names)
+    assert code == VIOLATED
+    assert [case["agrees"] for case in said["cases"]] == [False] * 3 + [True] * 3
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "said"),
+    [
+        ("differs", 0, "The run measured that its simulator does not repeat (by up to "),
+        ("violated", VIOLATED, "The campaign states several calls for each evaluation, "),
+    ],
+)
+def test_a_simulator_that_does_not_repeat_is_reported_as_such(
+    name: str, code: int, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "out").mkdir()
+    folder = write_called(tmp_path / "out", name)
+    with adversary("a coin"):
+        assert invoke(["replay", str(folder), "F1"]) == code
+    assert said in capsys.readouterr().out
+    assert invoke(["replay", str(folder), "F1"]) == WRONG_INPUT
+    assert "cannot be evaluated by this installation: simulator.name: no such simulator" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("factor", "here", "elsewhere"), [(1 + 2e-16, VIOLATED, 0), (1 + 1e-7, VIOLATED, VIOLATED)])
+def test_a_changed_cost_is_noticed(
+    factor: float, here: int, elsewhere: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = Folder(written(tmp_path / "out", "violated"))
+    folder.arrays[f"costs_{SEARCH}"][3] *= factor
+    folder.write()
+    assert invoke(["replay", str(folder.path), f"{SEARCH}:3"]) == here
+    assert capsys.readouterr().out.splitlines()[-1].endswith("1 of 1 do not agree.")
+    folder.result["versions"]["cpu"]["target"] = "another"
+    folder.write()
+    assert invoke(["replay", str(folder.path), f"{SEARCH}:3"]) == elsewhere
+    assert "the processor was another, here it is " in capsys.readouterr().out
+
+
+def test_an_evaluation_without_a_cost_agrees_by_its_status(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = Folder(written(tmp_path / "out", "excluded"))
+    row = int(np.flatnonzero(folder.arrays[f"status_{SEARCH}"] == EXCLUDED)[0])
+    assert invoke(["replay", str(folder.path), f"{SEARCH}:{row}"]) == 0
+    assert capsys.readouterr().out.splitlines()[0] == f"evaluation {row} of monte_carlo: excluded then and now"
+    folder.arrays[f"status_{SEARCH}"][row] = 0
+    folder.arrays[f"costs_{SEARCH}"][row] = 1.0
+    folder.write()
+    assert invoke(["replay", str(folder.path), f"{SEARCH}:{row}"]) == VIOLATED
+    assert ": stored d_min 1.0 m; now excluded (" in capsys.readouterr().out.splitlines()[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("F99", "'F99' is no finding of it (it has F1"),
+        ("direct:100000", "stage direct has 1"),
+        ("search:0", "search names several stages: 0:INDEX for nominal"),
+        ("turbo:0", "turbo is no stage of it"),
+        ("direct:-1", "is no finding of it"),
+        ("99:0", "99 is no stage of it"),
+        ("²:0", "is no finding of it"),
+    ],
+)
+def test_an_unknown_case_is_a_sentence(name: str, why: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = written(tmp_path / "out", "violated")
+    assert invoke(["replay", str(folder), name]) == WRONG_INPUT
+    assert why in capsys.readouterr().err
+
+
+def test_what_is_not_a_run_is_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert invoke(["replay", str(tmp_path)]) == WRONG_INPUT
+    assert "cannot be replayed: it contains no campaign.json" in capsys.readouterr().err
+    folder = written(tmp_path / "out", "violated")
+    for name, text in (("evidence.json", '{"results": [3]}'), ("evidence.json", "[]"), ("result.json", "[]")):
+        (folder / name).write_text(text)
+        assert invoke(["replay", str(folder)]) == WRONG_INPUT
+        assert "cannot be replayed" in capsys.readouterr().err
+
+
+def test_a_run_that_has_not_begun_has_nothing_to_replay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    engine = connect(migrated(tmp_path))
+    with engine.begin() as connection:
+        submit(connection, RUNS["violated"](), name="a", tags=[], owner="ada", planned=1)
+    engine.dispose()
+    assert invoke(["replay", "R-0001", "--data", str(tmp_path)]) == WRONG_INPUT
+    assert "it has no finding; name an evaluation: it has no stored evaluations" in capsys.readouterr().err
+    assert invoke(["replay", "R-0002", "--data", str(tmp_path)]) == WRONG_INPUT
+    assert "there is no R-0002 in this database" in capsys.readouterr().err
+
+
+def test_a_machine_is_of_the_same_kind_only_where_that_is_known() -> None:
+    here = Versions(system="Linux x86_64", lanes=8, step=0.01, cpu=Processor(target="znver4", features="avx2"))
+    assert other_machine(here, here) == []
+    assert other_machine(Versions(), here) == ["the processor of the run is not known"]
+    for change in ({"system": "Darwin arm64"}, {"lanes": 16}, {"cpu": Processor(target="znver4", features="avx512f")}):
+        assert len(other_machine(here.model_copy(update=change), here)) == 1

@@ -1,0 +1,341 @@
+"""The baseline stage: which findings of an earlier run it evaluates, where validation finds them again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sqlalchemy as sa
+
+from backend.db import baselines, labels
+from backend.db.engine import connect, read
+from backend.db.queue import Queue, submit
+from backend.db.store import RunStore
+from campaigns import Campaign
+from campaigns.asked.load import load_document
+from campaigns.results import NominalResult
+from campaigns.results.base import EXCLUDED
+from campaigns.results.baseline import BaselineResult
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from clearance.testing.problems import Problem
+from clearance.testing.searching import Function, batch
+from tests.given.case_campaigns import campaign, searching
+from tests.given.corrupted_records import DIRECT, NOISE, SHORT, SQP, Folder
+from tests.migrated import migrated
+from worker.engine.search.base import Floats
+from worker.engine.stages import baseline
+from worker.engine.stages.parts import findings, offered
+from worker.engine.stages.parts.base import Context, drive
+from worker.engine.stages.parts.store import StagePlan
+from worker.engine.stages.validate import _since
+from worker.evidence.audit import judge
+from worker.running.catalogue.installed import catalogue
+from worker.running.runs.runner import execute
+from worker.running.runs.store import MemoryStore
+
+PLAN = [StagePlan("nominal", None, 1), StagePlan("baseline", None, 2), StagePlan("validate", None, 10**6)]
+CORNER = {"vehicle.m": 6.0, "vehicle.J": 0.06}
+
+
+def asked(*cases: dict[str, Any], **changes: Any) -> Campaign:
+    """Case 1 with a baseline of these findings; label and cost are added."""
+    listed = [{"label": f"F{i}", "cost": 0.9, **case} for i, case in enumerate(cases, 1)]
+    given = {"run": "R-0001", "digest": "0" * 64, "threshold": 0.5, "cases": listed}
+    return campaign(baseline=given, **changes)
+
+
+def context(made: Campaign, function: Function) -> Context:
+    """A run in memory whose evaluations are this function's values."""
+    store, problem = MemoryStore(), Problem(made)
+    store.plan(PLAN)
+    found = Context(made, problem, lambda points, seeds=None: (batch(function(points)), {}), store, plan=PLAN)
+    cost = float(function(problem.nominal_point[None, :])[0])
+    found.results[0] = NominalResult(cost=cost, margin=cost - problem.threshold, status="ok")
+    return found
+
+
+WELLS = ([0.23, 0.31], [0.77, 0.69])
+
+
+def two_wells(points: Floats) -> Floats:
+    """1 but for two wells, whose bottoms violate."""
+    wells = sum(np.exp(-((points - place) ** 2).sum(axis=1) / 0.005) for place in WELLS)
+    return np.asarray(1.0 - 0.7 * wells + 0.05 * ((points - 0.5) ** 2).sum(axis=1))
+
+
+def flat(points: Floats) -> Floats:
+    return 1.0 + points.sum(axis=1)
+
+
+def ran(made: Context) -> BaselineResult:
+    made.results[1] = baseline.run(made, 1).result
+    return made.results[1]
+
+
+def test_a_finding_is_evaluated_at_its_own_bits() -> None:
+    made = context(asked({"parameters": CORNER}), flat)
+    point = np.array([0.123456789012345, 1.0 / 3.0])
+    exact = made.problem.named(point)
+    made = context(asked({"parameters": exact, "point": point.tolist()}, {"parameters": CORNER}), flat)
+    result = ran(made)
+    stored = made.store.evaluations(1)
+    assert stored is not None
+    assert stored.points.tolist() == [point.tolist(), [1.0, 1.0]]
+    assert [case.parameters for case in result.cases] == [exact, CORNER]
+    assert [case.cost for case in result.cases] == [1.0 + point.sum(), 3.0]
+    assert result.text == "2 of 2 findings of R-0001 evaluated"
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        ({"vehicle.m": 6.5}, "vehicle.m = 6.5 is outside the bounds 4 to 6 of this campaign"),
+        ({"vehicle.wheels": 4.0}, "there is no parameter vehicle.wheels"),
+        ({"avoider.d_0": 1.0}, "avoider.d_0 = 1 is not uncertain any more, it is 2"),
+        ({"vehicle.m": 3.0, "vehicle.q": 1.0}, "vehicle.m = 3 is outside the bounds 4 to 6 of this campaign; there is"),
+    ],
+)
+def test_parameters_that_cannot_be_had_are_named(parameters: dict[str, float], said: str) -> None:
+    made = context(asked({"parameters": parameters}, {"parameters": CORNER}), flat)
+    result = ran(made)
+    lost, found = result.cases
+    assert (lost.index, lost.cost, lost.parameters) == (None, None, parameters)
+    assert said in lost.reason
+    assert (found.index, found.cost) == (0, 3.0)
+    assert f"1 of 2 findings of R-0001 evaluated; F1 was not evaluated: {said}" in result.text
+
+
+def test_a_parameter_that_is_fixed_at_its_value_and_one_that_is_new() -> None:
+    made = context(asked({"parameters": {"vehicle.m": 6.0, "avoider.d_0": 2.0}}), flat)
+    result = ran(made)
+    assert result.cases[0].parameters == {"vehicle.m": 6.0, "vehicle.J": 0.05}
+    assert result.cases[0].assumed == ["vehicle.J"]
+    assert "vehicle.J of F1 is nominal: R-0001 did not vary it" in result.text
+
+
+def test_a_baseline_of_which_nothing_can_be_evaluated_says_so() -> None:
+    made = context(asked({"parameters": {"vehicle.m": 9.0}}), flat)
+    assert ran(made).text.startswith("0 of 1 findings of R-0001 evaluated; F1 was not evaluated: ")
+    assert made.store.evaluations(1) is None
+
+
+def test_another_threshold_is_stated() -> None:
+    made = context(asked({"parameters": CORNER}, criterion__threshold=0.6), flat)
+    assert ran(made).text.endswith("; the threshold of R-0001 was 0.5 m, here it is 0.6 m")
+
+
+def test_a_case_without_a_value_has_its_reason() -> None:
+    made = context(asked({"parameters": CORNER}), flat)
+    made.evaluate = lambda points, seeds=None: (batch(np.full(len(points), np.nan), EXCLUDED), {0: "starts inside"})
+    (case,) = ran(made).cases
+    assert (case.status, case.cost, case.reason) == ("excluded", None, "starts inside")
+
+
+def test_a_resumed_stage_evaluates_nothing_again() -> None:
+    made = context(asked({"parameters": CORNER}, {"parameters": {"vehicle.m": 4.0}}), flat)
+    first = ran(made)
+
+    def never(points: Floats, seeds: Any = None) -> Any:
+        raise AssertionError("evaluated again")
+
+    again = Context(made.campaign, made.problem, never, made.store, plan=PLAN)
+    assert baseline.run(again, 1).result == first
+
+
+def test_every_case_is_followed_to_its_basin() -> None:
+    problem = Problem(campaign())
+    near = [problem.named(np.array(w) + 0.02) for w in (*WELLS, WELLS[0])]
+    made = context(asked(*({"parameters": parameters} for parameters in near)), two_wells)
+    ran(made)
+    found = findings.Found()
+    drive(made, 2, findings.search(made, 2, found), 10**5, repeats=True)
+    assert not findings.settle(made, 2, found)
+    labels = [f"F{i}" for i in range(1, len(found.basins) + 1)]
+    where = {label: basin.point for label, basin in zip(labels, found.basins, strict=True)}
+    first, second, third = _since(made, [], found, labels)
+    assert first is not None
+    assert second is not None
+    assert np.allclose(where[first], WELLS[0], atol=0.01)
+    assert np.allclose(where[second], WELLS[1], atol=0.01)
+    assert third == first
+
+
+def test_more_cases_than_candidates_are_all_followed() -> None:
+    problem = Problem(campaign())
+    many = [
+        {"parameters": problem.named(np.array([x, y]))} for x in np.linspace(0, 1, 10) for y in np.linspace(0, 1, 9)
+    ]
+    made = context(asked(*many), two_wells)
+    ran(made)
+    gathered = findings.gather(made, 2)
+    assert len(gathered) == len(many) > findings.ALL
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer simulations with the reference integrator, in the run and in its audit."""
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
+    monkeypatch.setattr(offered, "AT_MOST", 3)
+    monkeypatch.setattr(judge.audit, "__defaults__", (offered.AT_MOST, offered.SPOT_CHECKS))
+
+
+def write(path: Path, **changes: Any) -> Path:
+    path.write_text(json.dumps(searching(DIRECT, SQP, **SHORT, **changes).document()))
+    return path
+
+
+def test_a_worse_controller_fails_and_every_other_command_reads_the_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    good, bad = write(tmp_path / "good.json"), tmp_path / "bad.json"
+    first, second, more = (str(tmp_path / name) for name in ("first", "second", "more"))
+    assert invoke(["run", str(good), "--out", first]) == 0
+    document = json.loads(good.read_text()) | {"regression": {"fail_on": ["worse"], "tolerance": 0.001}}
+    good.write_text(json.dumps(document))
+    assert invoke(["run", str(good), "--baseline", first, "--junit", str(tmp_path / "a" / "j.xml")]) == 0
+    assert "Changes of the findings since " in capsys.readouterr().out
+    document["scenario"]["avoider"]["parameters"]["d_0"] = 1.6
+    bad.write_text(json.dumps(document))
+    options = ["--label", "branch=slow", "--baseline", first, "--summary", str(tmp_path / "s.md")]
+    assert invoke(["run", str(bad), "--out", second, *options]) == 1
+    said = capsys.readouterr().out
+    assert f"The policy of the campaign fails: F1 of {first} is worse: d_min = 0.9281" in said
+    result = json.loads((tmp_path / "second" / "result.json").read_text())
+    assert result["labels"] == {"branch": "slow"}
+    assert result["regression"]["cases"][0]["standing"] == "worse"
+    assert f"| F1 of {first} | **worse** |" in (tmp_path / "s.md").read_text().replace("\\", "")
+    for command in (["audit", second], ["replay", second, "baseline:0"]):
+        assert invoke(command) == 0, (command, capsys.readouterr().out)
+    assert_audit_notices(Folder(tmp_path / "second"), capsys)
+    assert invoke(["run", "--continue", second, "--budget", "+20", "--out", more]) == 1
+    assert json.loads((tmp_path / "more" / "result.json").read_text())["regression"]["run"] == first
+
+
+def stored(engine: sa.Engine, asked: Campaign, given: str, **labels: str) -> int:
+    """A run in a database, launched with these labels and carried out."""
+    with engine.begin() as writer:
+        found = baselines.resolved(writer, asked, given) if given else baselines.Resolved(asked, None, "")
+        run_id = submit(
+            writer, found.campaign, name="a", tags=[], owner="", planned=1, catalogue=catalogue(), given=labels
+        )
+        if given:
+            baselines.store(writer, run_id, given, found.run_id)
+    claim = Queue(engine).claim("w")
+    assert claim is not None
+    execute(load_document(claim.document), RunStore(engine, claim), threads=1)
+    return run_id
+
+
+def test_a_stored_run_is_compared_audited_and_extended(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    engine = connect(migrated(tmp_path))
+    policy = {"fail_on": ["worse"], "tolerance": 0.001}
+    asked = searching(DIRECT, SQP, **SHORT, regression=policy)
+    assert stored(engine, asked, "", branch="main") == 1
+    slow = searching(DIRECT, SQP, **SHORT, regression=policy, scenario__avoider__parameters__k_rep=3.0)
+    assert stored(engine, slow, "label:branch=main", branch="slow") == 2
+    data = ["--data", str(tmp_path)]
+    assert invoke(["audit", "R-0002", *data]) == 0
+    assert invoke(["replay", "R-0002", "baseline:0", *data]) == 0
+    capsys.readouterr()
+    assert invoke(["run", "--continue", "R-0002", "--budget", "+20", "--threads", "1", *data]) == VIOLATED
+    assert "R-0003 extends R-0002" in capsys.readouterr().out
+    file = tmp_path / "good.json"
+    file.write_text(json.dumps(asked.document()))
+    assert invoke(["run", str(file), "--threads", "1", "--baseline", "label:branch=main", *data]) == 0
+    assert "Baseline: R-0001, the newest run with the label branch=main." in capsys.readouterr().out
+    with read(engine) as reader:
+        assert baselines.of_run(reader, 3) == ("label:branch=main", 1)
+        assert labels.of_runs(reader, [1, 2, 3]) == {
+            1: {"branch": "main"}, 2: {"branch": "slow"}, 3: {"branch": "slow"},
+        }  # fmt: skip
+    engine.dispose()
+
+
+CASE = "result/regression/cases/0"
+CORRUPTIONS: list[tuple[str, Any, str]] = [
+    (f"{CASE}/standing", "same", "regression.cases.0.standing"),
+    (f"{CASE}/margin_before", 0.43, "regression.cases.0.margin_before"),
+    (f"{CASE}/margin_again", 0.44, "regression.cases.0.margin_again"),
+    (f"{CASE}/margin", 0.44, "regression.cases.0.margin"),
+    (f"{CASE}/change", 0.0, "regression.cases.0.change"),
+    (f"{CASE}/tolerance", 1.0, "regression.cases.0.tolerance"),
+    (f"{CASE}/fails", False, "regression.cases.0.fails"),
+    ("result/regression/ok", True, "regression.ok"),
+    ("result/regression/accepted", True, "regression.accepted"),
+    ("result/regression/run", "R-0009", "regression.run"),
+    ("result/regression/cases", [], "regression.cases.count"),
+    ("evidence/results/1/cases/0/cost", 0.5, "results.1.cases.0.cost"),
+    ("campaign/regression/fail_on", ["new"], "regression.cases.0.fails"),
+]
+
+
+def assert_audit_notices(folder: Folder, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every number and word of the comparison is recomputed."""
+    kept = json.dumps([folder.result, folder.evidence, folder.campaign])
+    for place, value, item in CORRUPTIONS:
+        folder.result, folder.evidence, folder.campaign = json.loads(kept)
+        folder.set(place, value)
+        assert item in {i.name for i in folder.items() if i.agrees is False}, place
+    folder.result, folder.evidence, folder.campaign = json.loads(kept)
+    del folder.result["regression"]
+    folder.write()
+    assert invoke(["audit", str(folder.path)]) == VIOLATED
+    assert "it is not known whether the verdict follows" in capsys.readouterr().out.lower()
+    folder.result, folder.evidence, folder.campaign = json.loads(kept)
+    folder.write()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--baseline", "R-0001"], "there is no database at"),
+        (["--baseline", "missing"], "there is no database at"),
+        (["--label", "branch"], "invalid label 'branch'"),
+        (["--junit", "/proc/none/j.xml"], "/proc/none/j.xml cannot be written"),
+    ],
+)
+def test_a_bad_option_is_refused_before_anything_is_simulated(
+    arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = write(tmp_path / "campaign.json")
+    assert invoke(["run", str(file), "--data", str(tmp_path), *arguments]) == WRONG_INPUT
+    assert said in capsys.readouterr().err
+
+
+def test_an_extended_run_takes_no_other_baseline(capsys: pytest.CaptureFixture[str]) -> None:
+    assert invoke(["run", "--continue", "x", "--budget", "+1", "--baseline", "R-0001"]) == WRONG_INPUT
+    assert "an extended run has the labels and the baseline of the earlier one" in capsys.readouterr().err
+
+
+def test_drawn_noise_is_simulated_with_the_seed_of_the_baseline(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The seed is part of the case: it is stored with it, evaluated first, and replayed."""
+    file = write(tmp_path / "noisy.json", scenario__faults=NOISE)
+    document = json.loads(file.read_text())
+    cases = [
+        {"label": "F1", "parameters": CORNER, "cost": 0.9},
+        {"label": "F2", "parameters": CORNER, "cost": 0.9, "realisation": 7},
+        {"label": "F3", "parameters": CORNER, "cost": 0.9, "realisation": 8},
+    ]
+    document["baseline"] = {"run": "R-0001", "digest": "0" * 64, "threshold": 0.5, "cases": cases}
+    file.write_text(json.dumps(document))
+    out = str(tmp_path / "out")
+    invoke(["run", str(file), "--out", out])
+    evidence = json.loads((tmp_path / "out" / "evidence.json").read_text())
+    result = BaselineResult.model_validate(evidence["results"][1])
+    assert [(c.label, c.index, c.realisation) for c in result.cases] == [("F1", 2, None), ("F2", 0, 7), ("F3", 1, 8)]
+    assert result.seeds == [7, 8]
+    assert len({c.cost for c in result.cases}) == 3
+    capsys.readouterr()
+    assert invoke(["replay", out, "baseline:0", "baseline:1", "baseline:2"]) == 0
+    assert invoke(["audit", out]) == 0
+
+
+def test_a_seed_without_noise_is_named() -> None:
+    made = context(asked({"parameters": CORNER, "realisation": 7}), flat)
+    assert ran(made).cases[0].reason == "it drew the noise seed 7, and nothing in this campaign is random"

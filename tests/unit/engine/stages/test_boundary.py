@@ -1,0 +1,127 @@
+"""Slices through a worst case, and the distance to the boundary of a violation, on a known formula."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import numpy as np
+import pytest
+
+from campaigns.results.base import EXCLUDED, FAILED, OK
+from tests.given.case_campaigns import campaign, case1
+from tests.given.sampled_stages import THRESHOLD, context, evaluate
+from worker.engine.search.base import Batch, Floats
+from worker.engine.stages.parts import boundary
+from worker.engine.stages.parts.base import Asking, drive
+from worker.engine.stages.parts.slices import slices
+
+Told = TypeVar("Told")
+
+WORST = np.array([0.0, 0.0])
+"""Of d = threshold - 0.2 + u + v; nominal is (0.5, 0.5)."""
+
+
+def driven(asking: Asking[Told], flown: Any = None) -> tuple[Told, int]:
+    """The result of a request with the driver, and its number of evaluations."""
+    told: list[Told] = []
+
+    def search() -> Asking[str]:
+        told.append((yield from asking))
+        return "asked"
+
+    done = drive(context(campaign(), flown or evaluate()), 0, search(), 10**6)
+    return told[0], done.tally.evaluations
+
+
+def steep(u: Floats) -> Floats:
+    """Below the threshold where u < 0.2 or v > 0.9."""
+    return np.asarray(THRESHOLD + np.minimum(u[:, 0] - 0.2, 0.9 - u[:, 1]))
+
+
+def flown(function: Any, status: Any = None) -> Any:
+    def evaluated(points: Floats) -> tuple[Batch, dict[int, str]]:
+        codes = np.full(len(points), OK, dtype=np.uint8) if status is None else status(points).astype(np.uint8)
+        return Batch(np.where(codes == OK, function(points), np.nan)[:, None], codes), {}
+
+    return evaluated
+
+
+def test_slices_pass_through_the_worst_case() -> None:
+    point = np.array([0.123, 1.0])
+    told, evaluations = driven(slices(case1(), point, 5))
+    mass, inertia = told.curves
+    assert evaluations == 6 + 5  # the second coordinate is on the grid already
+    assert mass.values == pytest.approx([4.0, 4.246, 4.5, 5.0, 5.5, 6.0])
+    assert mass.costs == pytest.approx([THRESHOLD - 0.2 + 1 + u for u in (0, 0.123, 0.25, 0.5, 0.75, 1)])
+    assert inertia.values == pytest.approx([0.04, 0.045, 0.05, 0.055, 0.06])
+    assert told.at == {"vehicle.m": pytest.approx(4.246), "vehicle.J": 0.06}
+    assert mass.status == ["ok"] * 6
+
+
+def test_distances_to_the_boundary() -> None:
+    told, evaluations = driven(boundary.boundary(case1(), np.array([0.1, 0.5])), flown(steep))
+    rays = {(ray.path, ray.towards): ray for ray in told.rays}
+    low, high = rays["vehicle.m", "low"], rays["vehicle.J", "high"]
+    assert low.share == pytest.approx(0.3, abs=1e-5)
+    assert low.value == pytest.approx(4.4, abs=2e-5)
+    assert low.distance == pytest.approx(0.6, abs=2e-5)
+    assert high.share == pytest.approx(0.4, abs=1e-5)
+    assert high.value == pytest.approx(0.058, abs=2e-7)
+    for ray in (low, high):
+        assert ray.kind == "violation"
+        assert ray.cost is not None
+        assert ray.cost <= THRESHOLD
+    for ray in (rays["vehicle.m", "high"], rays["vehicle.J", "low"]):
+        assert (ray.share, ray.distance, ray.kind) == (None, None, None)
+    assert told.line is not None
+    assert told.line.way == pytest.approx(0.75, abs=1e-4)
+    assert told.line.parameters is not None
+    assert told.line.parameters["vehicle.m"] == pytest.approx(4.4, abs=1e-4)
+    assert told.text.startswith("the nearest boundary along a single parameter is at vehicle.m = 4.")
+    assert "on the straight line to the worst case it is crossed at 75 % of the distance" in told.text
+    assert evaluations <= boundary.most(2)
+
+
+def test_a_violation_that_no_parameter_reaches_alone() -> None:
+    told, _ = driven(boundary.boundary(case1(), WORST))
+    assert all(ray.share is None for ray in told.rays)
+    assert told.line is not None
+    assert told.line.way == pytest.approx(0.8, abs=1e-4)
+    assert told.text.startswith("no violation was found along any single parameter, sampled in 20 steps; on the")
+
+
+def test_a_failed_flight_ends_a_ray_and_an_excluded_one_does_not() -> None:
+    def status(u: Floats) -> Floats:
+        return np.where(u[:, 0] > 0.8, FAILED, np.where((u[:, 0] < 0.4) & (u[:, 0] > 0.3), EXCLUDED, OK))
+
+    told, _ = driven(boundary.boundary(case1(), WORST), flown(steep, status))
+    rays = {(ray.path, ray.towards): ray for ray in told.rays}
+    assert rays["vehicle.m", "high"].kind == "failure"
+    assert rays["vehicle.m", "high"].share == pytest.approx(0.3, abs=1e-5)
+    assert rays["vehicle.m", "high"].cost is None
+    assert rays["vehicle.m", "low"].share == pytest.approx(0.3, abs=1e-5)
+
+
+def test_a_nominal_flight_that_violates_has_no_distance() -> None:
+    told, evaluations = driven(boundary.boundary(case1(), WORST), flown(lambda u: np.zeros(len(u))))
+    assert (told.rays, told.line) == ([], None)
+    assert told.text == "the nominal case itself violates the criterion or fails"
+    assert evaluations == 1 + 5 * boundary.SAMPLES
+
+
+def test_fields_of_a_finding() -> None:
+    (_, violation), most = driven(boundary.after(case1(), WORST, THRESHOLD - 0.2))
+    assert violation is not None
+    assert violation.line is not None
+    assert violation.line.way == pytest.approx(0.8, abs=1e-4)
+    assert most <= boundary.most(2)
+    (slices_, clear), evaluations = driven(boundary.after(case1(), WORST, THRESHOLD + 0.1))
+    assert clear is None
+    assert len(slices_.curves) == 2
+    assert evaluations == 2 * 41
+    (_, everywhere), most = driven(
+        boundary.after(case1(), WORST, 0.0), flown(lambda u: np.where((u == 0.5).all(axis=1), 1, 0))
+    )
+    assert everywhere is not None
+    assert all(ray.share is not None and ray.share < 2e-5 for ray in everywhere.rays)
+    assert most <= boundary.most(2)

@@ -1,0 +1,243 @@
+"""The findings of a run on functions with known worst cases: number, methods, evaluations until found."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from campaigns import Campaign
+from campaigns.results import Finding, NominalResult
+from campaigns.results.finding import FoundBy
+from clearance.testing.searching import Function, batch
+from tests.given.case_campaigns import case1, searching
+from worker.engine.search.base import Space
+from worker.engine.stages import search
+from worker.engine.stages.parts import findings
+from worker.engine.stages.parts.base import Context, Driven, drive
+from worker.engine.stages.parts.comparison import compare
+from worker.engine.stages.parts.findings import Found
+from worker.engine.stages.parts.store import StagePlan
+from worker.engine.stages.parts.streams import stream
+from worker.engine.systems.base import Floats
+from worker.running.catalogue.installed import methods
+from worker.running.runs.store import MemoryStore
+
+GLOBAL = [m.name for m in methods().values() if m.kind == "global"]
+BUDGET = 3000
+BUDGETS = {"turbo": 1000, "lq_cma_es": 1000}
+"""Of methods whose own time is milliseconds per evaluation."""
+WELL = 0.005
+"""Squared width of a well: 5 % of the box is below half its depth."""
+SLOW = {"turbo", "lq_cma_es", "cma_es", "mlsl", "nlopt_global"}
+"""Methods that take most of a second and more here: at night."""
+OPTIONS: dict[str, dict[str, int]] = {"nlopt_global": {"population": 300}}
+"""Controlled random search with NLopt's own population of 30 contracts on one well before it has seen the other."""
+
+
+def two_failures(x: Floats) -> Floats:
+    """Two symmetric wells in the plane, below the threshold of 0.5 at their bottoms; 1 far from both."""
+    wells = sum(np.exp(-((x - place) ** 2).sum(axis=1) / WELL) for place in ([0.23, 0.31], [0.77, 0.69]))
+    return np.asarray(1.0 - 0.7 * wells + 0.05 * ((x - 0.5) ** 2).sum(axis=1))
+
+
+def context(campaign: Campaign, function: Function) -> Context:
+    """A run in memory whose evaluations are this function's values."""
+    store = MemoryStore()
+    searches = [StagePlan("search", s.method, s.evaluations) for s in campaign.stages.search]
+    planned = [StagePlan("nominal", None, 1), *searches, StagePlan("validate", None, 10**6)]
+    store.plan(planned)
+    made = Context(
+        campaign,
+        case1(),
+        lambda points, seeds=None: (batch(function(points)), {}),
+        store,
+        plan=planned,
+        methods=methods(),
+    )
+    nominal = float(function(case1().nominal_point[None, :])[0])
+    made.results[0] = NominalResult(cost=nominal, margin=nominal - case1().threshold, status="ok")
+    return made
+
+
+def found_by(campaign: Campaign, function: Function, budget: int = 10**6) -> tuple[Context, Found, Driven]:
+    """All searches, then what the findings stage makes of them."""
+    made = context(campaign, function)
+    for index in range(len(campaign.stages.search)):
+        made.results[index + 1] = search.run(made, index + 1).result
+    found = Found()
+    position = len(campaign.stages.search) + 1
+    return made, found, drive(made, position, findings.search(made, position, found), budget, repeats=True)
+
+
+@pytest.mark.parametrize("method", [pytest.param(m, marks=[pytest.mark.nightly] if m in SLOW else []) for m in GLOBAL])
+def test_two_symmetric_failures_are_exactly_two_findings(method: str) -> None:
+    asked = {"method": method, "evaluations": BUDGETS.get(method, BUDGET), "options": OPTIONS.get(method, {})}
+    made, found, driven = found_by(searching(asked), two_failures)
+    assert driven.stop == "rule"
+    assert len(found.basins) == 2
+    assert sorted(tuple(np.round(b.point, 2)) for b in found.basins) == [(0.23, 0.31), (0.77, 0.69)]
+    assert all(b.cost < 0.5 for b in found.basins)
+    columns = made.store.evaluations(1)
+    assert columns is not None
+    counts = [findings.reached(made, columns, b) for b in found.basins]
+    assert any(c is not None for c in counts), "the method came to neither by itself"
+
+
+def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
+    asked = searching({"method": "direct", "evaluations": 500}, {"method": "monte_carlo", "evaluations": 20})
+    made, found, _ = found_by(asked, two_failures)
+    columns = made.store.evaluations(1)
+    assert columns is not None
+    for basin in found.basins:
+        needed = findings.reached(made, columns, basin)
+        assert needed is not None
+        near = basin.cost + 0.01 * findings.scale(made, basin.cost)
+        close = [
+            i for i, (p, c) in enumerate(zip(columns.points, columns.costs[:, 0], strict=True))
+            if c <= near and np.abs(p - basin.point).max() <= 0.05
+        ]  # fmt: skip
+        assert needed == close[0] + 1
+    told = [
+        Finding(
+            label=f"F{i}",
+            cost=b.cost,
+            margin=b.cost - 0.5,
+            parameters={},
+            point=b.point.tolist(),
+            methods=["direct"],
+            found=[FoundBy(position=1, method="direct", evaluations=1)],
+            validation=None,
+        )
+        for i, b in enumerate(found.basins, 1)
+    ]
+    direct, sample = compare(made, told, found, ["F1", "F2"])
+    assert (direct.findings, sample.findings) == (["F1", "F2"], [])
+    assert direct.best == columns.costs[:, 0].min()
+    assert direct.basin == min(told, key=lambda f: f.cost).label
+
+
+def test_each_minimum_of_a_search_is_in_the_basin_of_the_finding_that_it_ended_in() -> None:
+    """Descents from everywhere end in two wells, or on the plain around them, which no barrier separates from one."""
+    starts = [{"vehicle.m": m, "vehicle.J": j} for m in (4.3, 4.6, 5.4, 5.6) for j in (0.046, 0.053)]
+    asked = searching({"method": "direct", "evaluations": 500}, {"method": "sqp", "evaluations": 900, "starts": starts})
+    made, found, _ = found_by(asked, two_failures)
+    known = [FoundBy(position=1, method="direct", evaluations=1)]
+    told = [
+        Finding(
+            label=f"F{i}", cost=b.cost, margin=b.cost - 0.5, parameters={}, point=b.point.tolist(), methods=["direct"],
+            found=known, validation=None,
+        )
+        for i, b in enumerate(found.basins, 1)
+    ]  # fmt: skip
+    direct, sqp = compare(made, told, found, ["F1", "F2"])
+    ends = made.searched[2].minima
+    assert (direct.minima, len(sqp.minima)) == ([], len(ends))
+    inside = [(end, of) for end, of in zip(ends, sqp.minima, strict=True) if end.cost < 0.5]
+    for end, of in inside:
+        nearest = min(told, key=lambda f: float(np.abs(np.array(end.point) - f.point).max()))
+        assert of == nearest.label
+    assert {of for _, of in inside} == {"F1", "F2"}, "at least one descent ended in each well"
+    assert set(sqp.minima) <= {"F1", "F2", None}
+
+
+def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:
+    def three(x: Floats) -> Floats:
+        bump = 0.3 * np.exp(-((x - [0.8, 0.2]) ** 2).sum(axis=1) / WELL)
+        return np.asarray(two_failures(x) + 0.6 - bump)
+
+    asked = searching({"method": "direct", "evaluations": 2000})
+    _, found, _ = found_by(asked, three)
+    nominal = float(three(case1().nominal_point[None, :])[0])
+    assert all(b.cost < nominal for b in found.basins)
+    _, strict, _ = found_by(searching({"method": "direct", "evaluations": 2000}), lambda x: three(x) - 0.9)
+    assert len(strict.basins) >= len(found.basins)
+
+
+def test_where_nominal_is_the_worst_it_is_the_finding() -> None:
+    _, found, _ = found_by(
+        searching({"method": "direct", "evaluations": 200}), lambda x: 1.0 + ((x - 0.5) ** 2).sum(axis=1)
+    )
+    (only,) = found.basins
+    assert np.abs(only.point - 0.5).max() < 1e-6
+
+
+def test_neighbours_lower_a_rough_worst_case() -> None:
+    def rough(x: Floats) -> Floats:
+        grain = np.modf(np.abs(np.sin(x[:, 0] * 12345.678 + x[:, 1] * 54321.987)) * 1000.0)[0]
+        return np.asarray(1.0 + ((x - 0.4) ** 2).sum(axis=1) + 1e-3 * grain)
+
+    asked = searching({"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000})
+    _, found, _ = found_by(asked, rough)
+    flown = [found.of(basin).neighbours for basin in found.basins]
+    assert any(n is not None and n.lower_by is not None and n.lower_by > 0.0 for n in flown)
+    for told, basin in zip(flown, found.basins, strict=True):
+        assert told is not None
+        assert told.flown == 5000
+        assert basin.cost == rough(basin.point[None, :])[0]
+        assert told.lower_by == 0.0 or basin.cost == told.lowest
+
+
+def lowest_stored(made: Context) -> float:
+    stored = [made.store.evaluations(at) for at in range(4)]
+    return min(float(np.nanmin(c.costs[:, 0])) for c in stored if c is not None)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_whatever_is_evaluated_and_lower_becomes_a_finding(seed: int) -> None:
+    # Slits far narrower than any search resolves, on the axes through the worst case, where slices are evaluated.
+    random = np.random.default_rng(seed)
+    worst = np.round(random.uniform(0.1, 0.9, 2) * 40) / 40
+    along = int(random.integers(2))
+    place = worst.copy()
+    place[along] = (worst[along] + random.choice([0.2, 0.3, 0.4])) % 1.0
+
+    def slit(x: Floats) -> Floats:
+        cost = 1.0 + ((x - worst) ** 2).sum(axis=1)
+        inside = np.abs(x - place).max(axis=1) < 1e-4
+        return np.asarray(np.where(inside, 0.1 + 1e3 * np.abs(x - place).max(axis=1), cost))
+
+    asked = searching({"method": "direct", "evaluations": 200}, {"method": "genetic", "evaluations": 200})
+    made, found, driven = found_by(asked, slit)
+    assert driven.stop == "rule"
+    assert found.basins[0].cost == lowest_stored(made)
+    assert found.basins[0].cost <= 0.11, "a slice met the slit"
+
+
+def test_a_budget_that_ends_at_once_leaves_the_lowest_evaluation_as_the_finding() -> None:
+    for budget in (1, 7, 60, 400):
+        made, found, _ = found_by(searching({"method": "direct", "evaluations": 100}), two_failures, budget)
+        findings.settle(made, 2, found)
+        assert found.basins[0].cost == lowest_stored(made)
+        assert len(found.basins) <= made.campaign.stages.findings.at_most
+
+
+def test_without_any_cost_there_is_no_finding() -> None:
+    _, found, driven = found_by(searching({"method": "direct", "evaluations": 100}), lambda x: np.full(len(x), np.nan))
+    assert found.basins == []
+    assert driven.text == "no evaluation succeeded"
+
+
+def test_a_spent_budget_retains_the_basins_found_and_is_reported() -> None:
+    asked = searching({"method": "direct", "evaluations": 500})
+    made, found, driven = found_by(asked, two_failures, budget=60)
+    assert driven.stop == "budget"
+    assert found.basins
+    columns = made.store.evaluations(1)
+    assert columns is not None
+    assert found.basins[0].cost <= columns.costs[:, 0].min()
+
+
+def test_it_repeats_bit_by_bit() -> None:
+    asked = searching({"method": "direct", "evaluations": 300}, {"method": "monte_carlo", "evaluations": 100})
+    one, other = (found_by(asked, two_failures)[0].store.evaluations(3) for _ in range(2))
+    assert one is not None
+    assert other is not None
+    assert np.array_equal(one.points, other.points)
+
+
+def test_the_space_of_findings_has_its_own_random_numbers() -> None:
+    made = context(searching({"method": "direct", "evaluations": 1}), two_failures)
+    spaces: list[Space] = [findings._space(made), findings._space(made)]
+    drawn = [s.random.random(4) for s in spaces]
+    assert np.array_equal(*drawn)
+    assert not np.array_equal(drawn[0], stream(made.campaign.seed, 0).random(4))

@@ -1,0 +1,89 @@
+"""DIRECT's remaining gap: rectangles built again from stored evaluations, slopes along each side, the lowest corner."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from clearance.testing.searching import Function, batch, run
+from tests.given.case_campaigns import case1
+from tests.given.sampled_stages import asked, context, evaluate
+from worker.engine.search.base import Floats, Method
+from worker.engine.search.methods import direct, direct_l, sqp
+from worker.engine.stages import search
+from worker.engine.stages.parts import gap
+from worker.engine.stages.parts.store import Columns
+
+
+def stored(
+    function: Function, budget: int, options: dict[str, float] | None = None, method: Method = direct.method
+) -> Columns:
+    found = run(method, function, 2, budget, options=options)
+    points = found.points[:budget]
+    given = batch(function(points))
+    return Columns(points, given.costs, given.status, np.zeros(len(points)), {})
+
+
+def plane(x: Floats) -> Floats:
+    return np.asarray(1.0 + 2.0 * x[:, 0] - 0.5 * x[:, 1])
+
+
+@pytest.mark.parametrize("method", [direct.method, direct_l.method], ids=lambda m: m.name)
+def test_of_a_plane_it_is_exact(method: Method) -> None:
+    # Slopes 2 and 0.5 along the sides: the estimate is the true minimum, at the corner (0, 1).
+    for budget in (5, 40, 700):
+        found = gap.estimate(case1(), method, direct.Options(), stored(plane, budget, method=method))
+        assert found is not None
+        assert found.slopes == {"vehicle.m": pytest.approx(2.0 / 2), "vehicle.J": pytest.approx(0.5 / 0.02)}
+        assert found.lower_bound == pytest.approx(0.5)
+
+
+def test_of_a_bowl_it_is_below_the_minimum_and_approaches_it() -> None:
+    def bowl(x: Floats) -> Floats:
+        return np.asarray(((x - 0.3) ** 2).sum(axis=1))
+
+    gaps = []
+    for budget in (21, 201, 2001):
+        found = gap.estimate(
+            case1(), direct.method, direct.Options(epsilon=0.0), stored(bowl, budget, {"epsilon": 0.0})
+        )
+        assert found is not None
+        assert found.lower_bound <= 0.0
+        gaps.append(found.gap)
+    assert gaps[0] > gaps[1] > gaps[2]
+
+
+def test_the_rectangles_are_those_of_the_search() -> None:
+    columns = stored(plane, 400)
+    boxes, search = direct.divide(2, direct.Options())
+    gap._replayed(search, columns)
+    whole = boxes.count
+    assert 350 < whole <= 400
+    # The centres are the evaluated points, and their sides fill the unit square.
+    assert sorted(map(tuple, boxes.centre[:whole])) == sorted(map(tuple, columns.points[:whole]))
+    assert (3.0 ** -boxes.depth[:whole].astype(float)).prod(axis=1).sum() == pytest.approx(1.0)
+
+
+def test_rectangles_without_a_value_are_ignored_and_reported() -> None:
+    columns = stored(lambda x: np.where(x[:, 0] > 0.6, np.nan, plane(x)), 300)
+    found = gap.estimate(case1(), direct.method, direct.Options(), columns)
+    assert found is not None
+    assert found.without_value > 0
+    assert f"{found.without_value} rectangles whose centre has no value are ignored" in found.text
+    assert found.slopes["vehicle.m"] == pytest.approx(1.0)
+
+
+def test_where_there_is_nothing_to_estimate() -> None:
+    assert gap.estimate(case1(), sqp.method, direct.Options(), stored(plane, 50)) is None
+    nothing = stored(lambda x: np.full(len(x), np.nan), 50)
+    assert gap.estimate(case1(), direct.method, direct.Options(), nothing) is None
+    one = gap.estimate(case1(), direct.method, direct.Options(), stored(plane, 1))
+    assert one is not None
+    assert one.gap == 0.0
+
+
+def test_a_search_stage_reports_it_as_an_estimate() -> None:
+    found = search.run(context(asked({"search": [{"method": "direct", "evaluations": 200}]}), evaluate()), 0).result.gap
+    assert found is not None
+    assert found.lower_bound == pytest.approx(0.3)
+    assert found.text.startswith("estimate, not a bound: if the steepest slopes observed between the centres of")

@@ -1,0 +1,273 @@
+"""`clearance audit`: it accepts real runs in every form, and detects every corrupted record."""
+
+from __future__ import annotations
+
+import copy
+import json
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import connect, write
+from backend.db.queue import Queue, submit
+from backend.db.store import RunStore
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
+from clearance.cli import VIOLATED, WRONG_INPUT, invoke
+from tests.audited import audited, recorded
+from tests.given.case_campaigns import searching
+from tests.given.corrupted_records import (
+    CALLS,
+    CORRUPTIONS,
+    DIRECT,
+    RUNS,
+    UNKNOWN,
+    UNREADABLE,
+    Folder,
+    ran,
+    write_called,
+    written,
+)  # fmt: skip
+from tests.migrated import migrated
+from worker.engine.stages.parts import claims, offered
+from worker.evidence.audit import judge
+from worker.evidence.audit.binomial import cumulative, upper_bound
+from worker.evidence.audit.judge import audit, closing
+from worker.evidence.audit.record import MISSING, UnreadableError, of_folder
+from worker.running.catalogue.installed import catalogue
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer simulations with the reference integrator, as configured in the audit."""
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
+    monkeypatch.setattr(offered, "AT_MOST", 3)
+    monkeypatch.setattr(judge.audit, "__defaults__", (offered.AT_MOST, offered.SPOT_CHECKS))
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[sa.Engine]:
+    """A database with the cleared run as written by a worker, with searches in two chunks."""
+    engine = connect(migrated(tmp_path))
+    campaign, memory = ran("cleared")
+    with engine.begin() as connection:
+        submit(connection, campaign, name="a", tags=[], owner="", planned=1)
+    claim = Queue(engine).claim("w")
+    assert claim is not None
+    store = RunStore(engine, claim)
+    store.describe(campaign, catalogue())
+    store.plan([record.plan for record in memory.stages])
+    for position, record in enumerate(memory.stages):
+        columns = memory.evaluations(position)
+        assert columns is not None
+        assert record.result is not None
+        half = len(columns.status) // 2
+        for rows in (slice(0, half), slice(half, None)):
+            part = [getattr(columns, name)[rows] for name in ("points", "costs", "status", "seconds")]
+            store.append(position, rows.start, columns._replace(**dict(zip(columns._fields, part, strict=False))))
+        last = record.plan.kind == "validate"
+        store.finish(position, record.result, 1.0, memory.findings if last else ())
+    assert memory.verdict is not None
+    store.conclude(memory.verdict)
+    yield engine
+    engine.dispose()
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_it_follows(name: str, tmp_path: Path) -> None:
+    campaign, store = ran(name)
+    assert audited(store, campaign) == audited(written(tmp_path / "out", name))
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_it_follows_where_words_alone_are_stored(name: str, tmp_path: Path) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    folder.forget_spans()
+    items = folder.items()
+    assert all(item.agrees for item in items), closing(items)[1]
+    assert {"sentence.worst", "sentence.evaluations", "sentence.methods"} <= {item.name for item in items}
+
+
+def test_it_follows_in_a_database(database: sa.Engine, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert len(audited(database)) > len(audited(ran("cleared")[1], ran("cleared")[0]))
+    assert invoke(["audit", "R-0001", "--data", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.endswith("The verdict follows from the stored evaluations.\n")
+
+
+@pytest.mark.parametrize(("name", "change", "item"), [c[1:] for c in CORRUPTIONS], ids=[c[0] for c in CORRUPTIONS])
+def test_a_corrupted_record_does_not_follow(
+    name: str, change: Callable[[Folder], Any], item: str, tmp_path: Path
+) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    change(folder)
+    items = folder.items()
+    follows, sentence = closing(items)
+    assert not follows
+    assert item in [i.name for i in items if i.agrees is False], sentence
+    assert item in sentence
+
+
+@pytest.mark.parametrize(("name", "change", "item"), [(c[0], *c[2:]) for c in CALLS], ids=[c[1] for c in CALLS])
+def test_a_corrupted_record_of_calls_does_not_follow(
+    name: str, change: Callable[[Folder], Any], item: str, tmp_path: Path
+) -> None:
+    write_called(tmp_path, name)
+    audited(tmp_path)
+    folder = Folder(tmp_path)
+    change(folder)
+    items = folder.items()
+    follows, sentence = closing(items)
+    assert not follows
+    assert item in [i.name for i in items if i.agrees is False], sentence
+
+
+@pytest.mark.parametrize(("name", "change"), [c[1:] for c in UNREADABLE], ids=[c[0] for c in UNREADABLE])
+def test_a_record_of_another_structure_is_refused(name: str, change: Callable[[Folder], Any], tmp_path: Path) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    change(folder)
+    with pytest.raises(UnreadableError, match="is not that of a run"):
+        folder.items()
+
+
+@pytest.mark.parametrize(("name", "change"), [c[1:] for c in UNKNOWN], ids=[c[0] for c in UNKNOWN])
+def test_without_its_evidence_a_verdict_does_not_follow(
+    name: str, change: Callable[[Folder], Any], tmp_path: Path
+) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    change(folder)
+    follows, sentence = closing(folder.items())
+    assert not follows
+    assert sentence.startswith("it is not known whether the verdict follows; ")
+
+
+def _document(connection: sa.Connection, **changes: Any) -> None:
+    document = copy.deepcopy(connection.scalar(sa.select(CampaignRow.document)))
+    assert document is not None
+    connection.execute(sa.update(CampaignRow).values(document=document | changes))
+
+
+DATABASE: dict[str, tuple[Callable[[sa.Connection], Any], str]] = {
+    "a lowered threshold": (lambda c: c.execute(sa.update(Run).values(threshold=0.1)), "run.threshold"),
+    "a dropped chunk": (
+        lambda c: c.execute(sa.delete(EvaluationChunk).where(EvaluationChunk.position == 2, EvaluationChunk.first > 0)),
+        "stages.2.evaluations",
+    ),
+    "another verdict": (lambda c: c.execute(sa.update(Run).values(verdict="violated")), "verdict"),
+    "another bound": (lambda c: c.execute(sa.update(Run).values(upper_bound=1e-9)), "run.upper_bound"),
+    "other components": (
+        lambda c: c.execute(sa.update(CatalogueSnapshot).values(document=catalogue().model_dump(mode="json"))),
+        "components",
+    ),
+    "another campaign": (lambda c: _document(c, seed=2), "digests.run"),
+}
+
+
+@pytest.mark.parametrize("corruption", DATABASE)
+def test_a_corrupted_database_does_not_follow(corruption: str, database: sa.Engine) -> None:
+    change, item = DATABASE[corruption]
+    write(database, change, 1.0)
+    items = audit(recorded(database))
+    assert item in [i.name for i in items if i.agrees is False], closing(items)[1]
+
+
+def test_what_is_not_stored_is_not_auditable_and_never_agrees(tmp_path: Path) -> None:
+    folder = written(tmp_path / "out", "violated")
+    (folder / "evidence.json").unlink()
+    items = audit(of_folder(folder))
+    follows, sentence = closing(items)
+    unknown = [i for i in items if i.agrees is None]
+    assert follows, "the finding itself holds what its validation was"
+    assert {"results", "checks.motion"} <= {i.name for i in unknown}
+    assert all(MISSING in (i.given, i.recomputed) for i in unknown)
+    assert sentence.endswith(f"; {len(unknown)} of {len(items)} items could not be audited")
+
+
+def test_a_cleared_verdict_whose_evidence_is_not_stored_cannot_be_recomputed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = written(tmp_path / "out", "cleared")
+    (folder / "evidence.json").unlink()
+    assert invoke(["audit", str(folder), "--json"]) == VIOLATED == 1
+    told = json.loads(capsys.readouterr().out)
+    assert not told["follows"]
+    assert told["sentence"].startswith("it is not known whether the verdict follows; ")
+    assert {i["agrees"] for i in told["items"]} == {True, None}
+
+
+def test_the_command_prints_the_given_and_the_recomputed_verdict(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = Folder(written(tmp_path / "out", "cleared"))
+    assert invoke(["audit", str(folder.path)]) == 0
+    assert "disagree" not in capsys.readouterr().out
+    folder.set("result/nominal/cost", 0.75)
+    folder.items()
+    assert invoke(["audit", str(folder.path)]) == 1
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if "disagree" in line and "│ nominal.cost" in line]
+    assert "0.75" in row
+    assert repr(recorded(ran("cleared")[1], ran("cleared")[0]).costs[0, 0].item()) in row
+
+
+@pytest.mark.parametrize(
+    ("name", "spoil", "why"),
+    [
+        ("result.json", lambda p: p.unlink(), "No such file"),
+        ("result.json", lambda p: p.write_text("{"), "is not a readable folder"),
+        ("result.json", lambda p: p.write_text("[]"), "is not a readable folder"),
+        ("result.json", lambda p: p.write_text('{"digest": "x"}'), "is not that of a run"),
+        ("evaluations.npz", lambda p: p.write_bytes(b"PK"), "is not a readable folder"),
+        ("campaign.json", lambda p: p.write_text("{}"), "cannot be used"),
+    ],
+)
+def test_what_cannot_be_read_is_wrong_input(
+    name: str, spoil: Callable[[Path], Any], why: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = written(tmp_path / "out", "inconclusive")
+    spoil(folder / name)
+    assert invoke(["audit", str(folder)]) == WRONG_INPUT
+    assert why in capsys.readouterr().err
+
+
+def test_a_run_without_a_verdict_is_wrong_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    engine = connect(migrated(tmp_path))
+    with engine.begin() as connection:
+        submit(connection, searching(DIRECT), name="a", tags=[], owner="", planned=1)
+    with pytest.raises(UnreadableError, match="it is queued and has no verdict"):
+        recorded(engine)
+    engine.dispose()
+    assert invoke(["audit", "R-0009", "--data", str(tmp_path)]) == WRONG_INPUT
+    assert "there is no such run in this database" in capsys.readouterr().err
+    assert invoke(["audit", "R-0009", "--data", str(tmp_path / "nowhere")]) == WRONG_INPUT
+    shutil.rmtree(tmp_path, ignore_errors=True)
+
+
+def test_its_earlier_name_runs_it_for_one_version(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = str(written(tmp_path / "out", "violated"))
+    assert invoke(["audit", folder]) == 0
+    audited_output = capsys.readouterr()
+    assert invoke(["verify", folder]) == 0
+    verified = capsys.readouterr()
+    assert verified.out == audited_output.out
+    assert (audited_output.err, verified.err.count("\n")) == ("", 1)
+    assert verified.err.startswith("Note: `clearance verify` is now `clearance audit`")
+    assert invoke(["verify", str(tmp_path)]) == WRONG_INPUT
+
+
+@pytest.mark.parametrize("violations", [0, 1, 7, 299])
+@pytest.mark.parametrize("samples", [300, 3000])
+def test_its_bound_is_that_of_the_beta_distribution(violations: int, samples: int) -> None:
+    for confidence in (0.9, 0.99):
+        bound = upper_bound(violations, samples, confidence)
+        assert bound == pytest.approx(claims.bound(violations, samples, confidence), rel=1e-10)
+
+
+@pytest.mark.parametrize(("samples", "share"), [(58, 0.05), (59, 0.05), (3000, 0.05), (10, 0.95), (100, 0.5)])
+def test_its_order_is_wilks(samples: int, share: float) -> None:
+    below = np.exp(cumulative(samples - 1, samples, share))
+    assert int(np.count_nonzero(below <= 0.05)) == claims.order(samples, share, 0.95)
+    assert below[-1] == pytest.approx(1.0 - share**samples)

@@ -1,0 +1,356 @@
+"""Every rule of the verdict, one test each, on evidence written out by hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from campaigns.results.finding import Repeated
+from campaigns.results.sensitivity import Curve
+from campaigns.results.validate import Spread
+from campaigns.results.verdict import NominalCost, Provenance, Worst
+from tests.given.case_campaigns import campaign
+from tests.given.verdict_evidence import (
+    NOMINAL,
+    QUANTILE,
+    WORST,
+    barred,
+    certificate,
+    changed,
+    concluded,
+    encountered,
+    finding,
+    nominal,
+    said_by,
+    sample,
+    search,
+    validation,
+    violation,
+)
+from worker.engine.stages.parts.encounter import influence
+
+
+def test_cleared_when_everything_holds() -> None:
+    conclusion = concluded()
+    assert conclusion.verdict == "cleared"
+    assert all(c.ok for c in conclusion.checks)
+    assert [c.name for c in conclusion.checks] == [
+        "nominal", "search", "no violation", "minimum", "agreement", "validation", "evaluations",
+        "closest approach", "motion", "avoidance", "influence", "probability",
+    ]  # fmt: skip
+
+
+def test_the_sentence_states_bounds_methods_evaluations_margin_bound_and_doubt() -> None:
+    said = concluded().reason
+    for part in (
+        "vehicle.m 4 to 6 kg", "vehicle.J 0.04 to 0.06 kg m2",
+        "DIRECT (1\u202f000), SQP multistart (1\u202f000) and Monte",
+        "3\u202f343 evaluations", "a margin of +0.34 m", "d_min = 0.84 m", "0 of 1000 violate",
+        "A search can miss a worse case", "horizon 15 s, step 0.005 s", "1 obstacle;",
+    ):  # fmt: skip
+        assert part in said
+    assert concluded().scope in said
+
+
+def test_a_verdict_contains_nominal_worst_case_provenance_and_statistics() -> None:
+    conclusion = concluded()
+    assert conclusion.nominal == NominalCost(cost=NOMINAL, margin=NOMINAL - 0.5)
+    assert conclusion.worst == Worst(
+        cost=WORST, margin=WORST - 0.5, parameters={"vehicle.m": 6.0}, method="direct", finding="F1"
+    )
+    assert conclusion.provenance == Provenance(clearance="test", digest=campaign().digest, seed=1)
+    assert (conclusion.quantity, conclusion.unit) == ("d_min", "m")
+    assert conclusion.statistics is not None
+    assert conclusion.statistics.upper_bound == pytest.approx(0.00299, abs=1e-5)
+
+
+def test_violated_when_a_validated_finding_violates() -> None:
+    conclusion = concluded(**violation())
+    assert conclusion.verdict == "violated"
+    assert conclusion.reason.startswith("d_min falls to or below 0.5 m. The worst case found has d_min = 0.49 m")
+    assert "It was confirmed by validation" in conclusion.reason
+
+
+def test_a_violation_that_does_not_repeat_is_reported_as_such() -> None:
+    again = Repeated(name="a fresh evaluation", cost=0.45, difference=-0.04)
+    apart = {"half_step": None, "integrator": None, "again": again, "agrees": False, "violates": True}
+    found = finding(0.49)
+    assert found.validation is not None
+    conclusion = concluded(**violation(finding=changed(found, validation=changed(found.validation, **apart))))
+    assert conclusion.verdict == "violated"
+    said = "Both its evaluations violate the criterion but differ beyond tolerance: 0.49 m, and 0.45 m in a fresh"
+    assert f"{said} evaluation." in conclusion.reason
+    agreeing = changed(found.validation, **apart | {"agrees": True})
+    assert "apart" not in concluded(**violation(finding=changed(found, validation=agreeing))).reason
+
+
+def test_a_finding_on_the_threshold_violates() -> None:
+    assert concluded(**violation(finding=finding(0.5))).verdict == "violated"
+
+
+def test_violated_needs_validation() -> None:
+    text = "the step-halving check or DOP853 disagrees by more than the tolerance for F1"
+    conclusion = concluded(**violation(finding=finding(0.49, False), validation=validation(ok=False, text=text)))
+    assert conclusion.verdict == "inconclusive"
+    assert "violates the criterion by 0.01 m; validation did not confirm it" in conclusion.reason
+    assert text in conclusion.reason
+
+
+def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
+    text = "the step-halving check or DOP853 disagrees by more than the tolerance for F1"
+    milder = finding(0.495, label="F2")
+    given = violation(finding=finding(0.49, False), others=[milder], validation=validation(ok=False, text=text))
+    conclusion = concluded(**given)
+    assert conclusion.verdict == "violated"
+    assert "Validation did not confirm it, but confirmed F2, which has 0.495 m; both were found" in conclusion.reason
+    harmless = finding(0.6, label="F2")
+    assert concluded(**given | {"others": [harmless]}).verdict == "inconclusive"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"failed": 5},
+        {"searches": [search("direct", 0.49), search("ga", 0.9)]},
+        {"searches": [search("monte_carlo", 0.49, sample=sample())]},
+        {"validation": validation(ok=False, text="half the step disagrees for nominal")},
+        {"nominal": nominal(None, "it diverged")},
+    ],
+)
+def test_nothing_that_bars_cleared_bars_a_validated_violation(changes: dict[str, Any]) -> None:
+    assert concluded(**violation(**changes)).verdict == "violated"
+
+
+def test_a_failed_nominal_flight() -> None:
+    conclusion = concluded(nominal=nominal(None, "the simulation diverged at t = 3 s"))
+    assert conclusion.verdict == "inconclusive"
+    assert "the nominal case was not evaluated: the simulation diverged at t = 3 s" in conclusion.reason
+    assert conclusion.nominal == NominalCost(cost=None, margin=None)
+
+
+def test_a_nominal_flight_that_violates_unconfirmed() -> None:
+    searches = [search("direct", 0.4), search("sqp", 0.4)]
+    conclusion = concluded(nominal=nominal(0.45), searches=searches, finding=finding(0.4, False))
+    assert conclusion.verdict == "inconclusive"
+    assert "the nominal case has 0.45 m, a margin of \u22120.05 m" in conclusion.reason
+
+
+def test_no_flight_at_all() -> None:
+    searches = [search("direct", None), search("sqp", None)]
+    conclusion = concluded(nominal=nominal(None, "it diverged"), searches=searches, finding=None, failed=3343)
+    assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
+    assert conclusion.reason.startswith(
+        "No flight could be evaluated: the nominal case was not evaluated: it diverged."
+    )
+
+
+def test_a_search_without_any_flight() -> None:
+    said = barred("search", searches=[search("direct"), search("sqp"), search("monte_carlo", None)])
+    assert said == "Monte Carlo evaluated no case successfully"
+
+
+def test_a_search_that_did_not_end() -> None:
+    assert barred("search", complete=False).startswith("not every search ended: DIRECT used its budget")
+
+
+def test_failed_evaluations_bar_cleared() -> None:
+    assert barred("evaluations", failed=1) == "1 of 3\u202f343 evaluations failed"
+
+
+def test_excluded_evaluations_do_not_bar_cleared_but_are_reported() -> None:
+    conclusion = concluded(excluded=40)
+    assert conclusion.verdict == "cleared"
+    assert said_by("evaluations", conclusion) == "none of 3\u202f343 evaluations failed, 40 excluded"
+    assert "in all 3\u202f303 evaluations" in conclusion.reason
+    assert "40 more were excluded." in conclusion.reason
+
+
+def test_validation_that_disagrees() -> None:
+    text = "the step-halving check or DOP853 disagrees by more than the tolerance for nominal"
+    assert barred("validation", validation=validation(ok=False, text=text)).startswith(text)
+
+
+def test_one_method_alone_is_never_enough() -> None:
+    said = "only DIRECT reached the worst case; a second method must confirm it"
+    assert barred("agreement", searches=[search("direct")]) == said
+
+
+def test_two_stages_of_one_method_are_one_method() -> None:
+    said = "only DIRECT reached the worst case; a second method must confirm it"
+    assert barred("agreement", searches=[search("direct"), search("direct", WORST + 0.001)]) == said
+
+
+def test_a_random_sample_is_no_second_method() -> None:
+    barred("agreement", searches=[search("direct"), search("monte_carlo", WORST, sample=sample())])
+
+
+def test_a_second_method_that_stopped_short_is_none() -> None:
+    barred("agreement", searches=[search("direct"), search("sqp", WORST + 0.006)])
+    assert concluded(searches=[search("direct"), search("sqp", WORST + 0.004)]).verdict == "cleared"
+
+
+def test_local_methods_alone_are_not_enough() -> None:
+    said = barred("agreement", searches=[search("sqp"), search("monte_carlo", sample=sample())])
+    assert said == "no global method searched; add one, such as DIRECT"
+
+
+def test_a_global_method_that_stopped_short_is_named_with_how_much() -> None:
+    searches = [search("ga", WORST + 0.0125), search("direct"), search("sqp")]
+    said = "the worst case is 0.84 m, but Genetic algorithm stopped 0.0125 m above it"
+    assert barred("agreement", searches=searches) == said
+
+
+def test_every_global_method_that_stopped_short_is_named() -> None:
+    searches = [search("ga", WORST + 0.0125), search("direct", WORST + 0.05), search("sqp")]
+    said = barred("agreement", searches=searches)
+    assert said.endswith("but Genetic algorithm stopped 0.0125 m above it and DIRECT stopped 0.05 m above it")
+
+
+@pytest.mark.parametrize("first", [WORST, WORST + 0.05])
+def test_every_stage_of_a_global_method_must_reach_it(first: float) -> None:
+    other = WORST + 0.05 if first == WORST else WORST
+    said = barred("agreement", searches=[search("direct", first), search("direct", other), search("sqp")])
+    assert said == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
+
+
+def test_a_global_method_without_a_flight_is_named() -> None:
+    conclusion = concluded(searches=[search("ga", None), search("direct"), search("sqp")])
+    assert conclusion.verdict == "inconclusive"
+    assert "Genetic algorithm evaluated no case successfully" in conclusion.reason
+    assert "inf" not in conclusion.reason
+
+
+def test_the_worst_of_the_sample_is_compared_with_the_global_methods() -> None:
+    searches = [
+        search("direct", WORST + 0.05),
+        search("sqp", WORST + 0.05),
+        search("monte_carlo", sample=sample()),
+    ]
+    said = barred("agreement", searches=searches)
+    assert said == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
+
+
+def test_agreement_is_a_fraction_of_nominal_minus_worst() -> None:
+    searches = [search("direct"), search("ga", WORST + 0.015)]
+    barred("agreement", searches=searches)
+    assert concluded(campaign(agreement=0.2), searches=searches).verdict == "cleared"
+
+
+def test_a_flat_campaign_agrees_up_to_rounding() -> None:
+    searches = [search("direct", NOMINAL), search("ga", NOMINAL + 1e-13)]
+    level = encountered(spread=Spread(evaluations=3343, lowest=NOMINAL, highest=NOMINAL + 1e-13))
+    flat: dict[str, Any] = {
+        "searches": searches,
+        "finding": finding(NOMINAL),
+        "validation": validation(encounter=level),
+    }
+    assert barred("influence", **flat).startswith("no uncertain parameter changes d_min; choose parameters")
+    conclusion = concluded(campaign(encounter={"intended": {"influence": "a drill"}}), **flat)
+    assert conclusion.verdict == "cleared"
+    assert "the criterion does not vary over 3\u202f343 evaluations" in said_by("agreement", conclusion)
+    assert "No uncertain parameter changes d_min, which the author states is intended: a drill." in conclusion.reason
+
+
+def test_only_parameters_with_slices_are_reported_as_without_effect() -> None:
+    def curve(path: str, *costs: float | None) -> Curve:
+        values = [float(k) for k in range(len(costs))]
+        return Curve(path=path, values=values, costs=list(costs), status=["ok"] * len(costs))
+
+    assert influence([]) == {}
+    assert influence([curve("a", 1.0), curve("b", None, 2.0)]) == {}
+    assert influence([curve("a", 1.0, 3.0, None), curve("a", 2.0, 2.5), curve("b", 4.0, 4.0)]) == {"a": 2.0, "b": 0.0}
+
+
+def test_the_target_is_met() -> None:
+    conclusion = concluded(campaign(target_probability=0.003))
+    assert conclusion.verdict == "cleared"
+    assert conclusion.checks[-1].text == "the bound of 0.299 % meets the target of 0.3 %"
+
+
+def test_the_target_is_not_met() -> None:
+    said = barred("target", campaign(target_probability=0.0029))
+    assert said == "the bound of 0.299 % does not meet the target of 0.29 %"
+
+
+def test_a_target_without_a_sample() -> None:
+    said = barred("target", campaign(target_probability=0.5), searches=[search("direct"), search("sqp")])
+    assert said == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
+
+
+def test_the_first_sample_counts_and_the_second_does_not() -> None:
+    searches = [
+        search("direct"), search("sqp"),
+        search("monte_carlo", sample=sample(samples=100)), search("monte_carlo", sample=sample(samples=10_000)),
+    ]  # fmt: skip
+    barred("target", campaign(target_probability=0.003), searches=searches)
+
+
+def test_without_a_target_the_bound_is_compared_with_a_ceiling() -> None:
+    def drawn(samples: int) -> dict[str, Any]:
+        sampled = search("monte_carlo", 0.85, sample=sample(samples=samples))
+        return {"searches": [search("direct"), search("sqp"), sampled]}
+
+    assert concluded(**drawn(59)).verdict == "cleared"
+    said = barred("probability", **drawn(58))
+    assert said.startswith("the bound of 5.03 % on P(violation) is above the required 5 %; draw more than 58 samples")
+    assert concluded(campaign(target_probability=0.9), **drawn(2)).verdict == "cleared"
+
+
+def test_more_samples_are_not_advised_where_too_many_violate() -> None:
+    much = search("monte_carlo", 0.85, sample=sample(samples=100, violations=76))
+    said = barred("probability", searches=[search("direct"), search("sqp"), much])
+    assert said.endswith("above the required 5 %; 76 of its 100 samples violate the criterion")
+
+
+def test_the_certify_stage_replaces_the_sample_of_a_search() -> None:
+    stands = concluded(certificate=certificate()).statistics
+    assert stands is not None
+    assert (stands.samples, stands.source, stands.quantile) == (3000, "certify", QUANTILE)
+    before = concluded().statistics
+    assert before is not None
+    assert (before.samples, before.source, before.quantile) == (1000, "search", None)
+
+
+def test_what_it_bounds_is_in_the_sentence() -> None:
+    said = concluded(certificate=certificate()).reason
+    assert "0 of 3000 violate. At most 5 % of the flights have d_min below 0.9 m. A search can miss" in said
+    assert "0 of 1000 violate" not in said
+
+
+def test_the_target_is_compared_with_the_certify_stage() -> None:
+    asked = campaign(target_probability=0.0015)
+    assert barred("target", asked) == "the bound of 0.299 % does not meet the target of 0.15 %"
+    assert concluded(asked, certificate=certificate()).verdict == "cleared"
+    said = barred("target", asked, certificate=certificate(3))
+    assert said == "the bound of 0.258 % does not meet the target of 0.15 %"
+
+
+def test_a_certify_stage_is_not_passed_over_for_a_better_search() -> None:
+    barred("target", campaign(target_probability=0.003), certificate=certificate(samples=100))
+
+
+def test_points_that_are_no_independent_sample_give_no_statement() -> None:
+    even = sample(upper_bound=None, text="they are no independent sample")
+    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=even)]
+    assert concluded(searches=searches).statistics is None
+    said = barred("target", campaign(target_probability=0.5), searches=searches)
+    assert said == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
+    both = [*searches, search("monte_carlo", 0.85, sample=sample(samples=200))]
+    stated = concluded(searches=both).statistics
+    assert stated is not None
+    assert stated.samples == 200
+
+
+def test_a_search_for_a_front_plays_no_part_in_agreement() -> None:
+    searches = [search("direct"), search("sqp"), search("nsga2", WORST + 0.2)]
+    assert concluded(searches=searches).verdict == "cleared"
+    said = "only DIRECT reached the worst case; a second method must confirm it"
+    assert barred("agreement", searches=[search("direct"), search("nsga2")]) == said
+    assert barred("agreement", searches=[search("sqp"), search("nsga2")]).startswith("no global method searched")
+
+
+def test_a_portfolio_is_a_global_method() -> None:
+    assert concluded(searches=[search("portfolio"), search("sqp")]).verdict == "cleared"
+    said = barred("agreement", searches=[search("portfolio", WORST + 0.03), search("direct"), search("sqp")])
+    assert said == "the worst case is 0.84 m, but Portfolio stopped 0.03 m above it"

@@ -1,0 +1,112 @@
+"""Every common mistake in a component: the line, and one sentence that says what to do."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.given.component_mistakes import COMPILED, DECLARED, FLOWN, READ, Slip
+from worker.engine.components import own as own_package
+from worker.engine.kernels.component import Component, Vehicle, declared
+from worker.running.catalogue.installed import components, source_of
+from worker.running.examination import examine, reading, units
+from worker.running.examination.declaring import _check_kernel, declared_by
+from worker.running.examination.flying import flown
+from worker.running.examination.kernels import kernels
+from worker.running.examination.mistake import Mistake
+
+SKELETONS = Path(__file__).parents[4] / "worker" / "running" / "skeletons"
+KINDS = ("vehicle", "controller", "avoider", "obstacle", "fault", "criterion")
+WORDS = 60
+"""The longest sentence."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder whose files are modules of the package of own components."""
+    monkeypatch.setattr(own_package, "__path__", [str(tmp_path)])
+    monkeypatch.setenv("CLEARANCE_COMPONENTS", str(tmp_path))
+    yield tmp_path
+    for name in [name for name in sys.modules if name.startswith("worker.engine.components.own.")]:
+        del sys.modules[name]
+        vars(own_package).pop(name.rpartition(".")[2], None)
+
+
+def written(folder: Path, slip: Slip) -> tuple[Path, str]:
+    """A skeleton with this mistake; its file, and its text."""
+    text = (SKELETONS / f"{slip.kind}.py").read_text(encoding="utf-8")
+    assert text.count(slip.old) >= 1, "the skeleton has changed"
+    text = text.replace(slip.old, slip.new, 1)
+    if "np." in slip.new:
+        text = text.replace("from typing", "import numpy as np\nfrom typing", 1)
+    text = text.replace("return 1.0 / p.m,", "return twice(1.0 / p.m),") if "def twice" in slip.new else text
+    file = folder / f"{slip.kind}.py"
+    file.write_text(text, encoding="utf-8")
+    return file, text
+
+
+def found(file: Path) -> Mistake:
+    """The first mistake in a file, found without the compiler."""
+    source = reading.read(file)
+    reading.check(source)
+    component = declared_by(source, f"worker.engine.components.own.{file.stem}")
+    flown(component, source, lambda _: None)
+    pytest.fail("no mistake was found")
+
+
+def reported(mistake: Mistake, text: str, slip: Slip) -> None:
+    """The mistake is the expected one, in the line with the expected text."""
+    assert re.search(slip.text, mistake.text), f"line {mistake.line}: {mistake.text}"
+    line = text.splitlines(keepends=True)[mistake.line - 1] if mistake.line else ""
+    assert slip.at in line, f"line {mistake.line} ({line.strip()}): {mistake.text}"
+    assert "\n" not in mistake.text
+    assert len(mistake.text.split()) <= WORDS
+    assert not re.search(r"numba|nopython|Traceback|0x", mistake.text, re.IGNORECASE)
+
+
+@pytest.mark.parametrize("slip", [*READ, *DECLARED, *FLOWN], ids=lambda slip: slip.what)
+def test_a_mistake_is_one_sentence_with_its_line(slip: Slip, folder: Path) -> None:
+    file, text = written(folder, slip)
+    with pytest.raises(Mistake) as raised:
+        found(file)
+    reported(raised.value, text, slip)
+
+
+@pytest.mark.parametrize("slip", COMPILED, ids=lambda slip: slip.what)
+def test_a_mistake_that_only_the_compiler_finds(slip: Slip, folder: Path) -> None:
+    file, text = written(folder, slip)
+    result = examine.examine(file, {})
+    reported(Mistake(result.text, result.line), text, slip)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_written_to_start_from_can_be_used(kind: str, folder: Path) -> None:
+    file = folder / f"my_{kind}.py"
+    file.write_text((SKELETONS / f"{kind}.py").read_text(encoding="utf-8"), encoding="utf-8")
+    result = examine.examine(file, {})
+    assert (result.text, result.line) == ("", 0)
+    assert (result.role, result.name, result.simulated) == (kind, f"my_{kind}", True)
+
+
+SHIPPED = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
+
+
+@SHIPPED
+def test_shipped_components_keep_the_rules(component: Component) -> None:
+    source = reading.read(Path(str(source_of(component).__file__)))
+    reading.check(source)
+    reading.check_names(source)
+    for slot in kernels(component):
+        _check_kernel(slot, source)
+    own = [component.parameters, *([component.start] if isinstance(component, Vehicle) else [])]
+    assert [units.unknown(p.unit) for each in own for p in declared(each) if units.unknown(p.unit)] == []
+
+
+@pytest.mark.nightly
+@SHIPPED
+def test_shipped_components_return_what_is_expected(component: Component) -> None:
+    assert flown(component, reading.read(Path(str(source_of(component).__file__))), lambda _: None)

@@ -15,12 +15,12 @@ from campaigns import Campaign, library, load_file
 from campaigns.results.baseline import BaselineResult, Reevaluated
 from campaigns.results.draws import of_draws
 from campaigns.stored.records import Columns, StagePlan
+from clearance.testing.problems import Problem
 from tests import results
 from tests.given.finished_runs import Work
 from tests.given.service import Service
 from tests.given.shipped_runs import shipped
 from tests.given.submissions import submit
-from tests.problems import Problem
 
 PLAN = [StagePlan("nominal", None, 1), StagePlan("certify", None, 3)]
 POINTS = np.array([[0.1, 0.2, 0.4], [0.5, 0.5, 0.5], [0.9, 0.3, 0.7]])

@@ -86,6 +86,7 @@ def until(condition: Callable[[], object], what: str, seconds: float = 60.0) -> 
 
 def kill(*pids: int, number: signal.Signals = signal.SIGKILL) -> None:
     """Send each the signal, if it is still there."""
+    assert all(pid > 0 for pid in pids), "0 is the group of this process"
     for pid in pids:
         try:
             os.kill(pid, number)

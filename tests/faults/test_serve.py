@@ -46,7 +46,7 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFi
         code, _, said = here(capsys, "serve", "--data", str(service.data))
         assert (code, f"(process {service.pid})" in said) == (WRONG_INPUT, True)
 
-        for words, name in (("-m backend", "backend"), ("-m worker worker", "worker 1")):
+        for words, name in (("-m backend", "backend"), ("-m clearance worker", "worker 1")):
             old = service.part(words)
             kill(old)
             until(lambda words=words, old=old: service.part(words) not in (0, old), f"another {name}")

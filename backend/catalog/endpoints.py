@@ -30,7 +30,7 @@ CHECK_BODY = {
 @router.get("/components", responses=problems("no-catalogue"))
 def list_components(reader: Reader) -> Catalogue:
     """Components and methods with their parameters, units, limits and texts."""
-    return service.required(reader)
+    return service.required(reader).model_copy(update={"code": None})
 
 
 @router.get("/campaigns")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 import threading
+from collections.abc import Mapping
 from dataclasses import fields
 from types import ModuleType
 from typing import Any, ClassVar
@@ -257,6 +258,6 @@ def _catalogue(method: Method) -> Catalogue:
     return known.model_copy(update={"methods": [*others, _entry(method)]})
 
 
-def _searching(search: dict[str, Any]) -> Campaign:
+def _searching(search: Mapping[str, object]) -> Campaign:
     document = load_file(next(iter(library().values()))).document()
     return load_document(document | {"stages": {"search": [search]}})

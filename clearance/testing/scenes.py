@@ -41,7 +41,7 @@ def entry(component: Component) -> ComponentEntry:
 class Scene(NamedTuple):
     """A campaign around some components; under what it names the parameters of each, in their order."""
 
-    document: dict[str, Any]
+    document: dict[str, object]
     prefixes: tuple[tuple[str, ...], ...]
 
 
@@ -59,7 +59,7 @@ def scene(*chosen: Component) -> Scene:
         several[role] = several[role] or [_first(role, vehicle, controller)]
     (avoider,), (criterion,), beside = several["avoider"], several["criterion"], [c for c in chosen if _beside(c)]
     goal = _values(entry(avoider).goals, 60.0)
-    scenario: dict[str, Any] = {role: _part(several[role][0]) for role in ("vehicle", "controller", "avoider")}
+    scenario: dict[str, object] = {role: _part(several[role][0]) for role in ("vehicle", "controller", "avoider")}
     scenario |= {
         "start": _values(entry(vehicle).starts, 0.0),
         "goal": goal,
@@ -73,7 +73,7 @@ def scene(*chosen: Component) -> Scene:
         scenario["guidance"] = {"period": 4 * STEP}
     # Some avoiders only hold a course and have no goal.
     path, value = next(((f"goal.{name}", at) for name, at in goal.items()), ("start.x", 0.0))
-    document = {
+    document: dict[str, object] = {
         "name": "contract",
         "scenario": scenario,
         "uncertain": {path: {"low": value - 1, "high": value + 1}},
@@ -87,7 +87,7 @@ def scene(*chosen: Component) -> Scene:
     return Scene(document, tuple(ONE.get(c.role, ()) if id(c) not in places else (places[id(c)],) for c in chosen))
 
 
-def around(component: Component) -> dict[str, Any]:
+def around(component: Component) -> dict[str, object]:
     """A campaign that simulates this component with the first others that fit."""
     return scene(component).document
 
@@ -97,7 +97,7 @@ def problem(*chosen: Component, compiled: bool = True) -> Problem:
 
     Of several components in `FEW` lanes, which compile in three quarters of the time.
     """
-    document = scene(*chosen).document
+    document = json.loads(json.dumps(scene(*chosen).document))
     document["scenario"]["horizon"] = HORIZON if compiled else HORIZON / 2
     return _problem(json.dumps(document), compiled, FEW if compiled and len(chosen) > 1 else None)
 
@@ -147,7 +147,7 @@ def near(flown: Problem, of: Mapping[str, ParameterEntry], count: int, seed: int
     return vectors
 
 
-def _criterion(component: Component) -> dict[str, Any]:
+def _criterion(component: Component) -> Mapping[str, object]:
     """A criterion with a small threshold, so that every flight counts; one within obstacles has to be stated."""
     stated = {"from_centre": True} if entry(component).measured_to == "centre" else {}
     return {"component": component.name, "threshold": 1e-3} | stated
@@ -158,11 +158,11 @@ def _beside(component: Component) -> bool:
     return isinstance(component, Criterion) and component.worse == "high"
 
 
-def _part(component: Component) -> dict[str, Any]:
+def _part(component: Component) -> dict[str, object]:
     return {"component": component.name, "parameters": _values(entry(component).parameters, 30.0)}
 
 
-def _fault(component: Component, vehicle: Vehicle) -> dict[str, Any]:
+def _fault(component: Component, vehicle: Vehicle) -> Mapping[str, object]:
     return _part(component) | {"on": vehicle.inputs[0].name if entry(component).path == "actuator" else ""}
 
 

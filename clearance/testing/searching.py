@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, cast
@@ -73,7 +73,7 @@ def run(
     seed: int = 1,
     status: int = 1,
     until: Callable[[Searched], bool] = lambda found: False,
-    options: dict[str, Any] | None = None,
+    options: Mapping[str, object] | None = None,
 ) -> Searched:
     """Run a method until it ends, its budget is reached or `until` is true; NaN values have `status`."""
     found = Searched()

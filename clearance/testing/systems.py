@@ -7,7 +7,8 @@ with pytest, on a campaign of the simulator. Start reading at `SystemContract`.
 from __future__ import annotations
 
 import json
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
@@ -27,7 +28,7 @@ class SystemContract:
     failing: the value, of every parameter, with which an evaluation fails; None if none fails.
     """
 
-    campaign: ClassVar[dict[str, Any]]
+    campaign: ClassVar[Mapping[str, object]]
     failing: ClassVar[float | None] = None
     count: ClassVar[int] = 40
     _opened: ClassVar[Problem | None] = None

@@ -17,11 +17,12 @@ import yaml
 from backend.db.engine import connect, migrate
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
+from campaigns.asked.load import load_document
 from campaigns.results.base import FAILED, OK, TIMEOUT
 from tests.faults import stage
 from tests.faults.nodes import Cluster, cluster
 from tests.faults.processes import command_of, kill, started, until
-from tests.simulators import gated, misbehaving
+from tests.simulators import gated, misbehaving, package
 from worker.engine.systems.base import Floats
 from worker.engine.systems.simulators.cluster import pool as pool_module
 from worker.engine.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
@@ -94,10 +95,11 @@ def test_results_are_those_of_local_slots_to_the_bit(
     monkeypatch.setenv(SETTING, nodes.address)
     there = CommandSimulator(gate.described, OPENING)
     try:
+        of = load_document(package.campaign(), "the campaign")
         asked = vectors(300)
         until(lambda: there.slots == 2, "both nodes")
         assert there.digest == here.digest
-        assert (versions(here).evaluator, versions(there).evaluator) == (None, "dask.distributed")
+        assert (versions(of, here).evaluator, versions(of, there).evaluator) == (None, "dask.distributed")
         assert here.evaluate(asked)[0].costs.tobytes() == there.evaluate(asked)[0].costs.tobytes()
         assert [c.cost for c in there.compare(asked[:2], [None, None])] == [right(v) for v in asked[:2]]
     finally:

@@ -148,7 +148,7 @@ class TestWind:
         # The same motion through the air, seen from ground over which the air moves; the linear form's coupling of
         # turn rates with the speed over ground makes it exact only for flight without turning.
         p = aircraft() if vehicle is fixed_wing else linear(20.0)
-        x = np.array(plain(vehicle.begin)(vehicle.Start(psi=0.7), p))
+        x = np.array(plain(vehicle.component.begin)(vehicle.component.start(psi=0.7), p))
         u = (p.elevator, 0.0, 0.0, p.throttle)
         if vehicle is fixed_wing:
             x[9:12] += 0.2, -0.1, 0.15

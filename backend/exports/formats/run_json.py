@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import sqlalchemy as sa
 
@@ -16,7 +17,6 @@ from backend.results import service as results
 from backend.runs import service as runs
 from backend.runs.components import components
 from backend.signoffs import service as signoffs
-from campaigns.documents import JsonObject
 
 FORMAT = "clearance-run/1"
 
@@ -38,14 +38,14 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
     return _run_json(engine, found, told, stages, flights)
 
 
-def _components(reader: sa.Connection, run_id: int) -> JsonObject | None:
+def _components(reader: sa.Connection, run_id: int) -> dict[str, object] | None:
     """The stored component descriptions; None if there are none, since the installed ones may differ."""
     told = snapshots.of_run(reader, run_id) and components(reader, run_id)
     return told.model_dump(mode="json") if told else None
 
 
 def _run_json(
-    engine: sa.Engine, found: Sheet, told: JsonObject, stages: list[JsonObject], flights: list[str]
+    engine: sa.Engine, found: Sheet, told: Mapping[str, object], stages: list[dict[str, Any]], flights: list[str]
 ) -> Iterator[bytes]:
     yield (compact(told)[:-1] + f',"columns":{compact(found.columns)},"stages":[').encode()
     evaluated = {stage.position: stage for stage in found.stages}

@@ -12,7 +12,6 @@ from backend.exports.format import Format, whole, words
 from backend.exports.written import compact
 from backend.results import service as results
 from backend.runs import service as runs
-from campaigns.documents import JsonObject
 
 
 def traces_mat(reader: sa.Connection, run_id: int) -> bytes:
@@ -20,11 +19,11 @@ def traces_mat(reader: sa.Connection, run_id: int) -> bytes:
     from scipy.io import savemat  # imported here because it takes a third of a second
 
     detail = runs.summary(reader, run_id)
-    told: JsonObject = {"run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}}
+    told: dict[str, object] = {"run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}}
     for flight in results.traces(reader, run_id):
         row = results.stored(reader, run_id, flight.name)
         data = results.table(row)
-        fields: JsonObject = {_field(c["name"]): data[:, [k]] for k, c in enumerate(row.columns)}
+        fields: dict[str, object] = {_field(c["name"]): data[:, [k]] for k, c in enumerate(row.columns)}
         fields["units"] = {_field(c["name"]): c["unit"] for c in row.columns}
         fields["meta"] = compact(row.meta)
         told[_field(flight.name)] = fields

@@ -14,7 +14,6 @@ The simulator evaluates in one slot, which ends when nothing was requested for a
 
 from __future__ import annotations
 
-from campaigns.stored.replies import CaseReply
 from worker.running.runs import sources  # first: it records the files before they are loaded
 
 # isort: split
@@ -42,6 +41,7 @@ from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
+from campaigns.stored.replies import CaseReply
 from worker.engine.systems.base import CampaignUnusable, Floats, NoResult, NoTrace, System, Trace, slotted
 from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.pooled import Pooled

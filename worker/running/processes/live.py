@@ -12,9 +12,6 @@ Run as `python -m worker.running.processes.live`; it ends when its input is clos
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from campaigns.stored.replies import FieldReply, FlightReply
 from worker.running.runs import sources  # first: it records the files before they are loaded
 
 # isort: split
@@ -28,6 +25,7 @@ import json
 import os
 import sys
 from collections import OrderedDict
+from collections.abc import Mapping
 from typing import Any, TextIO
 
 import numpy as np
@@ -35,6 +33,7 @@ import numpy as np
 from campaigns import CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import MAX_SEED
+from campaigns.stored.replies import FieldReply, FlightReply
 from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.closed_loop.field import MOST, UNITS, field
 from worker.engine.systems.closed_loop.flights import Flights

@@ -265,17 +265,25 @@ def test_a_stage_that_no_longer_asks_for_what_it_stored_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("cost", "block", "size"),
-    [(None, 0, 1), (None, 16, 256), (0.1, 0, 2), (30.0, 0, 1), (0.1, 16, 256), (1e-5, 16, 20_000), (1e-9, 0, 65_536)],
+    ("cost", "lanes", "size"),
+    [
+        (None, None, 1),
+        (None, 16, 256),
+        (0.1, None, 2),
+        (30.0, None, 1),
+        (0.1, 16, 256),
+        (1e-5, 16, 20_000),
+        (1e-9, None, 65_536),
+    ],
 )
 def test_a_batch_takes_no_longer_than_stored_rows_may_wait(
-    cost: float | None, block: int, size: int, monkeypatch: pytest.MonkeyPatch
+    cost: float | None, lanes: int | None, size: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A simulation of half a minute is stored, shown and cancelled one by one; a fast one is given whole blocks."""
     counting = Counting()
     asked = context(counting)
     system = asked.problem.system
-    monkeypatch.setattr(system, "block", block)
+    monkeypatch.setattr(system, "settings", replace(system.settings, lanes=lanes))
     monkeypatch.setattr(system, "cost", cost)
     drive(asked, 0, in_batches([70_000]), 70_000)
     assert len(counting.points[0]) == size

@@ -31,7 +31,7 @@ _RESULTS = (EvaluationAhead, EvaluationChunk, Stage, Finding, Trace, RunSources)
 
 def restart(writer: sa.Connection, run_id: int) -> bool:
     """Put a waiting run back to where it was when it was submitted; false if it does not wait for its code."""
-    if not _waits(writer, run_id):
+    if not waits(writer, run_id):
         return False
     for table in _RESULTS:
         writer.execute(sa.delete(table).where(table.run_id == run_id))
@@ -54,7 +54,7 @@ def restart(writer: sa.Connection, run_id: int) -> bool:
 
 def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue) -> int | None:
     """Queue a new run that continues a waiting one, which is cancelled; None if it does not wait for its code."""
-    if not _waits(writer, run_id):
+    if not waits(writer, run_id):
         return None
     old = writer.execute(sa.select(Run.name, Run.tags, Run.owner, Run.priority).where(Run.id == run_id)).one()
     planned = sum(stage.planned for stage in plan(campaign))
@@ -70,6 +70,7 @@ def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
     return found
 
 
-def _waits(writer: sa.Connection, run_id: int) -> bool:
+def waits(writer: sa.Connection, run_id: int) -> bool:
+    """Whether a run waits for the code that began it; locks it until the transaction ends."""
     of = sa.select(Run.id).where(Run.id == run_id, Run.state == RunState.QUEUED).with_for_update()
     return writer.scalar(of) is not None and bool(refusals.of(writer, [run_id]))

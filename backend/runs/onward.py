@@ -36,6 +36,8 @@ def carry_on(engine: sa.Engine, run_id: int, visitor: Visitor) -> RunSummary:
     """Continue a run as a new one; as `restart`, and 409 if no evaluation may be used, 422 for an unusable campaign."""
     with engine.begin() as writer:
         _own(writer, run_id, visitor)
+        if not waiting.waits(writer, run_id):
+            raise _not_waiting(run_id)
         found = waiting.carry(writer, run_id, *_usable(writer, run_id))
         if found is None:
             raise _not_waiting(run_id)
@@ -50,10 +52,10 @@ def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:
     if problems := check(campaign, catalogue):
         raise bodies.invalid(CampaignError(run_name(run_id), problems))
     model = Versions.of(reader.scalar(sa.select(Run.flown).where(Run.id == run_id))).model
-    if model is not None and model != model_of(campaign, codes.installed(reader)):
+    if model is None or model != model_of(campaign, codes.installed(reader)):
         detail = (
-            f"the code that evaluates differs between {run_name(run_id)} and the newest worker, so none of its "
-            "evaluations can be used: begin it again, or start a worker of its version"
+            f"the code that evaluates differs between {run_name(run_id)} and the newest worker, or was not "
+            "stored: none of its evaluations can be used; begin it again, or start a worker of its version"
         )
         raise RefusedError(409, "not-continuable", detail)
     return campaign, catalogue

@@ -10,8 +10,8 @@ import sqlalchemy as sa
 from backend.db.engine import read
 from backend.db.queue import Queue
 from backend.db.store import RunStore
-from backend.db.tables import CatalogueDocument, EvaluationChunk, RunRefusal
-from tests.given.code_versions import CODE, edited
+from backend.db.tables import CatalogueDocument, EvaluationChunk, Run, RunRefusal
+from tests.given.code_versions import CODE, VERSIONS, edited
 from tests.given.service import Service
 from tests.given.submissions import submit
 from tests.given.waiting_runs import DIFFERS, HERE, OLD, arrive, waiting
@@ -87,8 +87,19 @@ def test_evaluations_of_another_model_are_not_continued(service: Service, client
     assert one(client, run)["state"] == "queued"
 
 
+def test_evaluations_of_an_unknown_model_are_not_continued(service: Service, client: httpx.Client) -> None:
+    """As of a run that a version began which did not store it: a new run would begin without any of them."""
+    run = waiting(service, client)
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).values(flown=VERSIONS.model_dump(mode="json")))
+    answer = client.post(f"/api/v1/runs/{run}/continuation")
+    assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-continuable")
+    assert one(client, run)["state"] == "queued"
+
+
 def test_a_run_that_does_not_wait_for_its_code(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     for way in ("restart", "continuation"):
-        assert client.post(f"/api/v1/runs/{run}/{way}").status_code == 409
+        answer = client.post(f"/api/v1/runs/{run}/{way}")
+        assert (answer.status_code, answer.json()["type"]) == (409, "urn:clearance:problem:not-waiting")
         assert client.post(f"/api/v1/runs/R-9999/{way}").status_code == 404

@@ -26,9 +26,9 @@ def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = Non
     """Fail unless the verdict follows, with every item audited: of a run in memory, with its campaign;
     in a folder; or in a database, by its number."""
     items = audit(recorded(run, campaign, run_id), offered.AT_MOST, offered.SPOT_CHECKS)
-    follows, said = closing(items)
-    assert follows, said + "".join(f"\n{i.name}: {i.given} / {i.recomputed}" for i in items if i.agrees is False)
-    assert all(item.agrees for item in items), said
+    follows, statement = closing(items)
+    assert follows, statement + "".join(f"\n{i.name}: {i.given} / {i.recomputed}" for i in items if i.agrees is False)
+    assert all(item.agrees for item in items), statement
     return items
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from campaigns.claims import earlier
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, TraceHead, ValidateResult, Verdict
 from campaigns.results.base import Stop, Values
 from campaigns.results.finding import FoundBy, HalfStep, ReferenceCost, Validation
@@ -17,9 +17,9 @@ from campaigns.results.verdict import NominalCost, VerdictWord, Worst
 TERMS = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "vehicle.J": "J"}, {"m", "s"})
 
 
-def said(text: str) -> Said:
+def statement(text: str) -> Spans:
     """A sentence of a run of case 1 as spans."""
-    return earlier.said(text, TERMS)
+    return earlier.statement(text, TERMS)
 
 
 ENDED = Stop(kind="rule", text="completed the 100 iterations")
@@ -95,4 +95,4 @@ def verdict(
     if worst is not None:
         found = Worst(cost=worst, margin=worst - 0.5, parameters={}, method="direct", finding="F1")
     at_nominal = NominalCost(cost=nominal, margin=None if nominal is None else nominal - 0.5)
-    return Verdict(verdict=word, said=said(sentence), nominal=at_nominal, worst=found, **known)
+    return Verdict(verdict=word, statement=statement(sentence), nominal=at_nominal, worst=found, **known)

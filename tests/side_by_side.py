@@ -118,18 +118,18 @@ class Parent:
 
     def receive(self, fork: Fork) -> None:
         hook = self.session.config.hook
-        said, content = _received(fork.connection)
-        if said == "ended":
+        statement, content = _received(fork.connection)
+        if statement == "ended":
             self.lost(fork)
-        elif said == "ready":
+        elif statement == "ready":
             self.hand_out(fork)
-        elif said == "warned":
+        elif statement == "warned":
             hook.pytest_warning_recorded.call_historic(kwargs=content)
-        elif said == "report":
+        elif statement == "report":
             report = hook.pytest_report_from_serializable(config=self.session.config, data=content)
             report.node = _named(fork)
             hook.pytest_runtest_logreport(report=report)
-        elif said == "started":
+        elif statement == "started":
             hook.pytest_runtest_logstart(**content)
         else:
             fork.left.pop(0)

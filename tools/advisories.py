@@ -31,11 +31,11 @@ def of_pip(output: str, problem: str) -> Asked:
     except (ValueError, KeyError, TypeError):
         return Asked([], 0, problem.strip().rpartition("\n")[2] or "no answer")
     audited = [one for one in found if "skip_reason" not in one]
-    said = [f"{one['name']} {one['version']}: {fault['id']}" for one in audited for fault in one["vulns"]]
+    statement = [f"{one['name']} {one['version']}: {fault['id']}" for one in audited for fault in one["vulns"]]
     skipped = [one for one in found if "skip_reason" in one]
     if skipped:
-        return Asked(said, len(audited), f"{len(skipped)} of {len(found)} skipped; {skipped[0]['skip_reason']}")
-    return Asked(said, len(audited), "" if audited else "nothing was audited")
+        return Asked(statement, len(audited), f"{len(skipped)} of {len(found)} skipped; {skipped[0]['skip_reason']}")
+    return Asked(statement, len(audited), "" if audited else "nothing was audited")
 
 
 def of_npm(output: str, problem: str) -> Asked:
@@ -44,10 +44,10 @@ def of_npm(output: str, problem: str) -> Asked:
         found: dict[str, Any] = json.loads(output)
         total = int(found["metadata"]["dependencies"]["total"])
     except (ValueError, KeyError, TypeError):
-        said = next((line for line in problem.splitlines() if "audit" in line), "no answer")
-        return Asked([], 0, said)
-    said = [f"{name}: {one['severity']}" for name, one in found["vulnerabilities"].items()]
-    return Asked(said, total, "")
+        statement = next((line for line in problem.splitlines() if "audit" in line), "no answer")
+        return Asked([], 0, statement)
+    statement = [f"{name}: {one['severity']}" for name, one in found["vulnerabilities"].items()]
+    return Asked(statement, total, "")
 
 
 def main() -> int:
@@ -63,8 +63,8 @@ def main() -> int:
             print(f"{name}: NOT AUDITED, the advisory source could not be asked completely: {asked.not_reached}")
         else:
             print(f"{name}: {asked.audited} packages audited, {len(asked.advisories)} with advisories")
-        for said in asked.advisories:
-            print(f"  {said}")
+        for statement in asked.advisories:
+            print(f"  {statement}")
     if any(asked.advisories for asked in answers.values()):
         return 1
     return 2 if any(asked.not_reached for asked in answers.values()) else 0

@@ -44,13 +44,13 @@ def python(lock: str) -> str:
     bom.metadata.component = root
     components = []
     for name, version, hashes in locked(lock):
-        said = _licence(name, version)
+        licence = _licence(name, version)
         component = Component(
             name=name,
             version=version,
             bom_ref=f"{name}@{version}",
             purl=PackageURL("pypi", None, name.lower(), version),
-            licenses=[licences.make_from_string(said)] if said else [],
+            licenses=[licences.make_from_string(licence)] if licence else [],
             # of the one file where there is only one; of several, none is the hash of the component
             hashes=[HashType(alg=HashAlgorithm.SHA_256, content=hashes[0])] if len(hashes) == 1 else [],
             properties=[Property(name="clearance:files", value=str(len(hashes)))],

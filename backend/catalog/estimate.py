@@ -31,7 +31,7 @@ class _Time(NamedTuple):
     usual: float | None
     least: float | None
     most: float | None
-    said: str
+    statement: str
 
 
 class _Earlier(NamedTuple):
@@ -49,32 +49,34 @@ def estimate(
     """
     earlier = _earlier(reader, campaign.digest)
     if earlier is not None:
-        said = f"As in {earlier.run}, an earlier run of this campaign."
+        statement = f"As in {earlier.run}, an earlier run of this campaign."
         had, seconds_had = sum(stage.evaluations for stage in earlier.stages), earlier.seconds
         time = _Time(seconds_had, seconds_had, seconds_had, f"The time is that of {earlier.run}.")
-        return _estimate(earlier.stages, Total(had, had, had), said, time, earlier.run)
+        return _estimate(earlier.stages, Total(had, had, had), statement, time, earlier.run)
     found = expected(campaign, catalogue)
     stages, evaluations = [EstimatedStage(**stage._asdict()) for stage in found], total(found)
     if campaign.simulator is None:
         time = _scaled(seconds, evaluations)
     else:
         time = _simulated(reader, campaign, catalogue, evaluations)
-    said = USUAL.format(boundary=boundary(campaign), latest=f"{latest(campaign):,}")
-    return _estimate(stages, evaluations, said, time, None)
+    statement = USUAL.format(boundary=boundary(campaign), latest=f"{latest(campaign):,}")
+    return _estimate(stages, evaluations, statement, time, None)
 
 
-def _estimate(stages: list[EstimatedStage], evaluations: Total, said: str, time: _Time, run: str | None) -> Estimate:
+def _estimate(
+    stages: list[EstimatedStage], evaluations: Total, statement: str, time: _Time, run: str | None
+) -> Estimate:
     return Estimate(
         evaluations=evaluations.usual,
         least=evaluations.least,
         most=evaluations.most,
         near=evaluations.near,
         stages=stages,
-        said=said,
+        statement=statement,
         seconds=time.usual,
         seconds_least=time.least,
         seconds_most=time.most,
-        time_said=time.said,
+        time_statement=time.statement,
         run=run,
     )
 
@@ -118,6 +120,6 @@ def _simulated(reader: sa.Connection, campaign: Campaign, catalogue: Catalogue, 
         measure = f"`clearance check-simulator {name} --data DIR` measures an evaluation for the service of that folder"
         return _Time(None, None, None, f"The time is not known yet: {measure}, and so does the first stage of a run.")
     again = made_again(campaign, catalogue, cost.noisy, entry is not None and entry.step is not None)
-    usual, said = cost.lasts(evaluations.usual, calls, again)
+    usual, statement = cost.lasts(evaluations.usual, calls, again)
     least, most = (cost.lasts(end, calls, again)[0] for end in (evaluations.least, evaluations.most))
-    return _Time(usual, least, most, said)
+    return _Time(usual, least, most, statement)

@@ -78,7 +78,7 @@ class Estimate(Schema):
     near: bool
     """Whether the usual number alone says enough: nothing in the range differs from it by more than a fifth."""
     stages: list[EstimatedStage]
-    said: str
+    statement: str
     """Where the number of evaluations is known from, a sentence."""
     seconds: float | None
     """Working time of the usual number [s]; None if nothing was measured yet."""
@@ -86,7 +86,7 @@ class Estimate(Schema):
     """That of the low end [s]."""
     seconds_most: float | None
     """That of the high end [s]."""
-    time_said: str
+    time_statement: str
     """Where the time is known from, or how to measure it, a sentence."""
     run: str | None
     """The finished run of the same campaign whose numbers these are, R-0001; None for a usual number."""

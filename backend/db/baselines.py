@@ -85,14 +85,14 @@ def _labelled(reader: sa.Connection, asked: Campaign, given: str) -> Resolved:
         except CannotCompare:  # one of another version of Clearance
             continue
         if same_question(asked, other):
-            said = f"Baseline: {run_name(run_id)}, the newest run with the label {'='.join(wanted)}."
-            return _compared(reader, asked, run_id, other, said)
+            statement = f"Baseline: {run_name(run_id)}, the newest run with the label {'='.join(wanted)}."
+            return _compared(reader, asked, run_id, other, statement)
     return Resolved(asked, None, none_found(given), given)
 
 
-def _compared(reader: sa.Connection, asked: Campaign, run_id: int, other: Campaign, said: str) -> Resolved:
+def _compared(reader: sa.Connection, asked: Campaign, run_id: int, other: Campaign, statement: str) -> Resolved:
     found = continuation.findings(reader, run_id)
-    return Resolved(with_baseline(asked, run_name(run_id), other, found), run_id, said)
+    return Resolved(with_baseline(asked, run_name(run_id), other, found), run_id, statement)
 
 
 def _campaign(reader: sa.Connection, run_id: int) -> Campaign:

@@ -17,7 +17,7 @@ from backend.db.tables import Finding
 from backend.flights.schemas import FlightAnswer, FlightValue
 from backend.http.errors import RefusedError
 from campaigns import Campaign, Catalogue, Problem, thin
-from campaigns.checked import said
+from campaigns.checked import texts
 from campaigns.checked.check import parameters, parts
 from campaigns.results.trace import TraceColumn, TraceHead
 from campaigns.runs import run_name
@@ -119,14 +119,14 @@ def _permit(asked: Campaign, catalogue: Catalogue | None, given: Mapping[str, fl
     unknown = [path for path in given if path not in known]
     if unknown:
         errors = [
-            Problem(f"parameters.{path}", said.given(given[path]), f"no such parameter; {said.known(path, known)}")
+            Problem(f"parameters.{path}", texts.given(given[path]), f"no such parameter; {texts.known(path, known)}")
             for path in unknown
         ]
         what = "simulator" if asked.scenario is None else "scenario"
-        detail = f"the {what} has no parameter {unknown[0]!r}; {said.known(unknown[0], known)}"
+        detail = f"the {what} has no parameter {unknown[0]!r}; {texts.known(unknown[0], known)}"
         raise RefusedError(422, "unknown-parameter", detail, errors)
     outside = [path for path, value in given.items() if not known[path][0].low <= value <= known[path][0].high]
     if outside:
-        errors = [Problem(f"parameters.{p}", said.given(given[p]), said.limits(known[p][0])) for p in outside]
-        detail = f"{outside[0]} is given as {said.given(given[outside[0]])}: {said.limits(known[outside[0]][0])}"
+        errors = [Problem(f"parameters.{p}", texts.given(given[p]), texts.limits(known[p][0])) for p in outside]
+        detail = f"{outside[0]} is given as {texts.given(given[outside[0]])}: {texts.limits(known[outside[0]][0])}"
         raise RefusedError(422, "outside-limits", detail, errors)

@@ -247,7 +247,7 @@ async def _unusable(request: Request, error: Exception) -> JSONResponse:
     raise error
 
 
-_SAID = {
+_SENTENCES = {
     400: "the request cannot be read: send JSON in UTF-8, with whole numbers of at most 4,300 digits",
     404: "there is no page or resource at this address",
     405: "method not allowed here",
@@ -258,9 +258,9 @@ _KIND = {400: "bad-request", 404: "not-found", 405: "method-not-allowed", 413: "
 
 async def _http(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
-    said = _SAID.get(error.status_code, error.detail)
+    sentence = _SENTENCES.get(error.status_code, error.detail)
     kind = _KIND.get(error.status_code) or http.HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
-    refused = RefusedError(error.status_code, kind, f"{said} ({request.method})", headers=error.headers)
+    refused = RefusedError(error.status_code, kind, f"{sentence} ({request.method})", headers=error.headers)
     return respond(refused, request.url.path)
 
 
@@ -281,6 +281,8 @@ _PARTS = {"body", "query", "path", "header"}
 def problem_of(error: Mapping[str, Any], location: Iterable[object]) -> Problem:
     """A problem of a request as found by pydantic, at a location in it."""
     given = error.get("input", "")
-    said = given[:LONGEST] if isinstance(given, str) else shown(given) if isinstance(given, dict | list) else str(given)
-    given = "" if error["type"] == "missing" else said[:LONGEST]
+    shortened = (
+        given[:LONGEST] if isinstance(given, str) else shown(given) if isinstance(given, dict | list) else str(given)
+    )
+    given = "" if error["type"] == "missing" else shortened[:LONGEST]
     return Problem(".".join(map(str, location))[:400], given, str(error["msg"]).removeprefix("Value error, "))

@@ -94,9 +94,9 @@ def unbuilt(folder: Path) -> str:
 
 def _not_built(folder: Path) -> HTMLResponse:
     """The sentence that the pages are not built, as a page."""
-    said = html.escape(unbuilt(folder))
-    said = re.sub("`(.+?)`|(CLEARANCE_PAGES|frontend/dist)", r"<code>\1\2</code>", said)
-    return plain("The pages are not built", f"<p>{said[:1].upper()}{said[1:]}.</p>", 503)
+    sentence = html.escape(unbuilt(folder))
+    sentence = re.sub("`(.+?)`|(CLEARANCE_PAGES|frontend/dist)", r"<code>\1\2</code>", sentence)
+    return plain("The pages are not built", f"<p>{sentence[:1].upper()}{sentence[1:]}.</p>", 503)
 
 
 def _index(index: Path, root: str) -> Response:

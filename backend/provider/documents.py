@@ -105,9 +105,9 @@ async def fetch(
 
 
 def _refused(name: str, status: int, found: dict[str, object]) -> SignInError:
-    said = str(found.get("error", ""))[:60]
-    reason = f"status {status}{f', {said}' if said.isprintable() and said else ''}"
-    if said in ("invalid_grant", "invalid_client", "unauthorized_client"):
-        sentence = f"{name} did not accept this sign-in ({said}). Sign in again; if that fails, ask an administrator."
+    code = str(found.get("error", ""))[:60]
+    reason = f"status {status}{f', {code}' if code.isprintable() and code else ''}"
+    if code in ("invalid_grant", "invalid_client", "unauthorized_client"):
+        sentence = f"{name} did not accept this sign-in ({code}). Sign in again; if that fails, ask an administrator."
         return SignInError(sentence, 403, reason)
     return unreachable(name, reason)

@@ -124,7 +124,7 @@ class Provider:
             claims = CodeIDToken(token.claims, token.header, options, known)
             claims.validate(leeway=SKEW)
         except JoseError as error:
-            raise invalid(of.name, _said(error)) from None
+            raise invalid(of.name, _statement(error)) from None
         except (ValueError, TypeError, AttributeError, KeyError):
             raise invalid(of.name, "malformed ID token") from None
         subject = claims["sub"]
@@ -158,7 +158,7 @@ def _denied(name: str, error: str) -> SignInError:
     return SignInError(f"{name} did not sign you in: it reports {shown!r}. Try again.", 403, shown)
 
 
-def _said(error: JoseError) -> str:
+def _statement(error: JoseError) -> str:
     """What a check of a token found, without anything from the token itself."""
     claim = getattr(error, "claim", None)
     return f"{error.error.replace('_', ' ')}{f': {claim}' if isinstance(claim, str) else ''}"

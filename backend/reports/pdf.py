@@ -47,10 +47,10 @@ def printed(html: str) -> bytes:
 def _print(path: str, html: str, folder: Path) -> bytes:
     source, target = folder / "report.html", folder / "report.pdf"
     source.write_text(html, encoding="utf-8")
-    said = _run([path, *_arguments(folder, target), source.as_uri()], folder)
-    if said is not None or not target.is_file():
-        _log.error("printing a report failed: %s", said)
-        why = "it took too long" if said == "" else "it ended without writing a file; see the service's log"
+    output = _run([path, *_arguments(folder, target), source.as_uri()], folder)
+    if output is not None or not target.is_file():
+        _log.error("printing a report failed: %s", output)
+        why = "it took too long" if output == "" else "it ended without writing a file; see the service's log"
         raise RefusedError(503, "browser-failed", f"Chromium could not print the report: {why}. Print the HTML instead")
     return target.read_bytes()
 
@@ -77,9 +77,9 @@ def _arguments(folder: Path, target: Path) -> list[str]:
 def _run(command: list[str], folder: Path) -> str | None:
     """Run the browser: None on success, empty after a timeout, else its error output. All its processes are ended."""
     environment = {**os.environ, "HOME": str(folder), "TMPDIR": str(folder), "XDG_CONFIG_HOME": str(folder)}
-    with (folder / "said.txt").open("w+b") as said:
+    with (folder / "output.txt").open("w+b") as output:
         process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=said, stderr=said, env=environment, start_new_session=True
+            command, stdin=subprocess.DEVNULL, stdout=output, stderr=output, env=environment, start_new_session=True
         )
         try:
             code: int | None = process.wait(PATIENCE)
@@ -87,8 +87,8 @@ def _run(command: list[str], folder: Path) -> str | None:
             code = None
         finally:
             _end(process)
-        said.seek(0)
-        words = said.read()[-2000:].decode(errors="replace")
+        output.seek(0)
+        words = output.read()[-2000:].decode(errors="replace")
     if code is None:
         return ""
     return None if code == 0 else words or f"exit code {code}"

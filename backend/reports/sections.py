@@ -154,7 +154,7 @@ def methods(held: Held) -> list[Row]:
             "above": "best" if above == 0 else numbers.difference(above, decimals),
             "near": _near(comparison),
             "seconds": numbers.duration(stage.seconds) if stage else NONE,
-            "stop": result.stop.said if result and result.stop else say("not ended"),
+            "stop": result.stop.statement if result and result.stop else say("not ended"),
             "findings": (", ".join(comparison.findings) or "none") if comparison else NONE,
             "basin": (comparison.basin or "no listed finding") if comparison else NONE,
             "options": _options(asked.options),
@@ -216,7 +216,7 @@ def findings(held: Held) -> list[Row]:
             "bounds": [(_symbol(held, path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
             "seed": _seed(None if f.validation is None else f.validation.realisation),
-            "boundary": () if f.boundary is None else f.boundary.said,
+            "boundary": () if f.boundary is None else f.boundary.statement,
         }
         for f in held.findings
     ]
@@ -287,8 +287,8 @@ def signoffs(held: Held) -> list[Row]:
 def _standing(signoff: Signoff) -> str:
     if signoff.withdrawn is not None:
         return f"withdrawn {words.moment(signoff.withdrawn)} by {signoff.withdrawn_by}: {signoff.withdrawn_reason}"
-    said = "of these results" if signoff.current else "of earlier results, which have changed since"
-    return f"{said}, by the user who launched the run" if signoff.own else said
+    statement = "of these results" if signoff.current else "of earlier results, which have changed since"
+    return f"{statement}, by the user who launched the run" if signoff.own else statement
 
 
 def components(held: Held) -> dict[str, str]:

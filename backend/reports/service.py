@@ -73,7 +73,7 @@ def _context(held: Held, at: float) -> dict[str, object]:
     tone, word, icon = _VERDICTS.get(
         run.verdict or "", ("err", f"{run.state.capitalize()}: no verdict", "M12 8v5M12 16v.01")
     )
-    stated = verdict.said if verdict is not None else say(run.reason or "")
+    stated = verdict.statement if verdict is not None else say(run.reason or "")
     sentence = stated if run.verdict else say(_STATES[run.state])
     return {
         "run": run,

@@ -21,7 +21,7 @@ def changes(held: Held) -> dict[str, object] | None:
             if asked.run is None
             else f"{asked.sentence} The run has no verdict, so nothing was compared."
         )
-        return {"run": asked.run or "", "cases": [], "said": say(told), "lost": []}
+        return {"run": asked.run or "", "cases": [], "statement": say(told), "lost": []}
     decimals = numbers.decimals_for(
         [m for c in regression.cases for m in (c.margin_before, c.margin_again, c.margin)], 5
     )
@@ -43,5 +43,5 @@ def changes(held: Held) -> dict[str, object] | None:
         }
         for case in regression.cases
     ]
-    lost = [case.said for case in regression.cases if case.standing is Standing.NOT_COMPARED]
-    return {"run": regression.run, "cases": rows, "said": regression.said, "lost": lost}
+    lost = [case.statement for case in regression.cases if case.standing is Standing.NOT_COMPARED]
+    return {"run": regression.run, "cases": rows, "statement": regression.statement, "lost": lost}

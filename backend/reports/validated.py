@@ -12,7 +12,7 @@ from backend.reports.held import Held
 from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import count, joined, number, say, symbol
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.results import NominalResult, ValidateResult, verdicts
 from campaigns.results.finding import ClosestApproach, Validation
 from campaigns.results.validate import Encounter, Unseen
@@ -54,14 +54,16 @@ def _case(case: Validation) -> Row:
     }
 
 
-def again(held: Held) -> list[Said]:
+def again(held: Held) -> list[Spans]:
     """The repeated violations and random evaluations, and their differences."""
     result = held.result(ValidateResult)
     if result is None:
         return []
     first = held.result(NominalResult)
-    measured = [] if first is None or first.measured is None else [say("the simulator ", first.measured.said)]
-    found = measured + [part.said for part in (result.violations, result.spot_checks) if part is not None and part.said]
+    measured = [] if first is None or first.measured is None else [say("the simulator ", first.measured.statement)]
+    found = measured + [
+        part.statement for part in (result.violations, result.spot_checks) if part is not None and part.statement
+    ]
     at = None if result.spot_checks is None else result.spot_checks.at
     if at is not None:
         seed = "" if at.realisation is None else f", noise seed {at.realisation}"

@@ -9,7 +9,7 @@ from markupsafe import Markup, escape
 
 from campaigns.claims import say as claims
 from campaigns.claims.numbers import printed
-from campaigns.claims.spans import Quantity, Reference, Said, Span, Symbol, Text
+from campaigns.claims.spans import Quantity, Reference, Span, Spans, Symbol, Text
 from campaigns.symbols import apart, is_path
 
 _GREEK = {
@@ -65,14 +65,14 @@ def svg_symbol(symbol: str) -> Markup:
     return Markup('<tspan font-style="italic">{}</tspan>{}{}').format(base, below if index else "", upright)
 
 
-def drawn(said: Said) -> Markup:
+def drawn(statement: Spans) -> Markup:
     """A sentence as in print: formatted symbols, numbers with true minus signs and units."""
-    return Markup("").join(map(_span, said))
+    return Markup("").join(map(_span, statement))
 
 
-def sentence(said: Said) -> Markup:
+def sentence(statement: Spans) -> Markup:
     """A clause as in print, with a capital letter and a full stop."""
-    return drawn(claims.sentence(said))
+    return drawn(claims.sentence(statement))
 
 
 def _span(span: Span) -> Markup:

@@ -62,8 +62,8 @@ def _check(found: Sequence[Read]) -> None:
             try:
                 adapter.validate_python(value)
             except ValidationError as error:
-                said = error.errors()[0]["msg"].removeprefix("Value error, ")
-                raise CannotRead(f"the {what} of {one.id[:80]!r} is not acceptable: {said}") from None
+                reason = error.errors()[0]["msg"].removeprefix("Value error, ")
+                raise CannotRead(f"the {what} of {one.id[:80]!r} is not acceptable: {reason}") from None
 
 
 @dataclass(frozen=True)

@@ -111,7 +111,7 @@ def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
 
 def _run(run: RequirementRun) -> list[object]:
     numbers = (run.threshold, run.worst_cost, run.margin, run.upper_bound)
-    signed = "; ".join(f"{s.name} ({s.role}), {_date(s.created)}{_said(s.current, s.own)}" for s in run.signoffs)
+    signed = "; ".join(f"{s.name} ({s.role}), {_date(s.created)}{_statement(s.current, s.own)}" for s in run.signoffs)
     return [
         run.id, run.part, run.campaign_name, run.verdict or run.state, run.quantity, run.unit,
         *("" if number is None else repr(number) for number in numbers), run.campaign_digest, run.code or "",
@@ -120,7 +120,7 @@ def _run(run: RequirementRun) -> list[object]:
     ]  # fmt: skip
 
 
-def _said(current: bool, own: bool) -> str:
+def _statement(current: bool, own: bool) -> str:
     return ("" if current else ", of other results") + (", launched by the same user" if own else "")
 
 

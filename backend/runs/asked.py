@@ -36,8 +36,8 @@ class Asked:
         """The submission with both; raises `CampaignError` for a part that is given twice."""
         twice = [name for name in self.parts if name in given.model_fields_set]
         if twice:
-            said = "given in the address and in the body: give it once"
-            raise CampaignError("request", [Problem(name, "", said) for name in twice])
+            message = "given in the address and in the body: give it once"
+            raise CampaignError("request", [Problem(name, "", message) for name in twice])
         return given.model_copy(update=self.parts)
 
     def digest(self, body: bytes) -> str:

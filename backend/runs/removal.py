@@ -94,10 +94,10 @@ def _standing(writer: sa.Connection, rows: Sequence[Any]) -> list[Problem]:
 
 def _refuse(problems: Sequence[Problem]) -> None:
     if problems:
-        said = "; ".join(f"{p.given} cannot be removed, {p.message}" for p in problems[:3])
+        refused = "; ".join(f"{p.given} cannot be removed, {p.message}" for p in problems[:3])
         more = f"; and {len(problems) - 3} more" if len(problems) > 3 else ""
         none = ". None was removed" if len(problems) > 1 else ""
-        raise RefusedError(409, "not-removable", said + more + none, problems)
+        raise RefusedError(409, "not-removable", refused + more + none, problems)
 
 
 def _summaries(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:

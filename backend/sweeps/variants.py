@@ -8,7 +8,7 @@ from typing import Any
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document
 from campaigns.catalogue import ParameterEntry
-from campaigns.checked import said
+from campaigns.checked import texts
 from campaigns.checked.check import parameters
 
 SOURCE = "request"
@@ -48,7 +48,7 @@ def _refused(campaign: Campaign, path: str, catalogue: Catalogue) -> Iterator[Pr
         text = "this parameter is uncertain, so every run searches over it; sweep one that is fixed"
         yield Problem("path", path, f"{text} ({', '.join(fixed[:6])}, ...)")
     elif path not in known:
-        yield Problem("path", path, f"the campaign has no such parameter; {said.known(path, fixed)}")
+        yield Problem("path", path, f"the campaign has no such parameter; {texts.known(path, fixed)}")
 
 
 def _with(campaign: Campaign, path: str, value: float) -> dict[str, Any]:

@@ -63,8 +63,8 @@ def parse(text: str) -> Any:
     except RecursionError:
         raise UnreadableError("", "not readable as YAML: nested too deeply") from None
     except (yaml.YAMLError, ValueError, ArithmeticError) as error:
-        said = str(error).partition("\n")[0]
-        raise UnreadableError("", f"not readable as YAML: {said}") from None
+        first_line = str(error).partition("\n")[0]
+        raise UnreadableError("", f"not readable as YAML: {first_line}") from None
 
 
 def _yaml(text: str) -> Any:

@@ -17,31 +17,31 @@ _ALWAYS = frozenset({"version", "component", "kind", "seed"})
 
 def to_yaml(campaign: Campaign) -> str:
     """YAML text that reads back as an equal campaign (the same digest)."""
-    text: str = yaml.dump(_said(campaign), Dumper=Dumper, sort_keys=False, allow_unicode=True, width=100)
+    text: str = yaml.dump(_statement(campaign), Dumper=Dumper, sort_keys=False, allow_unicode=True, width=100)
     return text
 
 
 def readable_yaml(campaign: Campaign) -> str | None:
     """The document as YAML; None if it has more values than are read back, as with very many starts."""
-    return None if _values(_said(campaign)) > MOST_VALUES else to_yaml(campaign)
+    return None if _values(_statement(campaign)) > MOST_VALUES else to_yaml(campaign)
 
 
-def _values(said: Any) -> int:
+def _values(statement: Any) -> int:
     """The number of values and keys, as `campaigns.asked.reading` counts them."""
-    if isinstance(said, dict):
-        return 1 + len(said) + sum(map(_values, said.values()))
-    return 1 + sum(map(_values, said)) if isinstance(said, list) else 1
+    if isinstance(statement, dict):
+        return 1 + len(statement) + sum(map(_values, statement.values()))
+    return 1 + sum(map(_values, statement)) if isinstance(statement, list) else 1
 
 
-def _said(value: Any) -> Any:
+def _statement(value: Any) -> Any:
     if isinstance(value, BaseModel):
         fields = type(value).model_fields
         pairs = ((field.alias or name, field, getattr(value, name)) for name, field in fields.items())
-        return {key: _said(inner) for key, field, inner in pairs if _is_written(key, field, inner)}
+        return {key: _statement(inner) for key, field, inner in pairs if _is_written(key, field, inner)}
     if isinstance(value, dict):
-        return {key: _said(inner) for key, inner in value.items()}
+        return {key: _statement(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_said(inner) for inner in value]
+        return [_statement(inner) for inner in value]
     return value
 
 

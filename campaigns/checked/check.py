@@ -15,7 +15,7 @@ from campaigns.asked.problem import MOST, Problem
 from campaigns.asked.spec import Campaign, Part
 from campaigns.asked.values import MAX_EVALUATIONS
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
-from campaigns.checked import effort, extents, frames, limits, said, simulated, uncertainty
+from campaigns.checked import effort, extents, frames, limits, simulated, texts, uncertainty
 from campaigns.limits import CONFIDENCE_AT_LEAST
 
 SEED = "seed"
@@ -110,7 +110,7 @@ def _composed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         entry = catalogue.component(role, part.component)
         if entry is None:
             names = [c.name for c in catalogue.components if c.role == role]
-            text = f"no such {role}; {said.known(part.component, names)}"
+            text = f"no such {role}; {texts.known(part.component, names)}"
             text = catalogue.why_not("component", part.component, text)
             yield Problem(f"{field}.component", part.component, text)
             continue
@@ -225,7 +225,7 @@ def _searches(
         entry = catalogue.method(search.method)
         if entry is None:
             names = [m.name for m in catalogue.methods]
-            text = f"no such method; {said.known(search.method, names)}"
+            text = f"no such method; {texts.known(search.method, names)}"
             yield Problem(f"{field}.method", search.method, catalogue.why_not("method", search.method, text))
             continue
         yield from _options(f"{field}.options", search.options, entry.options)
@@ -251,11 +251,11 @@ def _started(
     field: str, path: str, value: float, campaign: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]
 ) -> Iterator[Problem]:
     if path not in campaign.uncertain:
-        yield Problem(field, path, f"not an uncertain parameter; {said.known(path, campaign.uncertain)}")
+        yield Problem(field, path, f"not an uncertain parameter; {texts.known(path, campaign.uncertain)}")
     elif path in known:
         low, high = campaign.uncertain[path].interval(known[path][1])
-        if not said.within(value, low, high):
-            yield Problem(field, said.given(value), f"a start must be within the bounds {low:g} to {high:g}")
+        if not texts.within(value, low, high):
+            yield Problem(field, texts.given(value), f"a start must be within the bounds {low:g} to {high:g}")
 
 
 def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Problem]:
@@ -263,7 +263,7 @@ def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) 
     properties = schema.get("properties", {})
     for name, value in options.items():
         if name not in properties:
-            yield Problem(f"{field}.{name}", str(value), f"no such option; {said.known(name, properties)}")
+            yield Problem(f"{field}.{name}", str(value), f"no such option; {texts.known(name, properties)}")
         elif (reason := _misfit(value, properties[name])) is not None:
             yield Problem(f"{field}.{name}", repr(value), reason)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue, ParameterEntry, ReachEntry
-from campaigns.checked.said import given
+from campaigns.checked.texts import given
 
 Known = Mapping[str, tuple[ParameterEntry, float]]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign, Simulator
 from campaigns.catalogue import Catalogue, ParameterEntry, SimulatorEntry
-from campaigns.checked import limits, said
+from campaigns.checked import limits, texts
 
 PREFIX = "simulator"
 """The prefix of its parameters' paths: simulator.x."""
@@ -19,7 +19,7 @@ def simulated(campaign: Campaign, asked: Simulator, catalogue: Catalogue) -> Ite
     entry = catalogue.simulator(asked.name)
     if entry is None:
         names = [s.name for s in catalogue.simulators]
-        text = f"no such simulator in this installation; {said.known(asked.name, names) if names else NONE}"
+        text = f"no such simulator in this installation; {texts.known(asked.name, names) if names else NONE}"
         yield Problem("simulator.name", asked.name, catalogue.why_not("simulator", asked.name, text))
     else:
         yield from limits.refused("simulator.parameters", entry.parameters, asked.parameters)
@@ -49,7 +49,7 @@ def _decides(campaign: Campaign, entry: SimulatorEntry) -> Iterator[Problem]:
     name = campaign.criterion.result or ""
     result = entry.result(name)
     if result is None:
-        text = f"no such result of {entry.name}; {said.known(name, [r.name for r in entry.results])}"
+        text = f"no such result of {entry.name}; {texts.known(name, [r.name for r in entry.results])}"
         yield Problem("criterion.result", name, text)
     elif result.worse == "high":
         others = ", ".join(r.name for r in entry.results if r.worse == "low") or "it has none"

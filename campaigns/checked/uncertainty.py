@@ -9,7 +9,7 @@ from campaigns.asked.distributions import Correlation, Normal, Triangular, Trunc
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import ParameterEntry
-from campaigns.checked import said
+from campaigns.checked import texts
 
 LEAST_PIVOT = 1e-9
 
@@ -18,10 +18,10 @@ def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parameter
     """Whether the parameter exists, has this unit, and its bounds are within its own limits."""
     field = f"uncertain.{path}"
     if path not in known:
-        yield Problem(field, path, f"the scenario has no such parameter; {said.known(path, known)}")
+        yield Problem(field, path, f"the scenario has no such parameter; {texts.known(path, known)}")
         return
     entry, nominal = known[path]
-    if uncertain.unit is not None and said.unit(uncertain.unit) != said.unit(entry.unit):
+    if uncertain.unit is not None and texts.unit(uncertain.unit) != texts.unit(entry.unit):
         yield Problem(f"{field}.unit", uncertain.unit, f"the unit of {path} is {entry.unit or '1 (no unit)'}")
     if nominal != nominal:  # a required value is missing, which is reported elsewhere
         return
@@ -36,7 +36,7 @@ def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parameter
     for name, bound in (("low", low), ("high", high)):
         if not entry.low <= bound <= entry.high:
             key = name if uncertain.plus_minus is None else "plus_minus"
-            yield Problem(f"{field}.{key}", said.given(bound), f"{name} bound: {said.limits(entry)}")
+            yield Problem(f"{field}.{key}", texts.given(bound), f"{name} bound: {texts.limits(entry)}")
     if not low <= nominal <= high:
         yield Problem(
             field,
@@ -52,8 +52,8 @@ def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> I
     if isinstance(given, Normal | TruncatedNormal):
         middle = {"mean": given.mean}
     for name, value in middle.items():
-        if not said.within(value, low, high):
-            yield Problem(f"{field}.distribution.{name}", said.given(value), f"must be within {low:g} to {high:g}")
+        if not texts.within(value, low, high):
+            yield Problem(f"{field}.distribution.{name}", texts.given(value), f"must be within {low:g} to {high:g}")
 
 
 def correlated(campaign: Campaign) -> Iterator[Problem]:
@@ -66,7 +66,7 @@ def correlated(campaign: Campaign) -> Iterator[Problem]:
         for path in correlation.between:
             if path not in campaign.uncertain:
                 found = True
-                text = f"not an uncertain parameter; {said.known(path, campaign.uncertain)}"
+                text = f"not an uncertain parameter; {texts.known(path, campaign.uncertain)}"
                 yield Problem(field, path, text)
         if one == other:
             found = True

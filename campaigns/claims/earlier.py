@@ -1,4 +1,5 @@
-"""Sentences of versions that stored plain text, as spans: symbols, and numbers with their units, found in the text.
+"""Sentences of versions that stored plain text, as spans: symbols, and numbers with their units, found in the text;
+spans of versions that stored them as `said`.
 
 The text does not change: a span is created only where it prints exactly the original text. This is only for data of
 earlier versions; new sentences are built by `campaigns.claims.say`.
@@ -12,10 +13,12 @@ from typing import Any, NamedTuple
 
 from campaigns.claims.numbers import MINUS, NARROW, Format
 from campaigns.claims.say import Part, say, symbol
-from campaigns.claims.spans import Quantity, Said, words
+from campaigns.claims.spans import Quantity, Spans, words
 
-SENTENCES = {"text": "said", "sentence": "said", "scope": "holds_for"}
+SENTENCES = {"text": "statement", "sentence": "statement", "scope": "holds_for"}
 """The field with the spans of each kind of sentence."""
+SAID = "said"
+"""The field of the spans in earlier versions, now `statement`."""
 SCOPE = "Scope: "
 _NUMBER = rf"[-+\u2212]?\d(?:[\d{NARROW}]*\d)?(?:\.\d+)?(?:e[-+\u2212]\d+)?"
 
@@ -49,20 +52,35 @@ def spoken(stored: Any, terms: Callable[[], Terms]) -> Any:
         return [spoken(item, terms) if isinstance(item, dict | list) else item for item in stored]
     if not isinstance(stored, dict):
         return stored
+    stored = renamed(stored)
     found = {key: spoken(value, terms) if isinstance(value, dict | list) else value for key, value in stored.items()}
-    for name, spans in SENTENCES.items():
+    for name, field in SENTENCES.items():
         text = stored.get(name)
-        if spans not in stored and isinstance(text, str):
-            found[spans] = [span.model_dump() for span in said(text.removeprefix(SCOPE), terms())]
+        if field not in stored and isinstance(text, str):
+            found[field] = [span.model_dump() for span in spans(text.removeprefix(SCOPE), terms())]
     return found
 
 
-def verdict(reason: str) -> Said:
+def renamed(stored: dict[str, Any]) -> dict[str, Any]:
+    """One stored result, without those inside it, with its spans under the name of this version."""
+    if not isinstance(stored.get(SAID), list | tuple):
+        return stored
+    return {"statement" if key == SAID else key: value for key, value in stored.items()}
+
+
+def throughout(stored: Any) -> Any:
+    """A stored document, `renamed` everywhere."""
+    if isinstance(stored, list):
+        return [throughout(item) for item in stored]
+    return {key: throughout(value) for key, value in renamed(stored).items()} if isinstance(stored, dict) else stored
+
+
+def verdict(reason: str) -> Spans:
     """The sentence of a verdict, with its numbers named as in this version."""
-    return said(reason, Terms({}, ()), _VERDICT)
+    return spans(reason, Terms({}, ()), _VERDICT)
 
 
-def said(text: str, terms: Terms, named: Mapping[str, tuple[str, str]] = {}) -> Said:
+def spans(text: str, terms: Terms, named: Mapping[str, tuple[str, str]] = {}) -> Spans:
     """The text as spans; `named`: the text before and after each named number."""
     names = sorted((name for name in terms.symbols if terms.symbols[name] != name or "_" in name), key=len)
     any_name = "|".join(map(re.escape, reversed(names))) or "(?!)"

@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterable, Sequence
 
 from campaigns.claims.numbers import Format
-from campaigns.claims.spans import Quantity, Reference, Said, Span, Symbol, Target, Text
+from campaigns.claims.spans import Quantity, Reference, Span, Spans, Symbol, Target, Text
 
-Part = str | Span | Said
+Part = str | Span | Spans
 
 
-def say(*parts: Part) -> Said:
+def say(*parts: Part) -> Spans:
     """One sentence of words, spans and other sentences, in this order."""
     found: list[Span] = []
     for part in parts:
@@ -65,39 +65,39 @@ def method(name: str, title: str) -> Span:
     return Reference(to=Target.METHOD, id=name, label=title)
 
 
-def joined(separator: str, parts: Iterable[Part]) -> Said:
+def joined(separator: str, parts: Iterable[Part]) -> Spans:
     """The parts in order, with a separator between them."""
     found = list(parts)
     return say(*[piece for i, part in enumerate(found) for piece in ((separator, part) if i else (part,))])
 
 
-def listed(parts: Sequence[Part]) -> Said:
+def listed(parts: Sequence[Part]) -> Spans:
     """A, B and C, without duplicates."""
-    said = list(dict.fromkeys(say(part) for part in parts))
-    if len(said) < 2:
-        return said[0] if said else say("nothing")
-    return say(joined(", ", said[:-1]), " and ", said[-1])
+    statement = list(dict.fromkeys(say(part) for part in parts))
+    if len(statement) < 2:
+        return statement[0] if statement else say("nothing")
+    return say(joined(", ", statement[:-1]), " and ", statement[-1])
 
 
-def capital(said: Said) -> Said:
+def capital(statement: Spans) -> Spans:
     """The sentence with a capital letter, if it begins with text."""
-    first = said[0] if said else None
-    return say(first.text[:1].upper() + first.text[1:], said[1:]) if isinstance(first, Text) else said
+    first = statement[0] if statement else None
+    return say(first.text[:1].upper() + first.text[1:], statement[1:]) if isinstance(first, Text) else statement
 
 
-def unnamed(said: Said) -> Said:
+def unnamed(statement: Spans) -> Spans:
     """The sentence with unnamed numbers: those quoted from another claim are not values of this one."""
-    return tuple(s.model_copy(update={"name": ""}) if isinstance(s, Quantity) else s for s in said)
+    return tuple(s.model_copy(update={"name": ""}) if isinstance(s, Quantity) else s for s in statement)
 
 
-def sentence(said: Said) -> Said:
+def sentence(statement: Spans) -> Spans:
     """A clause as a sentence: with a capital letter and a full stop."""
-    return say(capital(said), "") if not said or ends(said) else say(capital(said), ".")
+    return say(capital(statement), "") if not statement or ends(statement) else say(capital(statement), ".")
 
 
-def ends(said: Said) -> bool:
+def ends(statement: Spans) -> bool:
     """Whether it ends with a full stop."""
-    last = said[-1] if said else None
+    last = statement[-1] if statement else None
     return isinstance(last, Text) and last.text.endswith(".")
 
 

@@ -71,18 +71,18 @@ class Reference(_Span):
 
 
 Span = TypeAliasType("Span", Annotated[Text | Symbol | Quantity | Reference, Field(discriminator="kind")])
-Said = tuple[Span, ...]
+Spans = tuple[Span, ...]
 """A sentence, a clause, a phrase."""
 
 
-def words(said: Said) -> str:
+def words(statement: Spans) -> str:
     """The sentence as plain text."""
-    return "".join(map(_written, said))
+    return "".join(map(_written, statement))
 
 
-def values(said: Said) -> dict[str, float]:
+def values(statement: Spans) -> dict[str, float]:
     """The numbers that have a name in their claim."""
-    return {span.name: span.value for span in said if isinstance(span, Quantity) and span.name}
+    return {span.name: span.value for span in statement if isinstance(span, Quantity) and span.name}
 
 
 def _written(span: Span) -> str:

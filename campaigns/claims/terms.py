@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 
 Condition = Literal["closest approach", "motion", "avoidance"]
 """Evidence that an encounter took place, by the names of the verdict's checks."""
@@ -15,8 +15,8 @@ Condition = Literal["closest approach", "motion", "avoidance"]
 class Scope:
     """The text of a verdict's scope: what is evaluated, its settings (may be empty), and its version."""
 
-    what: Said
-    settings: Said
+    what: Spans
+    settings: Spans
     version: str
 
 

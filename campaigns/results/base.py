@@ -11,9 +11,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, computed_field, model_validator
 
-from campaigns.claims import spans
+from campaigns.claims import earlier, spans
 from campaigns.claims.say import say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.codes import StopCode
 from campaigns.documented import Documented
 
@@ -78,27 +78,28 @@ class StageResult(Result):
 class Described(Result):
     """A result with a sentence."""
 
-    said: Said = ()
+    statement: Spans = ()
     """The sentence."""
 
     @computed_field  # type: ignore[prop-decorator]
     @property
     def text(self) -> str:
         """The sentence as plain text."""
-        return spans.words(self.said)
+        return spans.words(self.statement)
 
     @model_validator(mode="before")
     @classmethod
     def _worded(cls, given: Any) -> Any:
         """Results of earlier versions have only text; `campaigns.claims.earlier` finds the symbols in it."""
-        return with_spans(given, "text", "said")
+        return with_spans(given, "text", "statement")
 
 
-def with_spans(given: Any, words: str, said: str) -> Any:
+def with_spans(given: Any, words: str, statement: str) -> Any:
     """A stored result whose sentence `words` has no spans yet, with the sentence as one span."""
-    if not isinstance(given, Mapping) or said in given or not given.get(words):
+    if not isinstance(given, Mapping):
         return given
-    return {**given, said: say(given[words])}
+    given = earlier.renamed(dict(given))
+    return given if statement in given or not given.get(words) else {**given, statement: say(given[words])}
 
 
 class Claim(Described):
@@ -108,7 +109,7 @@ class Claim(Described):
     @property
     def values(self) -> dict[str, float]:
         """The numbers from which it follows."""
-        return spans.values(self.said)
+        return spans.values(self.statement)
 
 
 class Stop(Claim):

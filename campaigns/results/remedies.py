@@ -88,8 +88,10 @@ def _set(document: dict[str, object], change: Change) -> None:
         place[last] = change.value
 
 
-def _remedy(kind: RemedyKind, said: Sequence[Part], *changes: tuple[Sequence[str | int], JsonValue]) -> Remedy:
-    return Remedy(kind=kind, said=say(*said), changes=[Change(at=list(at), value=value) for at, value in changes])
+def _remedy(kind: RemedyKind, statement: Sequence[Part], *changes: tuple[Sequence[str | int], JsonValue]) -> Remedy:
+    return Remedy(
+        kind=kind, statement=say(*statement), changes=[Change(at=list(at), value=value) for at, value in changes]
+    )
 
 
 def _smaller_step(check: Check, ran: Ran) -> Iterator[Remedy]:
@@ -99,8 +101,8 @@ def _smaller_step(check: Check, ran: Ran) -> Iterator[Remedy]:
         yield from _repeated_calls(check, ran)
         return
     step = scenario.step / 2
-    said = ("with step ", number(1000 * step, "ms"))
-    yield _remedy(RemedyKind.STEP, said, (("scenario", "step"), step))
+    statement = ("with step ", number(1000 * step, "ms"))
+    yield _remedy(RemedyKind.STEP, statement, (("scenario", "step"), step))
 
 
 def _longer_horizon(check: Check, ran: Ran) -> Iterator[Remedy]:
@@ -140,11 +142,11 @@ def _more(more: Sequence[tuple[int, Search, int]], titles: Sequence[str]) -> Rem
     wanted = {each for _, _, each in more}
     of = listed([method(search.method, title) for (_, search, _), title in zip(more, titles, strict=True)])
     each = "each of " if len(more) > 1 else ""
-    said: tuple[Part, ...] = ("with ", str(MORE), " times the evaluations of ", of)
+    statement: tuple[Part, ...] = ("with ", str(MORE), " times the evaluations of ", of)
     if len(wanted) == 1:
-        said = ("with ", count(wanted.pop()), f" evaluations for {each}", of)
+        statement = ("with ", count(wanted.pop()), f" evaluations for {each}", of)
     return _remedy(
-        RemedyKind.EVALUATIONS, said, *((("stages", "search", i, "evaluations"), value) for i, _, value in more)
+        RemedyKind.EVALUATIONS, statement, *((("stages", "search", i, "evaluations"), value) for i, _, value in more)
     )
 
 
@@ -157,8 +159,8 @@ def _further(ran: Ran, globally: Sequence[Search]) -> Iterator[Remedy]:
     least = rules.GLOBAL_LEAST.value * len(ran.campaign.uncertain)
     budget = max([least, *(search.evaluations for search in globally or searches)])
     value: JsonValue = {"method": another.name, "evaluations": budget}
-    said = ("with ", method(another.name, another.title), " as a further method")
-    yield _remedy(RemedyKind.METHOD, said, (("stages", "search", len(searches)), value))
+    statement = ("with ", method(another.name, another.title), " as a further method")
+    yield _remedy(RemedyKind.METHOD, statement, (("stages", "search", len(searches)), value))
 
 
 def _distinguished(check: Check, ran: Ran) -> Iterator[Remedy]:
@@ -166,8 +168,8 @@ def _distinguished(check: Check, ran: Ran) -> Iterator[Remedy]:
     if not ran.searches or all(search.best is None for search in ran.searches):
         return
     wanted = min(MORE * max(ran.campaign.stages.findings.evaluations, 1000), MAX_EVALUATIONS)
-    said = ("with ", count(wanted), " evaluations to distinguish the worst cases")
-    yield _remedy(RemedyKind.FINDINGS, said, (("stages", "findings", "evaluations"), wanted))
+    statement = ("with ", count(wanted), " evaluations to distinguish the worst cases")
+    yield _remedy(RemedyKind.FINDINGS, statement, (("stages", "findings", "evaluations"), wanted))
 
 
 def _larger_sample(check: Check, ran: Ran) -> Iterator[Remedy]:
@@ -184,19 +186,19 @@ def _larger_sample(check: Check, ran: Ran) -> Iterator[Remedy]:
         return
     certify = ran.campaign.stages.certify
     if certify is None:
-        said: tuple[Part, ...] = ("with an independent sample of ", count(wanted))
-        yield _remedy(RemedyKind.SAMPLE, said, (("stages", "certify"), {"samples": wanted}))
+        statement: tuple[Part, ...] = ("with an independent sample of ", count(wanted))
+        yield _remedy(RemedyKind.SAMPLE, statement, (("stages", "certify"), {"samples": wanted}))
     elif wanted > certify.samples:
-        said = ("with ", count(wanted), " samples")
-        yield _remedy(RemedyKind.SAMPLE, said, (("stages", "certify", "samples"), wanted))
+        statement = ("with ", count(wanted), " samples")
+        yield _remedy(RemedyKind.SAMPLE, statement, (("stages", "certify", "samples"), wanted))
 
 
 def _drawn_noise(check: Check, ran: Ran) -> Iterator[Remedy]:
     """The worst of the realisations, or a sample that draws one for every flight."""
     scenario = ran.campaign.scenario
     if scenario is not None and len(scenario.realisations.seeds) > 1 and scenario.realisations.combine == "mean":
-        said = ("with the worst of the noise realisations instead of their mean",)
-        yield _remedy(RemedyKind.REALISATIONS, said, (("scenario", "realisations", "combine"), "worst"))
+        statement = ("with the worst of the noise realisations instead of their mean",)
+        yield _remedy(RemedyKind.REALISATIONS, statement, (("scenario", "realisations", "combine"), "worst"))
     elif ran.campaign.stages.certify is None:
         yield _certified()
 
@@ -209,19 +211,19 @@ def _repeated_calls(check: Check, ran: Ran) -> Iterator[Remedy]:
     at = ("simulator", "repeats")
     if simulator.calls == 1:
         calls = int(check.values.get("repeats", rules.CALLS_UNMEASURED))
-        said: tuple[Part, ...] = ("with the worst of ", count(calls), " calls for each evaluation")
-        yield _remedy(RemedyKind.CALLS, said, (at, {"count": calls, "combine": "worst"}))
+        statement: tuple[Part, ...] = ("with the worst of ", count(calls), " calls for each evaluation")
+        yield _remedy(RemedyKind.CALLS, statement, (at, {"count": calls, "combine": "worst"}))
     elif simulator.combine != "worst":
-        said = ("with the worst of the ", count(simulator.calls), f" calls instead of their {simulator.combine}")
-        yield _remedy(RemedyKind.CALLS, said, (at, {"count": simulator.calls, "combine": "worst"}))
+        statement = ("with the worst of the ", count(simulator.calls), f" calls instead of their {simulator.combine}")
+        yield _remedy(RemedyKind.CALLS, statement, (at, {"count": simulator.calls, "combine": "worst"}))
     elif ran.campaign.stages.certify is None:
         yield _certified()
 
 
 def _certified() -> Remedy:
     samples = Certify().samples
-    said = ("with an independent sample of ", count(samples))
-    return _remedy(RemedyKind.SAMPLE, said, (("stages", "certify"), {"samples": samples}))
+    statement = ("with an independent sample of ", count(samples))
+    return _remedy(RemedyKind.SAMPLE, statement, (("stages", "certify"), {"samples": samples}))
 
 
 _OF: dict[RemedyKind, Callable[[Check, Ran], Iterator[Remedy]]] = {

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, computed_field, model_validator
 
-from campaigns.claims.spans import Said, values, words
+from campaigns.claims.spans import Spans, values, words
 from campaigns.codes import CheckCode
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
 from campaigns.results.regression import OptionalRegression
@@ -107,9 +107,9 @@ class Verdict(Result):
     """The conclusion of a run with everything that supports it."""
 
     verdict: VerdictWord
-    said: Said = ()
+    statement: Spans = ()
     """What may be claimed."""
-    holds_for: Said = ()
+    holds_for: Spans = ()
     """The scope: components, conditions, bounds."""
     checks: list[Check]
     statistics: Statistics | None = None
@@ -126,7 +126,7 @@ class Verdict(Result):
     @property
     def sentence(self) -> str:
         """What may be claimed, as plain text."""
-        return words(self.said)
+        return words(self.statement)
 
     @computed_field  # type: ignore[prop-decorator]
     @property
@@ -138,7 +138,7 @@ class Verdict(Result):
     @property
     def values(self) -> dict[str, float]:
         """The numbers of the sentence by name."""
-        return values(self.said)
+        return values(self.statement)
 
     @model_validator(mode="before")
     @classmethod
@@ -146,7 +146,7 @@ class Verdict(Result):
         """Earlier versions stored only text."""
         if isinstance(given, Mapping) and given.get("scope"):
             given = {**given, "scope": given["scope"].removeprefix(SCOPE)}
-        return with_spans(with_spans(given, "sentence", "said"), "scope", "holds_for")
+        return with_spans(with_spans(given, "sentence", "statement"), "scope", "holds_for")
 
     @property
     def reason(self) -> str:

@@ -13,7 +13,7 @@ from pydantic import computed_field
 
 from campaigns import rules
 from campaigns.claims.say import count, say
-from campaigns.claims.spans import Said, words
+from campaigns.claims.spans import Spans, words
 from campaigns.results.finding import Validation
 from campaigns.results.remedies import Ran, Remedy, remedies
 from campaigns.results.verdict import Check
@@ -27,7 +27,7 @@ class DescribedCheck(Check):
     title: str
     standing: Standing
     """`open`: it holds for the evaluations that have a value, but others failed."""
-    limit: Said = ()
+    limit: Spans = ()
     """Its limitation; empty unless it is open."""
     remedies: list[Remedy] = []
     """Changes of the campaign with which a new run may settle it; empty if it holds, or if there is none."""
@@ -53,7 +53,13 @@ def _described(check: Check, failed: int, found: list[Remedy]) -> DescribedCheck
     limit = say(count(failed, "failed"), f" {verb} no value") if limited else ()
     title = check.code[:1].upper() + check.code[1:] if rule is None else rule.title
     return DescribedCheck(
-        code=check.code, ok=check.ok, said=check.said, title=title, standing=standing, limit=limit, remedies=found
+        code=check.code,
+        ok=check.ok,
+        statement=check.statement,
+        title=title,
+        standing=standing,
+        limit=limit,
+        remedies=found,
     )
 
 

@@ -72,13 +72,13 @@ def described(opened: Opened, apart: list[str]) -> dict[str, object]:
 def sentence(opened: Opened, apart: list[str]) -> str:
     """Where the components come from, and how their descriptions differ."""
     by = f"{opened.executed} of the capsule" if opened.executed else "the components of this installation"
-    said = f"Evaluated by {by}" + ("" if opened.executed else "; nothing of the capsule was executed")
+    statement = f"Evaluated by {by}" + ("" if opened.executed else "; nothing of the capsule was executed")
     if opened.capsule.described is None:
-        return f"{said}. The capsule has no descriptions of components."
+        return f"{statement}. The capsule has no descriptions of components."
     if not apart:
-        return f"{said}. Their descriptions are those in the capsule."
+        return f"{statement}. Their descriptions are those in the capsule."
     rest = f"; and {len(apart) - MOST} more" if len(apart) > MOST else ""
-    return f"{said}. Other than in the capsule: {'; '.join(apart[:MOST])}{rest}."
+    return f"{statement}. Other than in the capsule: {'; '.join(apart[:MOST])}{rest}."
 
 
 def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program: dict[str, object] | None) -> None:
@@ -93,11 +93,11 @@ def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program
     from worker.running.runs import identity
 
     verdict, nominal = store.verdict, store.stages[0].result
-    said = ("", "") if verdict is None else (str(verdict.verdict), words(verdict.said))
+    statement = ("", "") if verdict is None else (str(verdict.verdict), words(verdict.statement))
     for finding in store.findings:
         traces = [store.traces[name] for name in ("nominal", finding.label) if name in store.traces]
         content = Content(
-            origin=Origin(run="", name=campaign.name, verdict=said[0], sentence=said[1], results=""),
+            origin=Origin(run="", name=campaign.name, verdict=statement[0], sentence=statement[1], results=""),
             campaign=campaign.document(),
             campaign_digest=campaign.digest,
             finding=finding,

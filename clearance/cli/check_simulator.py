@@ -81,7 +81,7 @@ def check_simulator(
 
 
 def _entry(name: str) -> SimulatorEntry:
-    from campaigns.checked import said
+    from campaigns.checked import texts
     from worker.engine.systems.simulators.declared.descriptor import unusable
     from worker.running.catalogue.files import unusable_files
     from worker.running.catalogue.installed import catalogue
@@ -92,7 +92,7 @@ def _entry(name: str) -> SimulatorEntry:
         for problem in [*unusable(), *unusable_files()]:
             typer.echo(problem, err=True)
         names = [s.name for s in known.simulators]
-        raise WrongInputError(f"no simulator {name!r} in this installation; {said.known(name, names)}")
+        raise WrongInputError(f"no simulator {name!r} in this installation; {texts.known(name, names)}")
     return entry
 
 

@@ -138,9 +138,9 @@ def _fitting(vehicle: str) -> tuple[str, ...]:
     if vehicle in fits:
         return (vehicle,)
     if vehicle not in known:
-        from campaigns.checked import said
+        from campaigns.checked import texts
 
-        raise WrongInputError(f"--for {vehicle}: no such vehicle; {said.known(vehicle, known)}")
+        raise WrongInputError(f"--for {vehicle}: no such vehicle; {texts.known(vehicle, known)}")
     raise WrongInputError(
         f"--for {vehicle}: the controller that is written is for the states {', '.join(pattern.states)} and the inputs "
         f"{' and '.join(pattern.inputs)}; begin with a copy of a controller for a vehicle like yours, from "

@@ -83,8 +83,8 @@ def replay(
     apart = [] if capsule is None else changed(capsule)
     if as_json:
         listed = [_described(one, problem) | {"agrees": fine} for one, fine in zip(found, well, strict=True)]
-        said = {"run": run, "agrees": all(well), "differences": others + elsewhere, "cases": listed}
-        typer.echo(json.dumps(said if capsule is None else said | described(capsule, apart)))
+        answer = {"run": run, "agrees": all(well), "differences": others + elsewhere, "cases": listed}
+        typer.echo(json.dumps(answer if capsule is None else answer | described(capsule, apart)))
     else:
         for one in found:
             typer.echo(_line(one, problem))
@@ -223,25 +223,25 @@ def _line(one: Replayed, problem: Problem) -> str:
         return f"{one.case.name}: {STATUS[one.status]} then and now"
     unit = f" {problem.unit}" if problem.unit else ""
     why = f" ({one.reason})" if one.reason and now is None else ""
-    said = [
+    costs = [
         STATUS[status] if value is None else f"{problem.quantity} {value[0]!r}{unit}"
         for status, value in ((one.case.status, then), (one.status, now))
     ]
     apart = "" if then is None or now is None or then[0] == now[0] else f", {now[0] - then[0]:+.3g}{unit}"
-    return f"{one.case.name}: stored {said[0]}; now {said[1]}{why}: {one.agreement}{apart}"
+    return f"{one.case.name}: stored {costs[0]}; now {costs[1]}{why}: {one.agreement}{apart}"
 
 
 def _closing(well: list[bool], others: list[str], elsewhere: list[str], noise: str) -> str:
     from campaigns.claims.numbers import count
 
     kind = "other than" if others or elsewhere else "the same as"
-    said = [f"Installation and machine are {kind} those that made the run"]
-    said[0] += f": {'; '.join([*others, *elsewhere])}." if others or elsewhere else "."
+    sentences = [f"Installation and machine are {kind} those that made the run"]
+    sentences[0] += f": {'; '.join([*others, *elsewhere])}." if others or elsewhere else "."
     if noise:
-        said.append(f"{noise}, so that another cost need not mean other code or another machine.")
+        sentences.append(f"{noise}, so that another cost need not mean other code or another machine.")
     wrong = well.count(False)
-    said.append(
+    sentences.append(
         f"{count(wrong)} of {count(len(well))} do not agree." if wrong else f"All {count(len(well))} agree."
         if len(well) > 1 else "It agrees."
     )  # fmt: skip
-    return " ".join(said)
+    return " ".join(sentences)

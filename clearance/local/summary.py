@@ -20,7 +20,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
     return {
         "verdict": verdict.verdict,
         "reason": verdict.reason,
-        **{name: parts[name] for name in ("sentence", "scope", "said", "holds_for", "values")},
+        **{name: parts[name] for name in ("sentence", "scope", "statement", "holds_for", "values")},
         "nominal": parts["nominal"],
         "worst": None if verdict.worst is None else verdict.worst.model_dump(exclude={"finding"}),
         "stages": [_stage(store, position) for position in range(len(store.stages))],

@@ -119,8 +119,8 @@ class SystemContract:
         system = self.opened().system
         of = terms(system)
         scope = [words(of.scope.what), words(of.scope.settings), of.scope.version]
-        said = json.dumps([vars(of.words), *scope, of.caveat])
-        flown = [word for word in ("integrat", "step", "flight", "horizon") if word in said]
+        texts = json.dumps([vars(of.words), *scope, of.caveat])
+        flown = [word for word in ("integrat", "step", "flight", "horizon") if word in texts]
         assert bool(flown) == bool(system.settings.integrator)
         assert len(system.digest) >= 16
 

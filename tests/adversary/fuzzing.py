@@ -99,8 +99,8 @@ def measured(engine: sa.Engine, first: int, count: int) -> dict[str, Any]:
                 accepted[name] = False
                 answered(bytes(respond(refused, "/").body))
             except (HangError, Exception) as error:
-                said = "".join(traceback.format_exception(error)[-3:])[-1500:]
-                faults.append({"seed": seed, "door": name, "error": repr(error)[:300], "trace": said})
+                statement = "".join(traceback.format_exception(error)[-3:])[-1500:]
+                faults.append({"seed": seed, "door": name, "error": repr(error)[:300], "trace": statement})
                 accepted[name] = False
             finally:
                 signal.setitimer(signal.ITIMER_PROF, 0)

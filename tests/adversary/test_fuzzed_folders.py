@@ -62,9 +62,9 @@ def test_a_damaged_folder(
         shutil.copytree(ended / "run", folder)
         (folder / file).write_bytes(damaged((ended / "run" / file).read_bytes(), seed))
         code = invoke(COMMANDS[command](folder, ended / "campaign.yaml"))
-        said = capsys.readouterr().err
-        assert code != INTERNAL, f"seed {seed}: {said[-2000:]}"
-        assert "Traceback" not in said
-        assert said or code != WRONG_INPUT
+        statement = capsys.readouterr().err
+        assert code != INTERNAL, f"seed {seed}: {statement[-2000:]}"
+        assert "Traceback" not in statement
+        assert statement or code != WRONG_INPUT
         refused += code == WRONG_INPUT
     assert refused

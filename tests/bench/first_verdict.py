@@ -52,6 +52,6 @@ def _run(page: Page, address: str) -> float:
     page.wait_for_url(re.compile(r"/runs/R-\d+"), timeout=LONGEST)
     page.get_by_test_id("verdict").wait_for(timeout=LONGEST)
     taken = time.perf_counter() - began
-    said = page.get_by_test_id("verdict").inner_text()
-    assert re.fullmatch("Cleared|Violated|Inconclusive", said), f"the run ended without a verdict: {said}"
+    statement = page.get_by_test_id("verdict").inner_text()
+    assert re.fullmatch("Cleared|Violated|Inconclusive", statement), f"the run ended without a verdict: {statement}"
     return taken

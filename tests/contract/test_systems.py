@@ -86,7 +86,7 @@ class TestCampaign:
         assert "no such simulator in this installation; did you mean 'two_basins'?" in problems[0]
 
     @pytest.mark.parametrize(
-        ("change", "said"),
+        ("change", "statement"),
         [
             (
                 {"simulator": {"name": "two_basins", "parameters": {"x": 3.0}}},
@@ -100,8 +100,8 @@ class TestCampaign:
             ({"encounter": {"intended": {"motion": "it stands"}}}, "does not apply to a simulator"),
         ],
     )
-    def test_what_does_not_fit_is_refused(self, change: dict[str, Any], said: str) -> None:
-        assert any(said in problem for problem in wrong(**change))
+    def test_what_does_not_fit_is_refused(self, change: dict[str, Any], statement: str) -> None:
+        assert any(statement in problem for problem in wrong(**change))
 
     def test_the_snapshot_contains_the_simulator_and_reports_what_changed(self) -> None:
         kept = snapshot(load_document(package.campaign()), known())

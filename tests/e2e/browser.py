@@ -79,7 +79,7 @@ class Visit:
         self.page = page
         self.address = address
         self.wrong: list[str] = []
-        page.on("console", self._said)
+        page.on("console", self._statement)
         page.on("pageerror", self._threw)
         page.on("request", self._asked)
         page.on("websocket", self._opened)
@@ -127,7 +127,7 @@ class Visit:
             self.page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # else the header stands in the middle
         self.page.screenshot(path=file, full_page=full, animations="disabled")
 
-    def _said(self, message: ConsoleMessage) -> None:
+    def _statement(self, message: ConsoleMessage) -> None:
         if message.type == "error":
             self.wrong.append(f"console: {message.text} {message.location.get('url', '')}".rstrip())
 

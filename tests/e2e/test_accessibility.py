@@ -280,14 +280,14 @@ def test_a_schema_that_could_not_be_loaded_is_asked_for_with_the_next_completion
     page.route("**/api/v1/campaigns/schema", lambda route: route.fulfill(status=422))
     with page.expect_response("**/api/v1/campaigns/schema"):
         visit.go("/launch?tab=yaml")
-    said = page.get_by_role("status").filter(has_text="The schema of campaigns could not be loaded")
-    expect(said).to_be_visible()
+    statement = page.get_by_role("status").filter(has_text="The schema of campaigns could not be loaded")
+    expect(statement).to_be_visible()
     editor(page).focus()
     page.unroute("**/api/v1/campaigns/schema")
     page.keyboard.press("Control+End")
     page.keyboard.press("Control+Space")
     expect(page.get_by_role("option", name="correlations")).to_be_visible()
-    expect(said).to_have_count(0)
+    expect(statement).to_have_count(0)
     visit.wrong[:] = [entry for entry in visit.wrong if "422" not in entry]  # the browser reports it
 
 

@@ -209,9 +209,9 @@ def test_what_cannot_be_used_is_reported_where_components_are_chosen(finished: S
         writer.execute(sa.update(CatalogueDocument).values(document=edited(document)))
     for path in ("/launch", "/help/components"):
         visit.go(path)
-        said = visit.page.get_by_test_id("skipped")
-        expect(said).to_contain_text("2 components cannot be used.")
-        expect(said.get_by_role("listitem")).to_have_text([str(entry) for entry in unusable])
+        statement = visit.page.get_by_test_id("skipped")
+        expect(statement).to_contain_text("2 components cannot be used.")
+        expect(statement.get_by_role("listitem")).to_have_text([str(entry) for entry in unusable])
 
 
 def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit, page: Page) -> None:
@@ -255,7 +255,7 @@ def test_two_runs_are_compared(visit: Visit) -> None:
 
 
 REFUSED = {"title": "Unprocessable Entity", "status": 422, "detail": "The disk is full."}
-SAID = {
+SPANS = {
     "/runs": ("The disk is full.", "Mass 5.5"),
     "/runs/R-0001": ("The disk is full.", "stayed above 0.5 m in all"),
     "/compare?runs=R-0001,R-0002": (
@@ -276,14 +276,14 @@ BY_DAY = ("/runs", "/runs/R-0001", "/compare?runs=R-0001,R-0002", "/reports")
 """A list, a run, the page with a sentence of its own, and one that only reads; the others are tested nightly."""
 
 
-@pytest.mark.parametrize("path", nightly_but(BY_DAY, SAID))
+@pytest.mark.parametrize("path", nightly_but(BY_DAY, SPANS))
 def test_what_cannot_be_loaded_is_reported_and_loaded_again(visit: Visit, path: str) -> None:
     """The page itself, its session and its events are there."""
     page = visit.page
-    said, shown = SAID[path]
+    statement, shown = SPANS[path]
     page.route(re.compile(r"/api/v1/(?!session|events|health|workers)"), refuse)
     visit.go(path)
-    trouble = page.locator("main [role=alert]").filter(has_text=said)
+    trouble = page.locator("main [role=alert]").filter(has_text=statement)
     expect(trouble).to_be_visible()
     page.unroute(re.compile(r"/api/v1/(?!session|events|health|workers)"))
     page.get_by_role("button", name="Try again").first.click()

@@ -78,8 +78,8 @@ def test_from_an_empty_folder_to_two_verdicts(
     capsys.readouterr()
     edited(folder / f"{name}.py", old, new)
     assert invoke(["component", "check", f"{name}.py"]) == 1
-    [said] = capsys.readouterr().err.splitlines()
-    assert re.search(sentence, said), said
+    [statement] = capsys.readouterr().err.splitlines()
+    assert re.search(sentence, statement), statement
     edited(folder / f"{name}.py", new, old)
     assert invoke(["component", "check", "my_way.py"]) == 0
     with (

@@ -251,11 +251,11 @@ def press_a_line(visit: Visit, lines: Locator, between: Locator, card: Locator) 
 def test_an_evaluation_is_chosen_and_simulated_by_keys(visit: Visit, lost: Locator) -> None:
     lost.get_by_role("button", name="Higher value").press("Enter")
     expect(lost).to_contain_text(re.compile(r"Pointed at: \w+, evaluation"))
-    said = lost.get_by_text(re.compile(r"^Pointed at")).inner_text()
+    statement = lost.get_by_text(re.compile(r"^Pointed at")).inner_text()
     answer = simulated(visit, lambda: lost.get_by_role("button", name="Simulate").press("Enter"))
     assert answer["status"] == "ok"
     expect(lost.get_by_role("status", name="Simulated again")).to_contain_text("identical to the stored value")
-    expect(lost).to_contain_text(said.replace("Pointed at", "Simulated"))
+    expect(lost).to_contain_text(statement.replace("Pointed at", "Simulated"))
 
 
 def test_an_evaluation_of_an_active_run_is_simulated_in_the_window_of_its_flight(visit: Visit) -> None:

@@ -33,9 +33,12 @@ pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 DRAWS = False
 
 FAILING = [
-    Check(code="validation", ok=False, said=results.said("the integrations disagree for F1")),
-    Check(code="probability", ok=False, said=results.said("the bound of 9 % is above the required 5 %")),
-    *(Check(code=f"check {i}", ok=True, said=results.said(f"condition {i} holds as it should")) for i in range(12)),
+    Check(code="validation", ok=False, statement=results.statement("the integrations disagree for F1")),
+    Check(code="probability", ok=False, statement=results.statement("the bound of 9 % is above the required 5 %")),
+    *(
+        Check(code=f"check {i}", ok=True, statement=results.statement(f"condition {i} holds as it should"))
+        for i in range(12)
+    ),
 ]
 
 LONG = (
@@ -67,20 +70,21 @@ def changed() -> Regression:
     cases = [
         FindingChange(
             standing=Standing.WORSE, before="F1", now="F1", evaluation=0, margin_again=0.8, margin=0.75, change=-0.15,
-            tolerance=0.001, fails=True, said=say("F1 of R-0001 is worse"), **known,
+            tolerance=0.001, fails=True, statement=say("F1 of R-0001 is worse"), **known,
         ),
         FindingChange(
             standing=Standing.NOT_COMPARED, before="F2", now=None,
-            said=say("F2 of R-0001 is not compared: vehicle.m = 6.5 is outside the bounds 4 to 6 of this campaign"),
+            statement=say("F2 of R-0001 is not compared: vehicle.m = 6.5 is outside ", "the bounds 4 to 6 of this campaign"),
             **known,
         ),
         FindingChange(
-            standing=Standing.NEW, before=None, now="F2", margin=0.7, parameters=PARAMETERS, said=say("F2 is new"),
+            standing=Standing.NEW, before=None, now="F2", margin=0.7, parameters=PARAMETERS, statement=say("F2 is new"),
         ),
     ]  # fmt: skip
     told = "Changes of the findings since R-0001: 1 worse, 1 not compared, 1 new. The policy fails: <b>."
     return Regression(
-        run="R-0001", position=1, cases=cases, fail_on=["worse"], ok=False, quantity="d_min", unit="m", said=say(told)
+        run="R-0001", position=1, cases=cases, fail_on=["worse"], ok=False, quantity="d_min", unit="m",
+        statement=say(told),
     )  # fmt: skip
 
 

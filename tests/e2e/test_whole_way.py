@@ -114,12 +114,12 @@ def test_a_wrong_bound_is_refused_next_to_its_field(signed_in: Visit) -> None:
     signed_in.go("/launch")
     low, start = page.get_by_label("Mass, low"), page.get_by_role("button", name="Start run")
     low.fill("-3")
-    said = page.locator("[data-problem='uncertain.vehicle.m.low']")
-    expect(said).to_contain_text("must be within")
+    statement = page.locator("[data-problem='uncertain.vehicle.m.low']")
+    expect(statement).to_contain_text("must be within")
     expect(low).to_have_attribute("aria-invalid", "true")
     expect(start).to_be_disabled()
     low.fill("4.2 kg")
-    expect(said).to_contain_text("Expected a number")
+    expect(statement).to_contain_text("Expected a number")
     signed_in.shot("launch-error-1440-light")
     page.locator("#problems").get_by_role("button", name="uncertain.vehicle.m.low").click()
     expect(low).to_be_focused()
@@ -131,7 +131,7 @@ def test_a_wrong_bound_is_refused_next_to_its_field(signed_in: Visit) -> None:
 
 def test_the_scenario_is_drawn_and_simulated_while_it_is_edited(signed_in: Visit) -> None:
     page = signed_in.page
-    plan, said = (
+    plan, statement = (
         page.get_by_role("img", name=re.compile("^Seen from above, Unicycle")),
         page.get_by_test_id("nominal-flight"),
     )
@@ -142,15 +142,15 @@ def test_the_scenario_is_drawn_and_simulated_while_it_is_edited(signed_in: Visit
     page.get_by_label("Obstacle 1, Centre, x").fill("4")
     until(lambda: plan.inner_html() == before, "the obstacle is back", 10)
     page.get_by_role("button", name="Preview nominal case").press("Enter")
-    expect(said).to_contain_text("0.9436 m, clear by 0.4436 m", timeout=2 * PATIENCE)
+    expect(statement).to_contain_text("0.9436 m, clear by 0.4436 m", timeout=2 * PATIENCE)
     expect(page.get_by_test_id("closest")).to_be_visible()
     page.get_by_label("Criterion, threshold").fill("0.95")
-    expect(said).to_contain_text("violates 0.95 m by 0.0064 m")
+    expect(statement).to_contain_text("violates 0.95 m by 0.0064 m")
     page.get_by_label("Criterion, threshold").fill("none")
-    expect(said).to_contain_text("after the problems are solved")
-    expect(said).to_contain_text("Of the campaign before the last edit")
+    expect(statement).to_contain_text("after the problems are solved")
+    expect(statement).to_contain_text("Of the campaign before the last edit")
     page.get_by_label("Criterion, threshold").fill("0.5")
-    expect(said).to_contain_text("clear by 0.4436 m")
+    expect(statement).to_contain_text("clear by 0.4436 m")
     looks(signed_in, "launch-preview")
     page.get_by_role("button", name="Stop previewing every edit").click()
 

@@ -78,7 +78,7 @@ def test_one_that_always_fails(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "statement"),
     [
         (["adversari"], "did you mean 'adversary'?"),
         (["x"], "choose one of: "),
@@ -86,10 +86,10 @@ def test_one_that_always_fails(capsys: pytest.CaptureFixture[str]) -> None:
         (["adversary", "--points", "1"], "--points"),
     ],
 )
-def test_what_does_not_fit_is_refused(given: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_does_not_fit_is_refused(given: list[str], statement: str, capsys: pytest.CaptureFixture[str]) -> None:
     with adversary():
         assert invoke(["check-simulator", *given]) == WRONG_INPUT
-    assert said in capsys.readouterr().err
+    assert statement in capsys.readouterr().err
 
 
 def stored(folder: Path) -> list[Stored]:

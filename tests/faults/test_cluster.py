@@ -136,8 +136,8 @@ def test_whatever_a_simulator_does_has_the_same_status_and_sentence(
         batch, reasons = simulator.evaluate(points)
         simulator.close()
         # Whether a node's slots had answered anything before the one that hangs is a matter of their order.
-        said = {i: reason.replace(NEVER, "") for i, reason in reasons.items()}
-        found.append((batch.status.tolist(), batch.costs.tobytes(), said))
+        statement = {i: reason.replace(NEVER, "") for i, reason in reasons.items()}
+        found.append((batch.status.tolist(), batch.costs.tobytes(), statement))
     assert found[0] == found[1]
     assert found[0][0] == [OK, FAILED, TIMEOUT, *[FAILED] * 7, OK]
 

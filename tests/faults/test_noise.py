@@ -141,8 +141,8 @@ def test_a_call_that_succeeds_when_tried_again_is_counted_and_bars_cleared(statu
     flaky = sum(why.startswith(FLAKY) for c in held for why in c.reasons.values())
     assert flaky > 5
     assert verdict.verdict == "inconclusive"
-    said = check(verdict, "retries")
-    assert said.values["flaky"] == flaky
+    statement = check(verdict, "retries")
+    assert statement.values["flaky"] == flaky
     assert f"{flaky} of " in verdict.sentence
     assert "succeeded only when a call that had failed was tried again" in verdict.sentence
     assert f"{flaky} succeeded only when tried again" in verdict.sentence

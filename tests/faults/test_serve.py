@@ -43,8 +43,8 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFi
 
         _, fresh, _ = here(capsys, "login-link", "--data", str(service.data))
         assert fresh.startswith(service.link().partition("=")[0])
-        code, _, said = here(capsys, "serve", "--data", str(service.data))
-        assert (code, f"(process {service.pid})" in said) == (WRONG_INPUT, True)
+        code, _, statement = here(capsys, "serve", "--data", str(service.data))
+        assert (code, f"(process {service.pid})" in statement) == (WRONG_INPUT, True)
 
         for words, name in (("-m backend", "backend"), ("-m clearance worker", "worker 1")):
             old = service.part(words)
@@ -67,10 +67,10 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path, capsys: pytest.CaptureFi
 def test_a_taken_port_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
-        code, _, said = here(capsys, "serve", "--data", str(tmp_path), "--port", port)
+        code, _, statement = here(capsys, "serve", "--data", str(tmp_path), "--port", port)
     assert code == WRONG_INPUT
     assert f"port {port} of 127.0.0.1 is in use by another program; choose another with --port" in " ".join(
-        said.split()
+        statement.split()
     )
 
 

@@ -58,19 +58,19 @@ def test_the_step_is_passed_and_halved_but_not_offered(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "statement"),
     [
         ({"step": "h"}, "step: h is not one of its parameters (a, dt)"),
         ({"step": "a"}, "step: half of a"),
         ({"parameters": {"dt": {"nominal": 0.01, "low": 0.001, "high": 1}}}, "step: dt is the only parameter"),
     ],
 )
-def test_a_step_that_cannot_be_halved_is_refused(tmp_path: Path, changes: dict[str, Any], said: str) -> None:
+def test_a_step_that_cannot_be_halved_is_refused(tmp_path: Path, changes: dict[str, Any], statement: str) -> None:
     if changes == {"step": "a"}:
         changes["parameters"] = {"a": {"nominal": 0.5, "low": 0.4, "high": 1}, "b": {"nominal": 0, "low": 0, "high": 1}}
     with pytest.raises(BadDescriptor) as refused:
         read(described(tmp_path, **changes))
-    assert said in str(refused.value)
+    assert statement in str(refused.value)
 
 
 @pytest.mark.parametrize(("by", "word"), [(1e-4, "cleared"), (0.5, "inconclusive")])

@@ -165,9 +165,9 @@ def test_a_child_that_cannot_start_ends_the_worker_with_its_reason(
         assert invoke(["worker", "--database", url, "--runner", "tests.faults.nowhere:execute"]) == INTERNAL
     finally:
         os.umask(umask)
-    said = capfd.readouterr().err
-    assert said.count("No module named 'tests.faults.nowhere'") == 3
-    assert "ended with exit code 1 before it was ready, 3 times in a row" in said
+    statement = capfd.readouterr().err
+    assert statement.count("No module named 'tests.faults.nowhere'") == 3
+    assert "ended with exit code 1 before it was ready, 3 times in a row" in statement
 
 
 def test_what_the_physics_prints_and_reads_never_reaches_the_supervisor(bench: Bench) -> None:

@@ -20,7 +20,7 @@ from clearance.local.summary import summary
 from tests.given.case_campaigns import searching
 from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
-from worker.evidence.audit.judge import SAID, Item, audit
+from worker.evidence.audit.judge import SPANS, Item, audit
 from worker.evidence.audit.record import of_folder
 from worker.running.runs.runner import execute
 from worker.running.runs.store import MemoryStore
@@ -158,13 +158,13 @@ class Folder:
 
     def lie(self, name: str, value: float) -> None:
         """Another number in the sentence, in its spans and in its words."""
-        (span,) = [s for s in self.result["said"] if s.get("name") == name]
+        (span,) = [s for s in self.result["statement"] if s.get("name") == name]
         span["value"] = value
         self.render()
 
     def restate(self, old: str, new: str) -> None:
         """Other words in the sentence, in its spans and in what is written."""
-        spans = [s for s in self.result["said"] if old in (s.get("text") or s.get("label") or "")]
+        spans = [s for s in self.result["statement"] if old in (s.get("text") or s.get("label") or "")]
         assert spans
         for span in spans:
             key = "text" if span["kind"] == "text" else "label"
@@ -172,21 +172,21 @@ class Folder:
         self.render()
 
     def render(self) -> None:
-        said, scope = (SAID.validate_python(self.result[name]) for name in ("said", "holds_for"))
-        self.result["reason"] = f"{words(said)} Scope: {words(scope)}"
+        statement, scope = (SPANS.validate_python(self.result[name]) for name in ("statement", "holds_for"))
+        self.result["reason"] = f"{words(statement)} Scope: {words(scope)}"
 
     def forget_spans(self) -> None:
         """The record as a version before spans wrote it: text only, in the words of that version."""
-        for name in ("said", "holds_for", "values", "sentence", "scope"):
+        for name in ("statement", "holds_for", "values", "sentence", "scope"):
             del self.result[name]
         for check in self.result["checks"]:
-            del check["said"], check["values"], check["code"], check["limit"]
+            del check["statement"], check["values"], check["code"], check["limit"]
         self.result["reason"] = self.result["reason"].replace(" samples drawn ", " flights drawn ")
 
     def fail_another_check(self) -> None:
-        said = [{"kind": "text", "text": "the tether is slack"}]
+        statement = [{"kind": "text", "text": "the tether is slack"}]
         self.result["checks"].append(
-            {"name": "tether", "code": "tether", "ok": False, "text": "the tether is slack", "said": said}
+            {"name": "tether", "code": "tether", "ok": False, "text": "the tether is slack", "statement": statement}
         )
 
     def withdraw_a_draw(self) -> None:

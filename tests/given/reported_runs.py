@@ -64,8 +64,8 @@ def finish_fully(
     store.finish(4, validated(), 0.5, findings=found, traces=[flight("F1", 301, 0.8), flight("F2", 301, 0.85)])
     stated = Statistics.model_validate(sample().model_dump())
     checks = [
-        Check(code="nominal", ok=True, said=results.said("margin +0.9 m")),
-        Check(code="x", ok=False, said=results.said(checked)),
+        Check(code="nominal", ok=True, statement=results.statement("margin +0.9 m")),
+        Check(code="x", ok=False, statement=results.statement(checked)),
         *further,
     ]
     origin = Provenance(seed=1, clearance="0.1.0", packages={"numpy": "2.4.6"}, cpu=Processor(model="A CPU"))
@@ -101,8 +101,10 @@ def sample() -> Sample:
         mean=1.4,
         deviation=0.02,
         histogram=Histogram(edges=[1.3, 1.35, 1.4, 1.45], counts=[400, 2000, 600]),
-        said=results.said("0 of 3\u202f000 samples drawn violate the criterion: P(violation) is at most 0.0998 %"),
-        quantile=QuantileBound(share=0.05, order=131, bound=1.33, said=results.said(at_most)),
+        statement=results.statement(
+            "0 of 3\u202f000 samples drawn violate the criterion: P(violation) is at most 0.0998 %"
+        ),
+        quantile=QuantileBound(share=0.05, order=131, bound=1.33, statement=results.statement(at_most)),
     )
 
 

@@ -37,7 +37,7 @@ R = TypeVar("R", bound=Result)
 def changed(made: R, **changes: Any) -> R:
     """The result with other fields, validated as anything that is stored."""
     if "text" in changes:
-        changes["said"] = say(changes.pop("text"))
+        changes["statement"] = say(changes.pop("text"))
     assert changes.keys() <= type(made).model_fields.keys()
     return type(made).model_validate({**dict(made), **changes})
 

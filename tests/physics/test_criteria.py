@@ -259,28 +259,28 @@ class TestTogether:
 
 
 class TestCheck:
-    def said(self, **changes: Any) -> list[tuple[str, str]]:
+    def statement(self, **changes: Any) -> list[tuple[str, str]]:
         made = CASE.document() | changes
         return [(p.field, p.message) for p in check(load_document(made), catalogue())]
 
     def test_what_is_worse_when_high_cannot_decide(self) -> None:
         criterion = {"component": "goal_miss", "threshold": 1.0}
-        [(field, message)] = self.said(criterion=criterion)
+        [(field, message)] = self.statement(criterion=criterion)
         assert field == "criterion.component"
         assert "worse when high" in message
         assert "separation" in message
 
     def test_none_is_given_twice(self) -> None:
-        [(field, message)] = self.said(objectives=[{"component": "goal_miss"}, {"component": "goal_miss"}])
+        [(field, message)] = self.statement(objectives=[{"component": "goal_miss"}, {"component": "goal_miss"}])
         assert field == "objectives.1.component"
         assert "already given" in message
-        assert self.said(objectives=[{"component": "separation"}])[0][0] == "objectives.0.component"
+        assert self.statement(objectives=[{"component": "separation"}])[0][0] == "objectives.0.component"
         radii = [{"component": "time_to_goal", "parameters": {"radius": r}} for r in (0.5, 1.0)]
-        assert self.said(objectives=radii) == []
+        assert self.statement(objectives=radii) == []
 
     def test_an_unknown_one_and_one_of_another_dimension(self) -> None:
-        assert self.said(objectives=[{"component": "goal_mis"}])[0][0] == "objectives.0.component"
-        [(field, message)] = self.said(objectives=[{"component": "peak_bank"}])
+        assert self.statement(objectives=[{"component": "goal_mis"}])[0][0] == "objectives.0.component"
+        [(field, message)] = self.statement(objectives=[{"component": "peak_bank"}])
         assert field == "objectives.0.component"
         assert "has 3 dimensions" in message
 
@@ -292,4 +292,4 @@ class TestCheck:
 
     def test_its_parameters_are_checked_against_their_limits(self) -> None:
         wrong = {"component": "time_to_goal", "parameters": {"radius": -1.0}}
-        assert self.said(objectives=[wrong])[0][0] == "objectives.0.parameters.radius"
+        assert self.statement(objectives=[wrong])[0][0] == "objectives.0.parameters.radius"

@@ -48,7 +48,7 @@ class TestTrim:
         assert end[:3] == pytest.approx([1.0 + 100 * math.cos(0.5), 2.0 + 100 * math.sin(0.5), 3.0], abs=1e-7)
 
     @pytest.mark.parametrize(
-        ("speed", "changes", "said"),
+        ("speed", "changes", "statement"),
         [
             (6.0, {}, "angle of attack"),
             (45.0, {}, "throttle"),
@@ -56,8 +56,8 @@ class TestTrim:
             (-1.0, {}, "above 0"),
         ],
     )
-    def test_says_why_there_is_none(self, speed: float, changes: dict[str, float], said: str) -> None:
-        with pytest.raises(NoTrim, match=said):
+    def test_says_why_there_is_none(self, speed: float, changes: dict[str, float], statement: str) -> None:
+        with pytest.raises(NoTrim, match=statement):
             trim.trimmed(Airframe()._replace(**changes), speed)
 
     def test_a_campaign_without_trim_is_refused_with_the_sentence(self) -> None:
@@ -196,7 +196,7 @@ class TestIntegrator:
         assert np.log2(coarse / fine) == pytest.approx(np.full(12, 4.0), abs=0.3)
 
     @pytest.mark.parametrize(
-        ("values", "said"),
+        ("values", "statement"),
         [
             ({"vehicle.m": math.nan}, "the simulation diverged"),
             ({"vehicle.C_mde": 5.0}, "the pitch exceeds|angle of attack|turn rate"),
@@ -204,9 +204,9 @@ class TestIntegrator:
             ({"vehicle.C_lda": -2.0}, "the bank exceeds 2 rad|turn rate|sideslip"),
         ],
     )
-    def test_leaving_the_envelope_is_a_failure_with_a_reason(self, values: dict[str, float], said: str) -> None:
+    def test_leaving_the_envelope_is_a_failure_with_a_reason(self, values: dict[str, float], statement: str) -> None:
         problem = uncompiled(CRUISE)
         batch, reasons = problem.system.simulate_vectors(problem.vector(values)[None])
         assert batch.status[0] == FAILED
         assert math.isnan(batch.costs[0, 0])
-        assert any(part in reasons[0] for part in said.split("|")), reasons
+        assert any(part in reasons[0] for part in statement.split("|")), reasons

@@ -198,8 +198,10 @@ class TestDeterminism:
 
     def test_another_process_gives_the_same_bits(self) -> None:
         program = "import tests.physics.test_realisations as t; print(t.costs((3, 1, 8, 5)).tobytes().hex())"
-        said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=250)
-        assert said.stdout.strip() == costs((3, 1, 8, 5)).tobytes().hex()
+        statement = subprocess.run(
+            [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=250
+        )
+        assert statement.stdout.strip() == costs((3, 1, 8, 5)).tobytes().hex()
 
 
 @functools.cache

@@ -154,13 +154,13 @@ class Following(Part):
             self._due, self._next = self.camera is not None or self._place is not None, 0.0
         self._wake()
 
-    def _seen(self, _: int, said: ViewerCameraMessage) -> None:
+    def _seen(self, _: int, message: ViewerCameraMessage) -> None:
         """Handle a camera movement reported by the browser, sent or by the visitor.
 
         The message itself: viser's handle of the camera also takes on what is sent, which `work`, in another thread,
         may do before the handle is read. The browser would seem to have come to where it was only sent.
         """
-        eye, target = np.array(said.position), np.array(said.look_at)
+        eye, target = np.array(message.position), np.array(message.look_at)
         near = OWN * float(np.linalg.norm(eye - target))
         with self._lock:
             if self._told and float(np.linalg.norm(eye - self._told[-1])) <= near:
@@ -174,7 +174,7 @@ class Following(Part):
             elif self._heard:
                 self._place = None
             self._at = eye, target
-            self._fit(said)
+            self._fit(message)
             if self.camera is None:
                 self._wake()
             # Until the browser confirms the new position, it reports the old one.

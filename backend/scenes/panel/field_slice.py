@@ -132,13 +132,13 @@ def legend(found: Slice, title: str, setting: Setting, dark: bool) -> str:
     known = magnitude[np.isfinite(magnitude)]
     name = str(setting.document["scenario"]["avoider"]["component"]).replace("_", " ")
     where = "over the plane" if setting.planar else f"at the height of {_number(found.height)} m"
-    said = (
+    caption = (
         f"{found.kind.capitalize()} [{unit}] that the avoider ({name}) demands {where}, at t = {found.time:.2f} s of "
         f"{title}: with the vehicle's velocity and attitude and the perceived obstacles at that time"
     )
-    said += ", and with the avoider's memory at that time. " if found.memory else ". "
-    said += "Before the controller's own limits."
-    parts = [_scale(found, dark), tables.note(said)]
+    caption += ", and with the avoider's memory at that time. " if found.memory else ". "
+    caption += "Before the controller's own limits."
+    parts = [_scale(found, dark), tables.note(caption)]
     told = []
     if known.size:
         told.append(f"Smallest {_number(float(known.min()))}, largest {_number(float(known.max()))} {unit}.")

@@ -61,7 +61,7 @@ def with_caption(
     page = dressed(made.html, font).replace(CHARSET, f"{CHARSET}{policy}", 1)
     page = page.replace("<title>Viser</title>", f"<title>{title}</title><style>{_STYLE}{_colours(dark)}</style>", 1)
     return page.replace(
-        '<div id="root"></div>', f'<div id="root"></div>{_card(made.said, setting, cast, caption, dark)}', 1
+        '<div id="root"></div>', f'<div id="root"></div>{_card(made.statement, setting, cast, caption, dark)}', 1
     )
 
 
@@ -70,7 +70,7 @@ def _colours(dark: bool) -> str:
     return f"#caption{{background:{ground};color:{ink};border-color:{edge}}}"
 
 
-def _card(said: str, setting: Setting, cast: Cast, caption: Caption, dark: bool) -> str:
+def _card(statement: str, setting: Setting, cast: Cast, caption: Caption, dark: bool) -> str:
     palette = DARK if dark else LIGHT
     quantity = setting.quantity or "value"
     flights = [("Nominal", palette.nominal, cast.nominal)] if cast.nominal else []
@@ -83,7 +83,7 @@ def _card(said: str, setting: Setting, cast: Cast, caption: Caption, dark: bool)
     asked = {path: cast.shown.parameters[path] for path in _uncertain(setting) if path in cast.shown.parameters}
     given = [_row(path, f"{value!r} {units.get(path, '')}") for path, value in asked.items()]
     marks = [_row("Campaign", caption.campaign, kind="digest"), _row("Results", caption.results, kind="digest")]
-    notes = " ".join([said, *_of_simulator(setting, cast, caption), "Vehicles are not to scale."])
+    notes = " ".join([statement, *_of_simulator(setting, cast, caption), "Vehicles are not to scale."])
     last = f"{html.escape(notes)} Clearance {VERSION}, viser {viser.__version__}."
     return (
         f'<details id="caption" open><summary>{html.escape(f"{caption.run} · {cast.label}")}</summary>'

@@ -55,7 +55,7 @@ class Recording:
     """A self-contained viser page, and the legend of its scene."""
 
     html: str
-    said: str
+    statement: str
 
 
 def record(setting: Setting, cast: Cast, dark: bool) -> Recording:
@@ -69,7 +69,7 @@ def record(setting: Setting, cast: Cast, dark: bool) -> Recording:
         for before, time in pairwise(times):
             serializer.insert_sleep(float(time - before))
             stage.move(float(time))
-        return Recording(serializer.as_html(dark_mode=dark), stage.said)
+        return Recording(serializer.as_html(dark_mode=dark), stage.statement)
     finally:
         server.stop()
 
@@ -93,7 +93,7 @@ class _Stage:
         self._camera()
 
     @property
-    def said(self) -> str:
+    def statement(self) -> str:
         """The legend of dots and arrows."""
         ahead = self._vectors.ahead
         arrows = f" The length of an arrow is the distance travelled in {ahead:g} s." if ahead else ""

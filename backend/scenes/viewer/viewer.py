@@ -76,7 +76,7 @@ class Viewer:
         self.on_news: Callable[[], None] = lambda: None
         """Called after a change, from any thread, and when the viewer is closed."""
         self._depth, self._ready = 0, False
-        self._said: dict[str, Any] = {}
+        self._statement: dict[str, Any] = {}
         self._dark = address.dark
         self._theme()
         server.gui.main_panel.dock_right()
@@ -245,8 +245,8 @@ class Viewer:
         if self._stopped or not self._ready:
             return
         shown = self._shown()
-        if shown != self._said:
-            self._said, self.revision = shown, self.revision + 1
+        if shown != self._statement:
+            self._statement, self.revision = shown, self.revision + 1
             self.on_news()
 
     def _paint(self, dark: bool) -> None:

@@ -17,7 +17,7 @@ from backend.scenes.base.setting import Setting, UnknownParameterError
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
-from campaigns.checked.said import within
+from campaigns.checked.texts import within
 
 _log = logging.getLogger(__name__)
 

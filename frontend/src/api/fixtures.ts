@@ -11,7 +11,7 @@ import type {
   ValidateResult,
   Validation,
 } from '../client'
-import { words } from '../format/said'
+import { words } from '../format/spans'
 
 // Without a spread: so a field that the API no longer has is an error, as is a missing one.
 const like = <T>(usual: T) => (more: Partial<T> = {}): T => ({ ...usual, ...more })
@@ -48,7 +48,7 @@ export const validation = like<Validation>({
 const AGREE = 'the step-halving check and DOP853 agree for nominal'
 
 export const validated = like<ValidateResult>({
-  stage: 'validate', ok: true, text: AGREE, said: [words(AGREE)], tolerance: 1e-3, nominal: validation(),
+  stage: 'validate', ok: true, text: AGREE, statement: [words(AGREE)], tolerance: 1e-3, nominal: validation(),
   findings: null, comparison: [], violations: null, spot_checks: null, encounter: null,
 })
 
@@ -61,7 +61,7 @@ export const finding = (label: string, more: Partial<FindingDetail> = {}): Findi
   anyFinding({ label, validation: validation({ name: label }), ...more })
 
 export const verdict = like<RunVerdict>({
-  verdict: 'inconclusive', said: [], holds_for: [], values: {}, sentence: '', scope: '', checks: [], statistics: null, nominal: null, worst: null,
+  verdict: 'inconclusive', statement: [], holds_for: [], values: {}, sentence: '', scope: '', checks: [], statistics: null, nominal: null, worst: null,
   evaluations: null, quantity: 'd_min', unit: 'm',
   provenance: {
     code: null, loop: null, packages: {}, clearance: null, python: null, system: null, cpu: null, lanes: null, step: null, simulator: null, evaluator: null,

@@ -29,8 +29,8 @@ test.each([
   ['not whoever owns one of two', as('bob', 'engineer'), [], [{ id: 'R-0002', owner: 'bob' }, run('ada')], REASON],
   ['not whoever sees the token of another', as('bob', 'engineer'), [token('ada', 'eve')], [run('ada')], REASON],
   ['not the former owner, whose role is lower now', as('ada', 'viewer'), [], [run('ada')], 'This needs the role engineer; yours is viewer.'],
-] as const)('what belongs to one is changed by %s', (_, session, tokens, things, said) => {
-  expect(barredFromOwn(session, tokens, 'engineer', things)).toBe(said)
+] as const)('what belongs to one is changed by %s', (_, session, tokens, things, barred) => {
+  expect(barredFromOwn(session, tokens, 'engineer', things)).toBe(barred)
 })
 
 test('what is not known yet is offered', () => {

@@ -29,5 +29,5 @@ export function stepsIn(asked: string, checks: readonly Pick<DescribedCheck, 'na
 export const keysOf = (steps: readonly Step[]): string => steps.map(({ key }) => key).join(',')
 
 /** What several steps change, in one phrase. */
-export const saidOf = (steps: readonly Step[]): Span[] =>
-  steps.flatMap(({ remedy }, i) => [...(i > 0 ? [{ kind: 'text' as const, text: ', ' }] : []), ...remedy.said])
+export const statementOf = (steps: readonly Step[]): Span[] =>
+  steps.flatMap(({ remedy }, i) => [...(i > 0 ? [{ kind: 'text' as const, text: ', ' }] : []), ...remedy.statement])

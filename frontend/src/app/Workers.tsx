@@ -57,7 +57,7 @@ function Listed({ data, ahead, onLeave }: { data: Known; ahead: number; onLeave:
   const now = useNow(1000) - ahead
   return (
     <div className={styles.panel}>
-      <Said data={data} now={now} />
+      <Spans data={data} now={now} />
       {data.items.length > 0 && (
         <ul className={styles.list}>
           {data.items.map((worker) => (
@@ -83,7 +83,7 @@ function Listed({ data, ahead, onLeave }: { data: Known; ahead: number; onLeave:
 }
 
 /** How many are alive; if none is, when one was last seen and what to do. */
-function Said({ data, now }: { data: Known; now: number }) {
+function Spans({ data, now }: { data: Known; now: number }) {
   const waiting = data.queued === 0 ? '' : data.queued === 1 ? ' 1 run waits.' : ` ${count(data.queued)} runs wait.`
   if (data.alive > 0) return <p>{`${workers(data.alive)} alive.${waiting}`}</p>
   return (

@@ -74,24 +74,24 @@ function CapsuleEntry({ run, flight }: Props) {
 
 /** The menu stays open to confirm the copy. */
 function CopyLink({ address }: { address: string }) {
-  const [said, setSaid] = useState('')
+  const [notice, setStatement] = useState('')
   const link = () => new URL(address, location.origin).href
   const copy = () =>
     navigator.clipboard.writeText(link()).then(
-      () => setSaid('Copied'),
-      () => setSaid(`The browser blocks copying; copy it by hand: ${link()}`),
+      () => setStatement('Copied'),
+      () => setStatement(`The browser blocks copying; copy it by hand: ${link()}`),
     )
   return (
     <Menu.Item
       closeMenuOnClick={false}
       onClick={() => void copy()}
       leftSection={
-        said === 'Copied' ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />
+        notice === 'Copied' ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />
       }
     >
       <span className="b">Copy link to the recording</span>
       <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }} aria-live="polite">
-        {said || 'Requires a login; plays without a simulation'}
+        {notice || 'Requires a login; plays without a simulation'}
       </span>
     </Menu.Item>
   )

@@ -53,7 +53,7 @@ export function MethodText({ method }: { method: MethodEntry }) {
               {options.map(([name, rule]) => (
                 <tr key={name}>
                   <td className="mono">{name}</td>
-                  <td className="tn nw">{rule.default === undefined ? 'must be given' : said(rule.default)}</td>
+                  <td className="tn nw">{rule.default === undefined ? 'must be given' : written(rule.default)}</td>
                   <td className="sec">{meaning(rule)}</td>
                 </tr>
               ))}
@@ -81,7 +81,7 @@ function Fact({ title, text }: { title: string; text: string }) {
   )
 }
 
-const said = (value: unknown): string =>
+const written = (value: unknown): string =>
   value === null ? 'none' : typeof value === 'string' || typeof value === 'number' ? String(value) : JSON.stringify(value)
 
 function meaning(rule: Rule): string {
@@ -90,7 +90,7 @@ function meaning(rule: Rule): string {
     of.minimum !== undefined && of.maximum !== undefined
       ? `${of.minimum} to ${of.maximum}`
       : of.enum
-        ? of.enum.map(said).join(', ')
+        ? of.enum.map(written).join(', ')
         : ''
   return [rule.description, limits].filter(Boolean).join(' · ')
 }

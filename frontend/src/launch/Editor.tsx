@@ -65,14 +65,14 @@ export function Editor(props: EditorProps) {
   const [remove, setRemove] = useState(false)
   const navigate = useNavigate()
   const cache = useQueryClient()
-  const said = JSON.stringify([draft.edits, name, tags])
-  const [seen, setSeen] = useState(said)
+  const current = JSON.stringify([draft.edits, name, tags])
+  const [seen, setSeen] = useState(current)
   const going = useRef<{ pathname: string; draft?: string } | null>(null)
   const saved = useSaved(
     start.draft,
     async () => ({ name: name.trim(), tags, text: await draft.typed() }),
     (kept) => {
-      setSeen(said)
+      setSeen(current)
       going.current = { pathname: '/launch', draft: kept.id }
       props.onKept(kept)
     },
@@ -125,7 +125,7 @@ export function Editor(props: EditorProps) {
   return (
     <ProblemsProvider value={problems}>
       <Leaving
-        dirty={said !== seen}
+        dirty={current !== seen}
         expected={({ pathname, search }) => going.current?.pathname === pathname && going.current.draft === search.draft}
         onSave={() => saved.save({ leaving: true })}
       />
@@ -223,7 +223,7 @@ export function Editor(props: EditorProps) {
             {draft.readable && <Estimate checked={draft.checked} campaign={draft.campaign} catalogue={catalogue} />}
             <DraftBar
               saved={saved}
-              dirty={said !== seen}
+              dirty={current !== seen}
               remove={remove}
               onRemove={setRemove}
               onReopen={props.onReopen}

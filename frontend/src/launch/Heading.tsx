@@ -5,7 +5,7 @@ import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import type { Draft, Span } from '../client'
 import { moment, when } from '../format/time'
-import { Said } from '../ui/Said'
+import { Spans } from '../ui/Spans'
 import { useNow } from '../ui/useNow'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
@@ -49,7 +49,7 @@ export function Heading({ from, changed = [], baseline, draft }: HeadingProps) {
           </Link>
           {changed.length > 0 && (
             <>
-              , <Said spans={changed} />
+              , <Spans spans={changed} />
             </>
           )}
           {baseline && (

@@ -117,7 +117,7 @@ export function Estimate({ checked, campaign, catalogue }: EstimateProps) {
         )}
       </dl>
       <p className="small mut" style={{ marginTop: 8 }}>
-        {estimate && thinned(`${estimate.said} ${estimate.time_said} `)}
+        {estimate && thinned(`${estimate.statement} ${estimate.time_statement} `)}
         {bound !== null &&
           `The bound holds with ${percent(confidence)} confidence if none of the ${count(samples)} random samples violates.`}
         {bound !== null && unbounded && ' The probability beyond the bounds of normal distributions is added to it.'}

@@ -4,8 +4,8 @@ import type { Estimate } from '../client'
 import { amountOf, stageOf, timeOf } from './estimate'
 
 const ranged: Estimate = {
-  ...{ evaluations: 14_515, least: 12_600, most: 22_300, near: false, stages: [], said: '', run: null },
-  ...{ seconds: 12, seconds_least: 10, seconds_most: 90, time_said: '' },
+  ...{ evaluations: 14_515, least: 12_600, most: 22_300, near: false, stages: [], statement: '', run: null },
+  ...{ seconds: 12, seconds_least: 10, seconds_most: 90, time_statement: '' },
 }
 
 it('announces a range of evaluations and of time', () => {

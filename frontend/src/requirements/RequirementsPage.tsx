@@ -90,7 +90,7 @@ export function RequirementsPage() {
           ))}
         </select>
         <span className="small mut" aria-live="polite">
-          {said(items, total)}
+          {counted(items, total)}
         </span>
       </div>
       <Card
@@ -119,7 +119,7 @@ export function RequirementsPage() {
 }
 
 /** How many there are of each status among those that are loaded. */
-function said(items: readonly RequirementRow[], total: number): string {
+function counted(items: readonly RequirementRow[], total: number): string {
   const parts = countsOf(items).map(([status, number]) => `${count(number)} ${STATUSES[status].word.toLowerCase()}`)
   const some = items.length < total ? `The first ${count(items.length)} of ${count(total)}` : `${count(total)} ${total === 1 ? 'requirement' : 'requirements'}`
   return [some, ...(parts.length ? [parts.join(', ')] : [])].join(': ')

@@ -28,7 +28,7 @@ export function FlightPage() {
   const { id } = useParams({ from: '/runs/$id' })
   useTitle(`${id} flight`)
   const query = useRun(id)
-  if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
+  if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} statement={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what="run" title={id} />
   return <Page key={id} run={query.data} />

@@ -24,7 +24,7 @@ export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
   useTitle(id)
   const query = useRun(id)
-  if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
+  if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} statement={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what="run" title={id} />
   return <Page run={query.data} stale={query.isError} />

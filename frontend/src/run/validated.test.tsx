@@ -41,7 +41,7 @@ it('has fewer words for a validation that does not tell how it came out', () => 
 it('shows in how many independent calls a case of a noisy simulator violates', () => {
   const repeats = {
     values: [...Array<number>(7).fill(0.4), 1.2, 1.3, null], reasons: ['no answer within 5 s'], violating: 7, failed: 1,
-    confidence: 0.95, low: 0.35, high: 0.97, said: [], text: 'violates in 7 of 10, 1 failed [0.35, 0.97]',
+    confidence: 0.95, low: 0.35, high: 0.97, statement: [], text: 'violates in 7 of 10, 1 failed [0.35, 0.97]',
   }
   const shown = card(validated(), [finding('F1', { validation: validation({ name: 'F1', violates: true, repeats }) })])
   expect(shown).toContain('Violates in 7 of 10, 1 failed [0.35, 0.97]')

@@ -18,7 +18,7 @@ export function ColumnsMenu({ cols, usual, onChange }: ColumnsMenuProps) {
   const toggle = (key: ColumnKey, on: boolean) =>
     onChange(COLUMNS.map((column) => column.key).filter((k) => (k === key ? on : shown.includes(k))))
   return (
-    <Menu name="Columns" said={null} on={cols !== undefined} icon={<IconAdjustmentsHorizontal className="i" aria-hidden />}>
+    <Menu name="Columns" value={null} on={cols !== undefined} icon={<IconAdjustmentsHorizontal className="i" aria-hidden />}>
       <Picks label="Columns">
         {COLUMNS.map((column) => (
           <Pick key={column.key} on={shown.includes(column.key)} onChange={(on) => toggle(column.key, on)}>

@@ -17,7 +17,7 @@ export function DateMenu({ search, onChange }: DateMenuProps) {
   const set = (change: Pick<RunsSearch, 'days' | 'since' | 'until'>) =>
     onChange({ days: undefined, since: undefined, until: undefined, ...change })
   return (
-    <Menu name="Submitted" said={days ? NAME[days] : (range ?? 'any time')} on={Boolean(days || range)}>
+    <Menu name="Submitted" value={days ? NAME[days] : (range ?? 'any time')} on={Boolean(days || range)}>
       <div className={fields.picks} role="radiogroup" aria-label="Submitted">
         {[undefined, ...DAYS].map((choice) => (
           <label key={choice ?? 0} className={fields.pickrow}>

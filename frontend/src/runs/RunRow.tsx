@@ -74,8 +74,8 @@ function Standing({ run, now, span }: { run: RunSummary; now: number; span: numb
     )
   if (run.state === 'failed' || run.state === 'cancelled' || run.state === 'done') {
     const cancelled = run.state === 'cancelled' ? cancelledAfter(run) : ''
-    const said = run.error ?? run.reason ?? cancelled
-    const why = said.charAt(0).toUpperCase() + said.slice(1)
+    const statement = run.error ?? run.reason ?? cancelled
+    const why = statement.charAt(0).toUpperCase() + statement.slice(1)
     return (
       <Reason text={why} span={span} />
     )
@@ -89,10 +89,10 @@ function Standing({ run, now, span }: { run: RunSummary; now: number; span: numb
 
 /** On two lines where one is too short; the rest is on the page of the run, and where the pointer rests. */
 function Reason({ text, span }: { text: string; span: number }) {
-  const said = text.replaceAll('`', '') // commands are marked in text that other pages show as code
+  const statement = text.replaceAll('`', '') // commands are marked in text that other pages show as code
   return (
-    <td colSpan={span} className="sec" title={said}>
-      <span className={styles.reason}>{said}</span>
+    <td colSpan={span} className="sec" title={statement}>
+      <span className={styles.reason}>{statement}</span>
     </td>
   )
 }

@@ -22,7 +22,7 @@ const RUN = given.run({
   summary: given.verdict({
     statistics: {
       samples: 300, violations: 4, failed: 4, excluded: 20, excluded_fraction: null, confidence: 0.95, upper_bound: 0.03,
-      noise: null, quantile: null, source: 'certify', text: '', said: [],
+      noise: null, quantile: null, source: 'certify', text: '', statement: [],
     },
   }),
 })
@@ -39,8 +39,8 @@ it('counts the same in figures, strip, list and table', () => {
   expect(text(figures(RUN))).toContain('1 37112 failed, 25 excluded')
   expect(text(figures(RUN))).toContain('4 of 300 samples, 4 of them failed; 20 draws excluded')
   const strip = text(renderToStaticMarkup(<StageStrip run={RUN} />))
-  for (const said of ['1 000 done, 7 failed, 5 excluded', '320 done, 4 failed, 20 excluded', '50 done, 1 failed'])
-    expect(strip).toContain(said)
+  for (const statement of ['1 000 done, 7 failed, 5 excluded', '320 done, 4 failed, 20 excluded', '50 done, 1 failed'])
+    expect(strip).toContain(statement)
   expect([cell('evaluations', RUN), cell('failed', RUN), cell('excluded', RUN)].map(text)).toEqual(['1 371', '12', '25'])
   expect(countsOf(STAGES, undefined)).toEqual([
     { status: 'failed', count: 12 },
@@ -50,9 +50,9 @@ it('counts the same in figures, strip, list and table', () => {
 
 it('shows no margin without the evaluations that have none', () => {
   const whole = { ...RUN, failed_evaluations: 0 }
-  const said = '12 of 1 371 evaluations failed and have no margin'
-  expect(text(figures(RUN))).toContain(said)
-  expect(cell('margin', RUN).replaceAll('\u202f', ' ')).toContain(said)
+  const statement = '12 of 1 371 evaluations failed and have no margin'
+  expect(text(figures(RUN))).toContain(statement)
+  expect(cell('margin', RUN).replaceAll('\u202f', ' ')).toContain(statement)
   expect(cell('margin', RUN)).not.toContain('--ok-solid')
   expect(text(figures(whole))).not.toContain('no margin')
   expect(cell('margin', whole)).toContain('--ok-solid')

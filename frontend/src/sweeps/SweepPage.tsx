@@ -18,7 +18,7 @@ import { useTitle } from '../page/useTitle'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from '../trends/cells'
 import { Card, NumHead } from '../ui/Card'
 import { usePolling } from '../ui/usePolling'
-import { activeOf, saidOf, valueText } from './states'
+import { activeOf, statementOf, valueText } from './states'
 import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
@@ -59,7 +59,7 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
         <div className={layout.t}>
           <h1>{sweep.name}</h1>
           <p className="sec">
-            {sweep.id}, {sweep.title} over {sweep.runs} values. {saidOf(sweep.states)}.
+            {sweep.id}, {sweep.title} over {sweep.runs} values. {statementOf(sweep.states)}.
           </p>
         </div>
         <div className={layout.acts}>

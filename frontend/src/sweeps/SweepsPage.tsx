@@ -9,7 +9,7 @@ import { moment, when } from '../format/time'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card } from '../ui/Card'
-import { saidOf } from './states'
+import { statementOf } from './states'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
@@ -68,7 +68,7 @@ export function SweepsPage() {
                   </td>
                   <td className="sec" data-label="Parameter">{sweep.path}</td>
                   <td className="num" data-label="Runs">{count(sweep.runs)}</td>
-                  <td className="sec nw" data-label="State">{saidOf(sweep.states)}</td>
+                  <td className="sec nw" data-label="State">{statementOf(sweep.states)}</td>
                   <td className={clsx('sec', layout.hideS)} data-label="User">{sweep.owner}</td>
                   <td className="sec nw" data-label="Submitted" title={moment(sweep.created)}>
                     {when(sweep.created)}

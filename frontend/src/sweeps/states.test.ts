@@ -1,6 +1,6 @@
 // The states of a sweep's runs in words.
 import { expect, it } from 'vitest'
-import { activeOf, saidOf, valueText } from './states'
+import { activeOf, statementOf, valueText } from './states'
 
 it('counts what has not ended', () => {
   expect(activeOf({ queued: 2, running: 1, cancelling: 1, done: 3, cleared: 3 })).toBe(4)
@@ -8,8 +8,8 @@ it('counts what has not ended', () => {
 })
 
 it('names verdicts instead of done', () => {
-  expect(saidOf({ done: 3, cleared: 2, violated: 1, queued: 2, failed: 1 })).toBe('2 queued, 2 cleared, 1 violated, 1 failed')
-  expect(saidOf({})).toBe('Every run was purged')
+  expect(statementOf({ done: 3, cleared: 2, violated: 1, queued: 2, failed: 1 })).toBe('2 queued, 2 cleared, 1 violated, 1 failed')
+  expect(statementOf({})).toBe('Every run was purged')
 })
 
 it('shows values at full precision', () => {

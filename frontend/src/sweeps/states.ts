@@ -7,7 +7,7 @@ const ACTIVE = ['queued', 'running', 'cancelling'] as const
 export const activeOf = (states: Record<string, number>): number => ACTIVE.reduce((sum, state) => sum + (states[state] ?? 0), 0)
 
 /** "2 queued, 1 running, 3 cleared": verdicts in place of "done". */
-export function saidOf(states: Record<string, number>): string {
+export function statementOf(states: Record<string, number>): string {
   const order = ['queued', 'running', 'cancelling', 'cleared', 'violated', 'inconclusive', 'cancelled', 'failed']
   return order.flatMap((word) => (states[word] ? [`${count(states[word])} ${word}`] : [])).join(', ') || 'Every run was purged'
 }

@@ -29,9 +29,9 @@ export function FilterMenu({ name, options, value = [], onChange, label = (text)
     const next = on ? [...value, text] : value.filter((other) => other !== text)
     onChange(next.length ? next : undefined)
   }
-  const said = value.length === 0 ? 'any' : value.length === 1 ? label(value[0] ?? '') : `${value.length} chosen`
+  const statement = value.length === 0 ? 'any' : value.length === 1 ? label(value[0] ?? '') : `${value.length} chosen`
   return (
-    <Menu name={name} said={said} on={value.length > 0}>
+    <Menu name={name} value={statement} on={value.length > 0}>
       {all.length > FEW && (
         <label className={fields.inp}>
           <input

@@ -9,7 +9,7 @@ import layout from './layout.module.css'
 
 interface MenuProps {
   name: string
-  said: ReactNode
+  value: ReactNode
   on: boolean
   icon?: ReactNode
   /** Opens upwards without a portal, because its container may be in full screen. */
@@ -17,7 +17,7 @@ interface MenuProps {
   children: ReactNode
 }
 
-export function Menu({ name, said, on, icon, above, children }: MenuProps) {
+export function Menu({ name, value, on, icon, above, children }: MenuProps) {
   return (
     <Popover position={above ? 'top-end' : 'bottom-start'} width={280} trapFocus returnFocus shadow="none" withinPortal={!above}>
       <Popover.Target>
@@ -25,7 +25,7 @@ export function Menu({ name, said, on, icon, above, children }: MenuProps) {
           {icon}
           <span className={clsx(layout.cut, buttons.cuts)}>
             {name}
-            {said !== null && <span className={on ? undefined : buttons.unset}>: {said}</span>}
+            {value !== null && <span className={on ? undefined : buttons.unset}>: {value}</span>}
           </span>
           <IconChevronDown className="i mut" aria-hidden />
         </button>

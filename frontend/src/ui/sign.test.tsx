@@ -1,7 +1,7 @@
 // Names of parameters in print.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
-import { Said } from './Said'
+import { Spans } from './Spans'
 import { Sign, symbolText } from './Sign'
 
 const text = (html: string) => html.replace(/<[^>]+>/g, '')
@@ -14,15 +14,15 @@ it('prints the symbol of a name as a symbol and its part as words', () => {
 
 it('names a parameter in a stored sentence that printed its path', () => {
   const path = 'obstacles.1.position.y'
-  const shown = renderToStaticMarkup(<Said spans={[{ kind: 'symbol', name: path, symbol: path }]} />)
+  const shown = renderToStaticMarkup(<Spans spans={[{ kind: 'symbol', name: path, symbol: path }]} />)
   expect(text(shown)).toBe('y of obstacle 2')
   expect(shown).toContain(`title="${path}"`)
 })
 
 it('rounds the numbers of a sentence for reading, and has all digits on hover', () => {
   const quantity = { kind: 'quantity' as const, value: 0.941741234, unit: 'm', format: 'plain' as const, digits: 6, name: '' }
-  const shown = renderToStaticMarkup(<Said spans={[quantity]} />)
+  const shown = renderToStaticMarkup(<Spans spans={[quantity]} />)
   expect(text(shown)).toBe('0.9417\u202fm')
   expect(shown).toContain('title="0.941741234\u202fm"')
-  expect(text(renderToStaticMarkup(<Said spans={[quantity]} exact />))).toBe('0.941741\u202fm')
+  expect(text(renderToStaticMarkup(<Spans spans={[quantity]} exact />))).toBe('0.941741\u202fm')
 })

@@ -99,8 +99,8 @@ def test_the_sample_is_evaluated_again_drawn_and_compared_with_what_is_stored(ev
         with viewing(evaluating, client, f"/view/{run}/key/{KEY}") as connection:
             frames_until(connection, b"Search")
             assert steer(client, run, layers={"sampled": True})["layers"]["sampled"] is True
-            said = b"the first 3 of the sample of MONTE_CARLO, each evaluated again by one call."
-            frames_until(connection, b"/flights/sampled/2", said, b"1 result differs from the stored one.")
+            statement = b"the first 3 of the sample of MONTE_CARLO, each evaluated again by one call."
+            frames_until(connection, b"/flights/sampled/2", statement, b"1 result differs from the stored one.")
             assert steer(client, run, layers={"sampled": False})["layers"]["sampled"] is False
         assert evaluating.rows() == before, "nothing of it is stored"
 

@@ -33,7 +33,7 @@ def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: ht
     assert told["least"] < told["evaluations"] < told["most"]
     assert not told["near"]
     assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
-    assert "Each worst case that violates adds about 171 evaluations" in told["said"]
+    assert "Each worst case that violates adds about 171 evaluations" in told["statement"]
     assert told["time_said"] == "The time is known after a first run of the same components."
 
 
@@ -46,7 +46,7 @@ def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, cl
     assert told["least"] == told["most"] == found["evaluations"]
     assert told["near"]
     assert told["seconds"] == told["seconds_least"] == told["seconds_most"] > 0
-    assert name in told["said"]
+    assert name in told["statement"]
     assert name in told["time_said"]
     other = estimate(client, campaign(seed=7))
     assert other["run"] is None, "of another campaign it is an estimate"

@@ -60,10 +60,10 @@ def test_the_commands_of_a_template_run(service: Service, tmp_path: Path, templa
         until(lambda: service.rows()["runs"] == 1 or job.poll() is not None, 60)
         assert job.poll() is None, job.communicate()[1]
         finish_fully(service, "violated")
-        said = job.communicate(timeout=60)[1]
+        statement = job.communicate(timeout=60)[1]
     finally:
         job.kill()
-    assert job.returncode == 1, said
+    assert job.returncode == 1, statement
     with service.signed_in() as client:
         run: dict[str, Any] = client.get("/api/v1/runs/R-0001").json()
     assert run["labels"] == {"branch": "feature/wider turn", "build": "42", "commit": "4f2a91c"}

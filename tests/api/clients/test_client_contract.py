@@ -154,7 +154,7 @@ def test_a_write_may_be_repeated() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "statement"),
     [
         ({"path": "/runs/{run}/finding"}, "is not list_findings"),
         ({"query": {"most": 1}}, "most is not a query parameter"),
@@ -164,11 +164,11 @@ def test_a_write_may_be_repeated() -> None:
         ({"answer": list[dict[str, int]]}, ""),
     ],
 )
-def test_a_difference_is_noticed(change: dict[str, Any], said: str) -> None:
+def test_a_difference_is_noticed(change: dict[str, Any], statement: str) -> None:
     given = {**vars(calls.findings("R-0001")), **change}
     found = problems("list_findings", Call(**given))
-    assert said in " ".join(found)
-    assert bool(found) == bool(said)
+    assert statement in " ".join(found)
+    assert bool(found) == bool(statement)
 
 
 def test_an_unread_field_is_noticed() -> None:

@@ -40,7 +40,7 @@ def violated(service: Service, command: Command) -> str:
     return "R-0001"
 
 
-def said(capsys: pytest.CaptureFixture[str]) -> str:
+def statement(capsys: pytest.CaptureFixture[str]) -> str:
     return capsys.readouterr().out
 
 
@@ -48,7 +48,7 @@ def test_runs_are_listed_filtered_and_limited(
     violated: str, command: Command, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert command("runs") == 0
-    lines = said(capsys).splitlines()
+    lines = statement(capsys).splitlines()
     assert [line.split()[:2] for line in lines] == [["R-0003", "queued"], ["R-0002", "queued"], ["R-0001", "violated"]]
     assert lines[2].endswith("branch=main")
     for options, found in (
@@ -60,31 +60,31 @@ def test_runs_are_listed_filtered_and_limited(
         (("--owner", "nobody"), []),
     ):
         assert command("runs", *options, "--json") == 0
-        assert [run["id"] for run in json.loads(said(capsys))] == found
+        assert [run["id"] for run in json.loads(statement(capsys))] == found
     assert command("runs", "--label", "main") == WRONG_INPUT
     assert "give KEY=VALUE" in capsys.readouterr().err
 
 
 def test_a_run_is_shown(violated: str, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
     assert command("show", violated) == 0, "the exit code of a command that does not wait is not the verdict"
-    text = said(capsys)
+    text = statement(capsys)
     assert text.startswith("R-0001 Violated: Unicycle past a pillar\n")
     for part in ("fails  X: holds", "F1: d_min 1.3 m, margin +0.8 m; vehicle.m = 6.0", "Labels: branch=main"):
         assert part in text
     assert text.rstrip().endswith("/runs/R-0001")
     assert command("show", violated, "--json") == 0
-    assert json.loads(said(capsys))["id"] == violated
+    assert json.loads(statement(capsys))["id"] == violated
     assert command("show", "R-0042") == WRONG_INPUT
     assert "there is no run" in capsys.readouterr().err
 
 
 def test_runs_are_cancelled(violated: str, command: Command, capsys: pytest.CaptureFixture[str]) -> None:
     assert command("cancel", "R-0003", violated) == 0
-    assert said(capsys).splitlines() == ["R-0003 cancelled", "R-0001 done: violated"]
+    assert statement(capsys).splitlines() == ["R-0003 cancelled", "R-0001 done: violated"]
     assert command("cancel", "R-0002", "../x") == WRONG_INPUT
     capsys.readouterr()
     assert command("runs", "--state", "queued", "--json") == 0
-    assert [run["id"] for run in json.loads(said(capsys))] == ["R-0002"], "nothing is sent before all are read"
+    assert [run["id"] for run in json.loads(statement(capsys))] == ["R-0002"], "nothing is sent before all are read"
 
 
 def test_a_name_cannot_write_to_the_terminal_or_break_the_picture(
@@ -95,7 +95,7 @@ def test_a_name_cannot_write_to_the_terminal_or_break_the_picture(
         assert answer.status_code == 201, answer.text
     for words in (("runs",), ("show", "R-0001")):
         assert command(*words) == 0
-        assert "a\ufffd[2J\ufffd<b>" in said(capsys)
+        assert "a\ufffd[2J\ufffd<b>" in statement(capsys)
     finish_fully(service)
     assert command("export", "R-0001", "--out", tmp_path, "--file", "worst-case.svg") == 0
     assert "a\ufffd[2J\ufffd<b>" in "".join(Xml.parse(tmp_path / "worst-case.svg").getroot().itertext())
@@ -106,7 +106,7 @@ def test_files_are_exported(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert command("export", violated) == 0
-    assert len(said(capsys).splitlines()) == len(list((tmp_path / violated).iterdir())) == 5
+    assert len(statement(capsys).splitlines()) == len(list((tmp_path / violated).iterdir())) == 5
     assert command("export", violated, "--out", "p", "--file", "worst-case.svg", "--file", "traces.csv") == 0
     assert sorted(path.name for path in Path("p").iterdir()) == ["traces.csv", "worst-case.svg"]
     picture = Xml.parse("p/worst-case.svg").getroot()
@@ -158,9 +158,9 @@ def test_a_submission_of_a_group_says_what_it_supersedes(
     out, err = capsys.readouterr()
     assert (out, err) == ("R-0004\nR-0005\n", "R-0004 of the group p/main superseded\n")
     assert command("show", "R-0004") == 0
-    assert "R-0005 superseded it in the group p/main" in said(capsys)
+    assert "R-0005 superseded it in the group p/main" in statement(capsys)
     assert command("follow", "R-0004") == 130
-    assert "R-0005 superseded it in the group p/main" in said(capsys)
+    assert "R-0005 superseded it in the group p/main" in statement(capsys)
     assert command("submit", file, "--sweep", "avoider.d_0=1,2", "--group", "g") == WRONG_INPUT
 
 
@@ -173,7 +173,7 @@ def test_a_campaign_is_validated_by_a_service(
     other["scenario"]["vehicle"]["component"] = "hovercraft"
     wrong.write_text(yaml.safe_dump(other))
     assert command("validate", right, "--service", service.url) == 0
-    assert f"can be run by {service.url}. Digest" in said(capsys)
+    assert f"can be run by {service.url}. Digest" in statement(capsys)
     assert command("validate", wrong, right, "--service", service.url) == WRONG_INPUT
     out, err = capsys.readouterr()
     assert "scenario.vehicle.component" in err

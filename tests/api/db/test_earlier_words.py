@@ -20,12 +20,12 @@ from pydantic import TypeAdapter
 from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, migrate, read
 from backend.settings import Settings
-from campaigns.claims.spans import Said, words
+from campaigns.claims.spans import Spans, words
 from tests.audited import audited
 from tests.given.service import Service
 
 STORED = Path(__file__).parents[1] / "stored"
-SAID: TypeAdapter[Said] = TypeAdapter(Said)
+SPANS: TypeAdapter[Spans] = TypeAdapter(Spans)
 DIGESTS = {
     1: "f02f52cd80d2834df88b8c56ca1881238204d3216d629829a291d1e74a2081b1",
     2: "e6b6564ac87df296b5e5db7fbfe44f0859c1164e755c201dedb25f00c8b66df5",
@@ -72,7 +72,7 @@ def texts(stored: Any, found: list[str]) -> list[str]:
         for key, value in sorted(stored.items()):
             if key == "text" and isinstance(value, str):
                 found.append(value)
-            elif key not in ("said", "holds_for", "limit"):
+            elif key not in ("statement", "holds_for", "limit"):
                 texts(value, found)
     elif isinstance(stored, list):
         for item in stored:
@@ -84,10 +84,10 @@ def sentences(answer: Any, found: list[str]) -> list[str]:
     """The plain words of every sentence of an answer, each of which its spans give."""
     if isinstance(answer, dict):
         for key, value in sorted(answer.items()):
-            if key == "text" and isinstance(value, str) and "said" in answer:
-                assert words(SAID.validate_python(answer["said"])) == value
+            if key == "text" and isinstance(value, str) and "statement" in answer:
+                assert words(SPANS.validate_python(answer["statement"])) == value
                 found.append(value)
-            elif key not in ("said", "holds_for", "limit"):
+            elif key not in ("statement", "holds_for", "limit"):
                 sentences(value, found)
     elif isinstance(answer, list):
         for item in answer:
@@ -101,8 +101,8 @@ def test_every_sentence_keeps_its_words(run: str, client: httpx.Client, rows: di
     verdict = detail["summary"]
     assert (verdict["sentence"], verdict["scope"]) == (before["summary"]["sentence"], before["summary"]["scope"])
     assert detail["reason"] == before["reason"]
-    assert words(SAID.validate_python(verdict["said"])) == before["summary"]["sentence"]
-    assert f"Scope: {words(SAID.validate_python(verdict['holds_for']))}" == before["summary"]["scope"]
+    assert words(SPANS.validate_python(verdict["statement"])) == before["summary"]["sentence"]
+    assert f"Scope: {words(SPANS.validate_python(verdict['holds_for']))}" == before["summary"]["scope"]
     assert [(c["name"], c["text"]) for c in verdict["checks"]] == [
         (c["name"], c["text"]) for c in before["summary"]["checks"]
     ]
@@ -116,7 +116,7 @@ def test_every_sentence_keeps_its_words(run: str, client: httpx.Client, rows: di
 
 def test_symbols_and_units_are_set_as_before(client: httpx.Client) -> None:
     verdict = client.get("/api/v1/runs/R-0001").json()["summary"]
-    spans = [*verdict["said"], *verdict["holds_for"]]
+    spans = [*verdict["statement"], *verdict["holds_for"]]
     assert {"kind": "symbol", "name": "d_min", "symbol": "d_min"} in spans
     assert {"kind": "symbol", "name": "vehicle.m", "symbol": "m"} in spans
     assert {"kg", "kg m2", "m", "s"} <= {span["unit"] for span in spans if span["kind"] == "quantity"}

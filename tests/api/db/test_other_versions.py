@@ -31,7 +31,7 @@ STORED = {
     "head": sa.update(Trace).values(meta=ODD | {"obstacles": 7}),
     "columns": sa.update(Trace).values(columns=[ODD] * 10),
 }
-SAID = {
+SPANS = {
     "campaign": "",
     "summary": "",
     "result": "stages",
@@ -69,7 +69,7 @@ def test_it_is_reported_as_of_another_version(
         for path in of_a_run(guest):
             answer = guest.get(re.sub(r"\{\w+\}", "F1", path.replace("{run}", run)), follow_redirects=False)
             assert answer.status_code < 500, (path, answer.text)
-        if what in SAID:
-            address = f"/api/v1/runs/{run}/{SAID[what]}".rstrip("/")
+        if what in SPANS:
+            address = f"/api/v1/runs/{run}/{SPANS[what]}".rstrip("/")
             assert "another version" in str(problem(guest.get(address), 409)["detail"])
         assert guest.get("/api/v1/runs").status_code == 200

@@ -97,7 +97,7 @@ def test_findings_hold_their_evidence(engine: sa.Engine, before: dict[str, Any])
         assert finding.validation.model_dump() == before["findings"][finding.label]
         assert finding.slices is not None
         assert finding.slices.model_dump() == after["slices"]
-        boundary = None if finding.boundary is None else finding.boundary.model_dump(exclude={"said"})
+        boundary = None if finding.boundary is None else finding.boundary.model_dump(exclude={"statement"})
         assert boundary == after["boundary"]
         assert finding.closest is not None
         assert {"name": finding.label, **finding.closest.model_dump()} == closest[finding.label]
@@ -106,7 +106,7 @@ def test_findings_hold_their_evidence(engine: sa.Engine, before: dict[str, Any])
     assert validated.nominal.model_dump() == cases["nominal"]
     assert validated.encounter is not None
     assert {"name": "nominal", **validated.encounter.closest.model_dump()} == closest["nominal"]
-    new = {"stop": {"said", "code", "values"}}
+    new = {"stop": {"statement", "code", "values"}}
     assert [row.model_dump(exclude=new) for row in validated.comparison] == before["validate"]["comparison"]
 
 

@@ -101,7 +101,7 @@ def test_flights_as_mcap_hold_every_row(guest: httpx.Client, run: str) -> None:
     data = exported(guest, run, "traces.mcap")
     found = messages(data)
     expected = flight("F1", passing=0.8)
-    assert {topic: said[0]["schema"] for topic, said in found.items() if topic.startswith("/F1/")} == {
+    assert {topic: statement[0]["schema"] for topic, statement in found.items() if topic.startswith("/F1/")} == {
         "/F1/trajectory": "foxglove.PosesInFrame",
         "/F1/scene": "foxglove.SceneUpdate",
         "/F1/pose": "foxglove.PoseInFrame",
@@ -248,7 +248,7 @@ def test_the_capsule_of_an_evaluated_run_replays_to_the_same_bits(
     assert read_sources(file) == {OWN: text}
     for named in (["R-0001", "--data", str(bare.settings.data)], [str(file)]):
         assert invoke(["replay", *named, "--json"]) == 0
-        said = json.loads(capsys.readouterr().out)
-        assert (said["agrees"], said["differences"]) == (True, [])
-        assert {case["agreement"] for case in said["cases"]} == {"same bits"}
-    assert said["component_changes"] == []
+        statement = json.loads(capsys.readouterr().out)
+        assert (statement["agrees"], statement["differences"]) == (True, [])
+        assert {case["agreement"] for case in statement["cases"]} == {"same bits"}
+    assert statement["component_changes"] == []

@@ -158,10 +158,10 @@ REFUSED: list[tuple[dict[str, Any], str, str]] = [
 
 def test_what_cannot_be_asked_for_is_refused(service: Service, client: httpx.Client, held: Path) -> None:
     run = submit(client)
-    for asked, kind, said in REFUSED:
+    for asked, kind, statement in REFUSED:
         refused = problem(client.post(address(run), json=asked), 422)
         assert refused["type"] == f"urn:clearance:problem:{kind}", asked
-        assert said in refused["detail"]
+        assert statement in refused["detail"]
     assert not list(held.glob("*.begun")), "nothing was simulated"
 
 

@@ -62,11 +62,11 @@ def test_one_process_answers_many(live: Live) -> None:
 
 
 @pytest.mark.parametrize(
-    ("does", "said"), [(1, "ended unexpectedly"), (2, "unreadable"), (3, "timed out"), (5, "unreadable")]
+    ("does", "statement"), [(1, "ended unexpectedly"), (2, "unreadable"), (3, "timed out"), (5, "unreadable")]
 )
-def test_a_process_that_fails_is_reported_and_restarted(live: Live, does: int, said: str) -> None:
+def test_a_process_that_fails_is_reported_and_restarted(live: Live, does: int, statement: str) -> None:
     before = fly(live)["pid"]
-    with pytest.raises(LiveError, match=said):
+    with pytest.raises(LiveError, match=statement):
         fly(live, does)
     assert fly(live)["pid"] != before
 
@@ -89,13 +89,13 @@ def test_a_refusal_is_a_sentence_and_no_failure(live: Live) -> None:
 
 def test_a_failure_is_reported_to_all_waiting_clients(live: Live) -> None:
     fly(live)
-    said: list[str] = []
+    statement: list[str] = []
 
     def ask(does: float) -> None:
         try:
             fly(live, does)
         except LiveError as error:
-            said.append(str(error))
+            statement.append(str(error))
 
     threads = [threading.Thread(target=ask, args=(does,), daemon=True) for does in (3, 0, 0)]
     threads[0].start()
@@ -104,7 +104,7 @@ def test_a_failure_is_reported_to_all_waiting_clients(live: Live) -> None:
         thread.start()
     for thread in threads:
         thread.join(10)
-    assert len(said) == 3
+    assert len(statement) == 3
     assert fly(live)["status"] == "ok"
 
 

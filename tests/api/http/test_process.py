@@ -141,25 +141,25 @@ Refused = Callable[..., str]
 def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Refused:
     """What the program says when it does not begin, here in this process."""
 
-    def said(**settings: str) -> str:
+    def statement(**settings: str) -> str:
         for name, value in {"CLEARANCE_DATA": str(tmp_path), "CLEARANCE_PORT": "0", **settings}.items():
             monkeypatch.setenv(name, value)
         assert main() == 2
         return capsys.readouterr().err
 
-    return said
+    return statement
 
 
 def test_a_bind_other_than_loopback_is_refused_with_a_sentence(refused: Refused, tmp_path: Path) -> None:
-    said = refused(CLEARANCE_HOST="0.0.0.0")
-    assert "CLEARANCE_ALLOW_ANY_HOST=true" in said
+    statement = refused(CLEARANCE_HOST="0.0.0.0")
+    assert "CLEARANCE_ALLOW_ANY_HOST=true" in statement
     assert not list(tmp_path.iterdir())
 
 
 def test_a_taken_port_and_an_unknown_database_are_reported_in_a_sentence(refused: Refused) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        said = refused(CLEARANCE_PORT=str(taken.getsockname()[1]))
-    assert "cannot listen on 127.0.0.1:" in said
+        statement = refused(CLEARANCE_PORT=str(taken.getsockname()[1]))
+    assert "cannot listen on 127.0.0.1:" in statement
     assert "mysql" in refused(CLEARANCE_DATABASE="mysql://x/y")
 
 

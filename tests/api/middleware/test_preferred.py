@@ -40,10 +40,10 @@ def numbers() -> Iterator[tuple[str, str, bool, str]]:
 
 
 def test_every_number_that_is_described_as_a_time_is_marked() -> None:
-    said = {(model, field) for model, field, _, text in numbers() if "since 1970" in text}
+    statement = {(model, field) for model, field, _, text in numbers() if "since 1970" in text}
     marked = {(model, field) for model, field, is_marked, _ in numbers() if is_marked}
-    assert said
-    assert said <= marked
+    assert statement
+    assert statement <= marked
     assert {("RunSummary", "created"), ("Workers", "now"), ("StageProgress", "finished")} <= marked
     assert marked.isdisjoint({("RunSummary", "margin"), ("StageProgress", "seconds"), ("RunDetail", "remaining")})
 

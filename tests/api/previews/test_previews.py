@@ -63,15 +63,15 @@ def test_a_failed_preview_gives_its_reason(service: Service, client: httpx.Clien
 
 
 @pytest.mark.parametrize(
-    ("name", "status", "said"),
+    ("name", "status", "statement"),
     [("dies", 503, "ended unexpectedly"), ("slow", 503, "timed out"), ("refused", 422, "there is no trim")],
 )
 def test_a_process_that_cannot_simulate_is_reported(
-    service: Service, client: httpx.Client, name: str, status: int, said: str
+    service: Service, client: httpx.Client, name: str, status: int, statement: str
 ) -> None:
     stand_in(service, limit=1.0)
     refused = problem(client.post(PREVIEW, json={"campaign": campaign(name=name)}), status)
-    assert said in refused["detail"]
+    assert statement in refused["detail"]
     assert client.post(PREVIEW, json={"campaign": campaign()}).status_code == 200
 
 
@@ -160,18 +160,18 @@ def test_only_the_newest_request_is_simulated_and_the_queue_is_bounded(monkeypat
 
 def test_a_stop_waits_for_no_preview(service: Service) -> None:
     stand_in(service, limit=60.0)
-    said: list[Any] = []
+    statement: list[Any] = []
 
     def ask() -> None:
         with service.signed_in() as client:
             try:
-                said.append(client.post(PREVIEW, json={"campaign": campaign(name="slow")}).status_code)
+                statement.append(client.post(PREVIEW, json={"campaign": campaign(name="slow")}).status_code)
             except httpx.TransportError as error:
-                said.append(error)
+                statement.append(error)
 
     thread = threading.Thread(target=ask, daemon=True)
     thread.start()
     until(lambda: service.app.state.previews.live._child and service.app.state.previews.live._child._asked)
     service.stop()
     thread.join(10)
-    assert len(said) == 1
+    assert len(statement) == 1

@@ -98,7 +98,7 @@ def sign_in(client: httpx.Client, to: str = "") -> httpx.Response:
     return client.get(back_from(client, to).headers["location"])
 
 
-def said(answer: httpx.Response) -> str:
+def statement(answer: httpx.Response) -> str:
     found = re.search(r'role="alert">(.*?)</p>', answer.text)
     assert found is not None, answer.text
     return found[1]
@@ -150,7 +150,7 @@ def test_the_role_follows_the_groups_and_ends_with_them(service: Service, browse
         local.person["groups"] = ["x"]
         refused = sign_in(other)
         assert refused.status_code == 403
-        assert "None of your groups" in said(refused)
+        assert "None of your groups" in statement(refused)
         for client in (browser, other):
             problem(client.get(f"{API}/session", headers={"accept": "application/json"}), 401)
     with service.visitor(authorization=f"Bearer {token}") as program:
@@ -188,7 +188,7 @@ def test_a_name_or_an_address_takes_over_no_account(service: Service, browser: h
         problem(admin.post(f"{API}/users/{mine}/invitation"), 409)
         assert admin.patch(f"{API}/users/{mine}", json={"disabled": True}).json()["state"] == "disabled"
         local.person = {"sub": "s-3", "groups": ["eng"]}
-        assert "withdrawn" in said(sign_in(browser))
+        assert "withdrawn" in statement(sign_in(browser))
         assert newest(service, "session.failed")[2]["reason"] == "disabled"
 
 
@@ -224,7 +224,7 @@ def test_an_invalid_answer_opens_no_session(
     before = service.rows()["sessions"]
     refused = sign_in(browser, f"{ROOT}/runs")
     assert refused.status_code == 403
-    assert reason in said(refused)
+    assert reason in statement(refused)
     assert service.rows()["sessions"] == before
     assert service.settings.cookie not in browser.cookies
     user, via, detail = newest(service, "session.failed")
@@ -258,16 +258,16 @@ def test_an_answer_is_valid_once_and_in_its_own_browser(service: Service, browse
     address = back_from(browser).headers["location"]
     cookies = dict(browser.cookies)
     with service.visitor(accept="text/html") as other:  # a link that was sent to another user
-        assert "not begun in this browser" in said(other.get(address))
+        assert "not begun in this browser" in statement(other.get(address))
         back_from(other)
-        assert "not begun in this browser" in said(other.get(address))
+        assert "not begun in this browser" in statement(other.get(address))
     assert browser.get(address).status_code == 303
     with service.visitor(accept="text/html") as replay:
         replay.cookies.update(cookies)
-        assert "used already" in said(replay.get(address))
+        assert "used already" in statement(replay.get(address))
     begun = back_from(browser).headers["location"]
-    assert said(browser.get(begun.replace("state=", "state=x")))
-    assert said(browser.get(f"{BEGIN}/return"))
+    assert statement(browser.get(begun.replace("state=", "state=x")))
+    assert statement(browser.get(f"{BEGIN}/return"))
     assert len(local.codes) == 2, "the provider was not asked for them"
 
 
@@ -282,14 +282,14 @@ def test_an_altered_cookie_is_refused(service: Service, browser: httpx.Client) -
 
 def test_what_the_provider_refuses_is_a_sentence(browser: httpx.Client, local: Local) -> None:
     local.denied = True
-    assert "access was denied" in said(sign_in(browser))
+    assert "access was denied" in statement(sign_in(browser))
     local.denied, local.returned = False, {"error": "<script>", "error_description": "x"}
     answer = sign_in(browser)
     assert (answer.status_code, "<script>" in answer.text) == (403, False)
     local.returned = {}
     back = back_from(browser).headers["location"]
     local.codes.clear()
-    assert "invalid_grant" in said(browser.get(back))
+    assert "invalid_grant" in statement(browser.get(back))
 
 
 def test_a_provider_that_is_down_is_a_sentence(service: Service, browser: httpx.Client, local: Local) -> None:
@@ -298,7 +298,7 @@ def test_a_provider_that_is_down_is_a_sentence(service: Service, browser: httpx.
     local.down, provider._documents._keys_at = True, -1e9
     answer = browser.get(back)
     assert (answer.status_code, answer.headers["retry-after"]) == (502, "60")
-    assert "could not be reached" in said(answer)
+    assert "could not be reached" in statement(answer)
     provider._documents._metadata_at = -1e9
     begun = browser.get(BEGIN, params={"next": f"{ROOT}/runs?q=x"})
     assert begun.status_code == 502

@@ -61,7 +61,7 @@ def test_it_has_every_section_and_figure(client: httpx.Client, run: str) -> None
 @BOTH
 def test_its_numbers_are_those_that_are_stored(client: httpx.Client, run: str) -> None:
     text = html.unescape(re.sub(r"<[^>]+>", "", report(client, run)))
-    for said in (
+    for statement in (
         "dmin stayed above 0.5\u202fm in all 1\u202f000 evaluations. A search can miss a worse case.",
         "At most 5\u202f% of the flights have dmin below 1.33\u202fm.",
         "0 of 3\u202f000 samples drawn violate the criterion",
@@ -70,7 +70,7 @@ def test_its_numbers_are_those_that_are_stored(client: httpx.Client, run: str) -
         "numpy 2.4.6",
         "A CPU",
     ):
-        assert said in text, said
+        assert statement in text, statement
     told = client.get(f"/api/v1/runs/{run}/exports/run.json").json()
     assert told["results_digest"] in text
     assert told["run"]["campaign_digest"] in text
@@ -227,7 +227,7 @@ def test_numbers_as_in_print() -> None:
     assert numbers.unit_in_print("N s2/m") == "N·s²/m"
     terms = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "avoider.dpsi": "dpsi"}, {"m", "m/s", "kg m2"})
     stored = "a < d_min and d_min2; vehicle.m at -0.2 m/s, 3e-06 kg m2, vehicle.mass, 2 metres."
-    set_ = words.drawn(earlier.said(stored, terms))
+    set_ = words.drawn(earlier.statement(stored, terms))
     assert set_ == (
         'a &lt; <i class="v">d</i><sub>min</sub> and d_min2; <i class="v" title="vehicle.m">m</i> '
         "at \u22120.2\u202fm/s, 3e\u221206\u202fkg·m², vehicle.mass, 2 metres."

@@ -288,7 +288,7 @@ def test_a_deleted_requirement_that_a_run_violates_stays_a_row(service: Service,
 
 
 @pytest.mark.parametrize(
-    ("content", "kind", "said"),
+    ("content", "kind", "statement"),
     [
         (b"id,text\nA,x\nA,y\n", "csv", "the id 'A' occurs more than once"),
         (b"id,text\n" + b"a" * 121 + b",x\n", "csv", "at most 120 characters"),
@@ -299,9 +299,9 @@ def test_a_deleted_requirement_that_a_run_violates_stays_a_row(service: Service,
     ],
 )
 def test_a_file_that_is_not_acceptable_changes_nothing(
-    guest: httpx.Client, content: bytes, kind: str, said: str
+    guest: httpx.Client, content: bytes, kind: str, statement: str
 ) -> None:
-    assert said in str(problem(sent(guest, content, kind=kind), 422)["detail"])
+    assert statement in str(problem(sent(guest, content, kind=kind), 422)["detail"])
     assert guest.get(f"{AT}/files").json() == []
 
 

@@ -92,7 +92,7 @@ def test_a_label_that_no_run_has_is_stated(client: httpx.Client) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "statement"),
     [
         ("R-0042", "R-0042 cannot be the baseline: there is no such run"),
         ("main", "invalid baseline 'main': give a run such as R-0001, or label:KEY=VALUE"),
@@ -101,8 +101,8 @@ def test_a_label_that_no_run_has_is_stated(client: httpx.Client) -> None:
         ("R-999999999999999", "there is no such run"),
     ],
 )
-def test_what_is_no_run_is_refused(client: httpx.Client, given: str, said: str) -> None:
-    assert said in refused(client, baseline=given)
+def test_what_is_no_run_is_refused(client: httpx.Client, given: str, statement: str) -> None:
+    assert statement in refused(client, baseline=given)
     assert client.get("/api/v1/runs").json()["items"] == []
 
 
@@ -185,13 +185,13 @@ def test_the_changes_are_in_the_run_the_report_and_the_export(service: Service, 
     known: dict[str, Any] = {"parameters": PARAMETERS, "margin_before": 0.9}
     worse = FindingChange(
         standing=Standing.WORSE, before="F1", now="F1", evaluation=0, margin_again=0.8, margin=0.8, change=-0.1,
-        tolerance=0.001, fails=True, said=say("F1 of R-0001 is worse"), **known,
+        tolerance=0.001, fails=True, statement=say("F1 of R-0001 is worse"), **known,
     )  # fmt: skip
-    gone = FindingChange(standing=Standing.NOT_COMPARED, before="F2", now=None, said=say(lost), **known)
+    gone = FindingChange(standing=Standing.NOT_COMPARED, before="F2", now=None, statement=say(lost), **known)
     told = "Changes of the findings since R-0001: 1 worse, 1 not compared. The policy of the campaign fails: <b>."
     made = Regression(
         run="R-0001", position=1, cases=[worse, gone], fail_on=["worse"], ok=False, quantity="d_min", unit="m",
-        said=say(told),
+        statement=say(told),
     )  # fmt: skip
     with service.engine.begin() as writer:
         summary = writer.scalar(sa.select(Run.summary).where(Run.id == 2))

@@ -56,9 +56,9 @@ OTHERWISE = [
 ]
 
 
-@pytest.mark.parametrize(("change", "said"), OTHERWISE)
+@pytest.mark.parametrize(("change", "statement"), OTHERWISE)
 def test_a_run_started_by_other_code_is_refused_with_the_differences(
-    service: Service, client: httpx.Client, change: dict[str, object], said: str
+    service: Service, client: httpx.Client, change: dict[str, object], statement: str
 ) -> None:
     submit(client)
     first = claimed(service)
@@ -69,7 +69,7 @@ def test_a_run_started_by_other_code_is_refused_with_the_differences(
     here = VERSIONS.model_copy(update=change)
     with pytest.raises(OtherCode) as refused:
         second.record_versions(here, OTHER if "code" in change else CODE)
-    assert str(refused.value).startswith(said)
+    assert str(refused.value).startswith(statement)
     assert versions(service) == VERSIONS
 
 

@@ -56,7 +56,7 @@ def test_labels_are_given_at_launch_and_filter_the_list(client: httpx.Client) ->
 
 
 @pytest.mark.parametrize(
-    ("labels", "said"),
+    ("labels", "statement"),
     [
         ({"a b": "x"}, "invalid label key 'a b': a letter, then letters, digits"),
         ({"branch": ""}, "invalid value '' of the label branch"),
@@ -66,9 +66,9 @@ def test_labels_are_given_at_launch_and_filter_the_list(client: httpx.Client) ->
         ({"branch": "a\u0000b"}, "null characters"),
     ],
 )
-def test_a_bad_label_is_refused_with_a_sentence(client: httpx.Client, labels: Any, said: str) -> None:
+def test_a_bad_label_is_refused_with_a_sentence(client: httpx.Client, labels: Any, statement: str) -> None:
     refused = problem(launched(client, labels=labels), 422)
-    assert said in refused["errors"][0]["message"]
+    assert statement in refused["errors"][0]["message"]
     assert refused["errors"][0]["field"].startswith("labels")
     assert listed(client) == []
 

@@ -20,10 +20,10 @@ from tests.given.small_catalogue import campaign
 from tests.given.submissions import submit
 
 FAILING = [
-    Check(code="validation", ok=False, said=results.said("the integrations disagree for F1")),
-    Check(code="agreement", ok=False, said=results.said("only DIRECT reached the worst case")),
-    Check(code="probability", ok=False, said=results.said("the bound of 9 % is above the required 5 %")),
-    Check(code="motion", ok=False, said=results.said("the vehicle moves 0 m")),
+    Check(code="validation", ok=False, statement=results.statement("the integrations disagree for F1")),
+    Check(code="agreement", ok=False, statement=results.statement("only DIRECT reached the worst case")),
+    Check(code="probability", ok=False, statement=results.statement("the bound of 9 % is above the required 5 %")),
+    Check(code="motion", ok=False, statement=results.statement("the vehicle moves 0 m")),
 ]
 
 

@@ -237,8 +237,8 @@ def test_the_command_purges(
 ) -> None:
     client.delete(run, params=WHY)
     assert invoke(["purge", "--older-than", "0d", "--yes", "--database", service.settings.database]) == 0
-    said = capsys.readouterr().out
-    assert "1 run purged." in said
-    assert "autovacuum" in said
+    statement = capsys.readouterr().out
+    assert "1 run purged." in statement
+    assert "autovacuum" in statement
     assert client.get(run).status_code == 410
     assert service.rows()["evaluation_chunks"] == 0

@@ -72,8 +72,8 @@ def test_the_command_line_runs_it_to_a_verdict(
     names = [c["name"] for c in found["checks"]]
     assert "repetition" in names
     assert {"closest approach", "motion", "avoidance", "validation"}.isdisjoint(names)
-    said = found["reason"] + " ".join(c["text"] for c in found["checks"])
-    assert not [word for word in VERSIONS if word in said]
+    statement = found["reason"] + " ".join(c["text"] for c in found["checks"])
+    assert not [word for word in VERSIONS if word in statement]
     if verdict == "cleared":
         assert "Whether an encounter takes place was not checked." in found["reason"]
     if verdict == "violated":
@@ -152,18 +152,18 @@ def test_an_unknown_simulator_is_refused(visit: Visit) -> None:
 
 
 @pytest.mark.parametrize(
-    ("command", "said"),
+    ("command", "statement"),
     [
         # by day the folder of the command line's run is audited, above
         pytest.param("audit", "follows", marks=pytest.mark.nightly),
         ("replay", "All 2 agree."),
     ],
 )
-def test_the_stored_run_is_audited_and_replayed(visit: Visit, clearance: Command, command: str, said: str) -> None:
+def test_the_stored_run_is_audited_and_replayed(visit: Visit, clearance: Command, command: str, statement: str) -> None:
     _, run, data = visit
     code, shown, errors = clearance(command, run, "--data", str(data))
     assert code == 0, shown + errors
-    assert said in shown
+    assert statement in shown
 
 
 KEY = "0b6c1e0e-4f5a-4a3b-9d1c-2f8e7a6b5c4d"

@@ -142,7 +142,7 @@ def test_a_service_that_cannot_be_reached_is_reported(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "statement"),
     [
         (["follow", "R-0042"], "there is no run"),
         (["follow", "../tokens"], "invalid run number"),
@@ -152,21 +152,21 @@ def test_a_service_that_cannot_be_reached_is_reported(
     ],
 )
 def test_an_impossible_request_is_reported(
-    command: Command, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    command: Command, arguments: list[str], statement: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert command(*arguments).result(30) == WRONG_INPUT
-    assert said in capsys.readouterr().err
+    assert statement in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
-    ("token", "said"), [("", "no API token"), ("clr_wrong", "token"), ("zwei Worte", "one ASCII word")]
+    ("token", "statement"), [("", "no API token"), ("clr_wrong", "token"), ("zwei Worte", "one ASCII word")]
 )
 def test_a_token_is_needed(
-    command: Command, token: str, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    command: Command, token: str, statement: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("CLEARANCE_TOKEN", token)
     assert command("follow", "R-0001").result(30) == WRONG_INPUT
-    assert said in capsys.readouterr().err
+    assert statement in capsys.readouterr().err
 
 
 def test_refusals_of_the_service_are_reported_by_field(
@@ -177,8 +177,8 @@ def test_refusals_of_the_service_are_reported_by_field(
     file = tmp_path / "hover.yaml"
     file.write_text(yaml.safe_dump(document))
     assert command("submit", file).result(30) == WRONG_INPUT
-    said = capsys.readouterr().err
-    assert "hover.yaml cannot be used:" in said
-    assert "scenario.vehicle.component" in said
-    assert "hovercraft" in said
+    statement = capsys.readouterr().err
+    assert "hover.yaml cannot be used:" in statement
+    assert "scenario.vehicle.component" in statement
+    assert "hovercraft" in statement
     assert not queued(service)

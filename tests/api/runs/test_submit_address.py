@@ -55,7 +55,7 @@ def test_json_takes_them_from_the_address_or_the_body_but_each_once(client: http
 
 
 @pytest.mark.parametrize(
-    ("query", "field", "said"),
+    ("query", "field", "statement"),
     [
         ({"label": "main"}, "label", "give KEY=VALUE"),
         ({"label": ["branch=a", "branch=b"]}, "label", "given twice"),
@@ -69,9 +69,9 @@ def test_json_takes_them_from_the_address_or_the_body_but_each_once(client: http
     ],
 )
 def test_what_is_not_allowed_is_refused_with_its_name(
-    client: httpx.Client, query: Query, field: str, said: str
+    client: httpx.Client, query: Query, field: str, statement: str
 ) -> None:
-    assert said in message(submitted(client, query), field)
+    assert statement in message(submitted(client, query), field)
     assert client.get("/api/v1/runs").json()["items"] == []
 
 

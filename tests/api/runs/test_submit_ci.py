@@ -77,7 +77,7 @@ def test_a_verdict_is_reused(
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "statement"),
     [
         (["--baseline", "R-0042"], "baseline: R-0042 cannot be the baseline: there is no such run (given: R-0042)"),
         (["--label", "branch"], "invalid label 'branch': give KEY=VALUE, such as branch=main"),
@@ -87,10 +87,15 @@ def test_a_verdict_is_reused(
     ],
 )
 def test_what_cannot_be_done_is_refused_before_a_run_is_queued(
-    service: Service, command: Command, file: Path, options: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    service: Service,
+    command: Command,
+    file: Path,
+    options: list[str],
+    statement: str,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert command("submit", str(file), *options).result(30) == WRONG_INPUT
-    assert said in capsys.readouterr().err
+    assert statement in capsys.readouterr().err
     assert service.rows()["runs"] == 0
 
 
@@ -108,10 +113,13 @@ def test_a_job_that_is_stopped_cancels_its_run_if_asked(service: Service, tmp_pa
         while "queued" not in (line := waiting.stderr.readline()):
             assert line, "it has ended"
         waiting.send_signal(signal.SIGTERM)
-        said = waiting.communicate(timeout=30)[1]
+        statement = waiting.communicate(timeout=30)[1]
         with service.signed_in() as client:
             state = client.get(f"/api/v1/runs/R-000{number}").json()["state"]
-        states[state] = (waiting.returncode, f"R-000{number} was cancelled, because this command was ended" in said)
+        states[state] = (
+            waiting.returncode,
+            f"R-000{number} was cancelled, because this command was ended" in statement,
+        )
     assert states == {"queued": (-signal.SIGTERM, False), "cancelled": (INTERRUPTED, True)}
 
 

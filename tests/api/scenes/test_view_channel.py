@@ -52,7 +52,7 @@ def address(run: str, key: str = KEY) -> str:
     return f"/api/v1/runs/{run}/views/{key}"
 
 
-def said(state: dict[str, Any]) -> dict[str, Any]:
+def statement(state: dict[str, Any]) -> dict[str, Any]:
     """The predictable part of a view's state."""
     assert state["revision"] > 0
     return {name: state[name] for name in ("opened", "flight", "time", "camera", "playing", "theme")}
@@ -63,10 +63,10 @@ def test_a_page_controls_its_view_and_receives_its_state(service: Service, clien
         shown = {"flight": "F1", "time": 2.0, "camera": "overview", "playing": False, "theme": "light"}
         answer = client.get(address(run), params={"wait": 10}).json()
         shown["opened"] = answer["opened"]
-        assert said(answer) == shown
+        assert statement(answer) == shown
         assert time.time() - 30 < answer["opened"] <= time.time()
         Panel(connection, last="Search")
-        assert said(steer(client, run, flight="F2", time=7.25)) == shown | {"flight": "F2", "time": 7.25}
+        assert statement(steer(client, run, flight="F2", time=7.25)) == shown | {"flight": "F2", "time": 7.25}
         received = frames_until(connection, b"F2 0.8500 m")
         assert b"/flights/worst/path" in received
         assert b"/flights/nominal/path" not in received, "only what is new is drawn"
@@ -81,7 +81,7 @@ def test_a_page_controls_its_view_and_receives_its_state(service: Service, clien
         assert steer(client, run, step=-1e9)["time"] == 0.0
         assert steer(client, run, playing=True)["playing"]
         until(lambda: client.get(address(run)).json()["time"] > 0.05)
-        assert said(steer(client, run, closest=True)) == {
+        assert statement(steer(client, run, closest=True)) == {
             "opened": answer["opened"],
             "flight": "F2",
             "time": pytest.approx(10.0, abs=0.01),
@@ -269,8 +269,8 @@ def test_a_view_whose_thread_fails_says_so_and_can_be_opened_again(
         monkeypatch.setattr(Replay, "advance", fails)
         steer(client, run, playing=True)
         known["revision"] += 1
-        said = problem(client.get(address(run), params={"since": known["revision"], "wait": 20}), 410)
-        assert said["detail"] == FAILED
+        statement = problem(client.get(address(run), params={"since": known["revision"], "wait": 20}), 410)
+        assert statement["detail"] == FAILED
         frames_until(connection, FAILED.encode())
         for refused in (client.get(address(run)), client.patch(address(run), json={"time": 1.0})):
             assert problem(refused, 410)["detail"] == FAILED

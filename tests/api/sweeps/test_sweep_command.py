@@ -63,10 +63,10 @@ ENDS: dict[tuple[str, ...], int] = {
 def test_the_worst_run_decides(submit: Submit, service: Service, capsys: Any, tmp_path: Path) -> None:
     for verdicts, code in ENDS.items():
         assert submit("--sweep", "avoider.d_0=2,1", "--out", str(tmp_path), work=steps(service, verdicts)) == code
-        said = capsys.readouterr()
-        lines = said.out.splitlines()
+        statement = capsys.readouterr()
+        lines = statement.out.splitlines()
         assert [line.partition("  R-")[0] for line in lines] == ["avoider.d_0 = 1", "avoider.d_0 = 2"]
-        assert ": 2 queued\n" in said.err
+        assert ": 2 queued\n" in statement.err
         for verdict, line in zip(verdicts, lines[::-1], strict=True):
             if verdict == "failed":
                 assert line.endswith("failed: no verdict; the state diverged.")
@@ -99,7 +99,7 @@ WRONG = {
 
 
 def test_what_is_refused(submit: Submit, service: Service, capsys: Any) -> None:
-    for given, said in WRONG.items():
+    for given, statement in WRONG.items():
         assert submit("--sweep", given) == WRONG_INPUT
-        assert said in capsys.readouterr().err
+        assert statement in capsys.readouterr().err
     assert service.rows()["runs"] == 0

@@ -89,7 +89,7 @@ def test_a_repeated_request_launches_nothing(service: Service, client: httpx.Cli
 
 
 @pytest.mark.parametrize(
-    ("changes", "field", "said"),
+    ("changes", "field", "statement"),
     [
         ({"path": "vehicle.m"}, "path", "is uncertain"),
         ({"path": "avoider.d_1"}, "path", "did you mean 'avoider.d_0'?"),
@@ -107,12 +107,12 @@ def test_a_repeated_request_launches_nothing(service: Service, client: httpx.Cli
         ({"name": "\ud800"}, "name", "surrogate"),
     ],
 )
-def test_all_or_none(still: Service, guest: httpx.Client, changes: Any, field: str, said: str) -> None:
+def test_all_or_none(still: Service, guest: httpx.Client, changes: Any, field: str, statement: str) -> None:
     body = json.dumps(asked(**changes))  # as ASCII, which can write what is not Unicode text
     answer = problem(guest.post("/api/v1/sweeps", content=body, headers=JSON), 422)
     errors: Any = answer["errors"]
     assert field in [error["field"] for error in errors], errors
-    assert said in str(errors)
+    assert statement in str(errors)
     rows = still.rows()
     assert rows["sweeps"] == rows["runs"] == 0
 

@@ -192,7 +192,7 @@ def test_a_line_that_is_nested_too_deeply_is_refused(tmp_path: Path, capsys: pyt
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "statement"),
     [
         ("detail = 'not JSON'", "Row 2 was changed"),
         ("detail = '[' || replace(hex(zeroblob(60000)), '0', '[')", "Row 2 was changed"),
@@ -205,7 +205,7 @@ def test_a_line_that_is_nested_too_deeply_is_refused(tmp_path: Path, capsys: pyt
     ],
 )
 def test_strange_values_are_found_and_the_rest_is_read(
-    bare: Service, change: str, said: str, capsys: pytest.CaptureFixture[str]
+    bare: Service, change: str, statement: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with bare.engine.begin() as writer:
         for i in range(2):
@@ -214,7 +214,7 @@ def test_strange_values_are_found_and_the_rest_is_read(
             writer.exec_driver_sql(lift)
         writer.exec_driver_sql(f"update audit set {change} where id = 2")
     assert invoke(["trail", "verify", "--data", str(bare.settings.data)]) == VIOLATED
-    assert said in capsys.readouterr().out
+    assert statement in capsys.readouterr().out
     if "JSON" in change:
         with bare.signed_in() as admin:
             assert admin.get(AUDIT).json()["items"][-2]["detail"] == {"unreadable": "not JSON"}

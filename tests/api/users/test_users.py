@@ -90,7 +90,7 @@ def test_an_invitation_is_single_use(service: Service, admin: httpx.Client) -> N
 
 
 @pytest.mark.parametrize(
-    ("password", "again", "said"),
+    ("password", "again", "statement"),
     [
         ("short", "short", "12 to 200 characters"),
         ("x" * 201, "x" * 201, "12 to 200 characters"),
@@ -99,14 +99,14 @@ def test_an_invitation_is_single_use(service: Service, admin: httpx.Client) -> N
     ],
 )
 def test_a_password_that_cannot_be_used_leaves_the_invitation_open(
-    service: Service, admin: httpx.Client, password: str, again: str, said: str
+    service: Service, admin: httpx.Client, password: str, again: str, statement: str
 ) -> None:
     path = invited(admin, name("bea"), "viewer")
     code = path.partition("code=")[2]
     with service.visitor() as client:
         answer = client.post("/invite", data={"code": code, "password": password, "again": again})
         assert answer.status_code == 422
-        assert said in answer.text
+        assert statement in answer.text
         assert password not in answer.text or len(password) < 6
         assert accept(client, path).status_code == 303
 

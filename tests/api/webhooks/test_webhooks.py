@@ -131,9 +131,9 @@ def test_a_refused_message_is_repeated_under_its_id(
     assert {request.headers["webhook-id"] for request in receiver.requests} == {item["id"]}
     assert [request.headers["clearance-attempt"] for request in receiver.requests] == ["1", "2", "3"]
     assert {request.path for request in receiver.requests} == {"/hook/token-in-the-path"}  # no redirect was followed
-    said = [record.getMessage() for record in caplog.records if "webhook" in record.getMessage()]
-    assert "responded with 500 Internal Server Error" in said[0]
-    assert "a redirect, which is not followed" in said[1]
+    statement = [record.getMessage() for record in caplog.records if "webhook" in record.getMessage()]
+    assert "responded with 500 Internal Server Error" in statement[0]
+    assert "a redirect, which is not followed" in statement[1]
     assert "token-in-the-path" not in caplog.text
     assert SECRET not in caplog.text
 
@@ -355,7 +355,7 @@ ADDRESS = "https://user:hidden-password@hooks.example/services/hidden-path"
 
 
 @pytest.mark.parametrize(
-    ("addresses", "secret", "private", "said"),
+    ("addresses", "secret", "private", "statement"),
     [
         (ADDRESS, "", "", "a secret that signs the messages is required"),
         (ADDRESS, "hidden-secret", "", "not a secret"),
@@ -370,11 +370,13 @@ ADDRESS = "https://user:hidden-password@hooks.example/services/hidden-path"
         (ADDRESS, SECRET, "perhaps", "CLEARANCE_WEBHOOK_PRIVATE"),
     ],
 )
-def test_wrong_settings_are_refused_without_their_secrets(addresses: str, secret: str, private: str, said: str) -> None:
+def test_wrong_settings_are_refused_without_their_secrets(
+    addresses: str, secret: str, private: str, statement: str
+) -> None:
     given = {"CLEARANCE_WEBHOOKS": addresses, "CLEARANCE_WEBHOOK_SECRET": secret, "CLEARANCE_WEBHOOK_PRIVATE": private}
     with pytest.raises(ValueError, match="CLEARANCE_WEBHOOK") as error:
         Settings.load(given)
-    assert said in str(error.value)
+    assert statement in str(error.value)
     assert "hidden" not in str(error.value)
 
 

@@ -53,9 +53,9 @@ def test_the_library_stays_far_below(name: str) -> None:
 def test_what_no_machine_can_hold_is_refused_with_what_to_lower(
     changes: dict[str, Any], field: str, message: str
 ) -> None:
-    ((found, said),) = problems(campaign(**changes))
+    ((found, statement),) = problems(campaign(**changes))
     assert found == field
-    assert said.startswith(message)
+    assert statement.startswith(message)
 
 
 def test_a_large_campaign_is_none_of_these() -> None:

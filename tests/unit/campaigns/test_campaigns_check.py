@@ -231,13 +231,13 @@ def test_options_that_may_be_nothing() -> None:
     entry = method.model_copy(update={"options": {"properties": {"limit": rule}}})
     changed = known.model_copy(update={"methods": [entry]})
 
-    def said(value: Any) -> list[str]:
+    def statement(value: Any) -> list[str]:
         asked = searching({"method": "direct", "evaluations": 10, "options": {"limit": value}})
         return [p.message for p in check(asked, changed)]
 
-    assert said(None) == said(0.5) == said(2) == []
-    assert said(0) == ["expected above 0"]
-    assert said("x") == ["expected a value of type number"]
+    assert statement(None) == statement(0.5) == statement(2) == []
+    assert statement(0) == ["expected above 0"]
+    assert statement("x") == ["expected a value of type number"]
 
 
 def test_every_parameter_has_a_path() -> None:

@@ -173,7 +173,7 @@ def test_the_json_schema_holds_for_the_library(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "statement"),
     [
         ({"sede": 1}, "$.sede is unknown"),
         ({"scenario__step": 0}, "$.scenario.step breaks exclusiveMinimum"),
@@ -185,8 +185,8 @@ def test_the_json_schema_holds_for_the_library(name: str) -> None:
         ({"version": 2}, "$.version is not 1"),
     ],
 )
-def test_the_json_schema_refuses_what_the_campaign_refuses(changes: dict[str, Any], said: str) -> None:
+def test_the_json_schema_refuses_what_the_campaign_refuses(changes: dict[str, Any], statement: str) -> None:
     wrong = document(**changes)
-    assert said in misfits(wrong, SCHEMA, SCHEMA)
-    with pytest.raises(ValueError, match=said.split()[0].removeprefix("$.")):
+    assert statement in misfits(wrong, SCHEMA, SCHEMA)
+    with pytest.raises(ValueError, match=statement.split()[0].removeprefix("$.")):
         load_document(wrong)

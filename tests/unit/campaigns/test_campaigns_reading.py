@@ -98,8 +98,8 @@ WHOLE: dict[str, tuple[Any, str]] = {
 @pytest.mark.parametrize("name", WHOLE)
 def test_counts_that_are_not_whole(name: str) -> None:
     value, message = WHOLE[name]
-    field, _, said = only(stages__search=one_search(evaluations=value))
-    assert (field, said) == ("stages.search.0.evaluations", message)
+    field, _, statement = only(stages__search=one_search(evaluations=value))
+    assert (field, statement) == ("stages.search.0.evaluations", message)
     assert only(seed=value)[0] == "seed"
 
 
@@ -148,9 +148,9 @@ SIZES: dict[str, tuple[dict[str, Any], str, str]] = {
 @pytest.mark.parametrize("name", SIZES)
 def test_absurd_sizes(name: str) -> None:
     changes, field, message = SIZES[name]
-    found, _, said = only(**changes)
+    found, _, statement = only(**changes)
     assert found == field
-    assert message in said
+    assert message in statement
 
 
 def test_a_thousand_problems_are_reported_in_fifty_lines() -> None:
@@ -176,8 +176,8 @@ INTERVALS: dict[str, tuple[Any, str, str]] = {
 @pytest.mark.parametrize("name", INTERVALS)
 def test_intervals(name: str) -> None:
     value, below, message = INTERVALS[name]
-    field, given, said = only(**{"uncertain__vehicle.m": value})
-    assert (field, said) == (f"uncertain.vehicle.m{below}", message)
+    field, given, statement = only(**{"uncertain__vehicle.m": value})
+    assert (field, statement) == (f"uncertain.vehicle.m{below}", message)
     assert given
 
 
@@ -199,8 +199,8 @@ def test_fractions(value: Any, message: str | None) -> None:
     if message is None:
         assert campaign(**changes).uncertain["vehicle.m"].plus_minus == 20.0
     else:
-        field, _, said = only(**changes)
-        assert (field, said) == ("uncertain.vehicle.m.plus_minus", message)
+        field, _, statement = only(**changes)
+        assert (field, statement) == ("uncertain.vehicle.m.plus_minus", message)
 
 
 @pytest.mark.parametrize("spelling", ["20%", "20 %", " 20.0%", "2e1%", "+20%"])
@@ -243,6 +243,6 @@ OTHERS: dict[str, tuple[dict[str, Any], str, str]] = {
 @pytest.mark.parametrize("name", OTHERS)
 def test_other_values(name: str) -> None:
     changes, field, message = OTHERS[name]
-    found, _, said = only(**changes)
+    found, _, statement = only(**changes)
     assert found == field
-    assert message in said
+    assert message in statement

@@ -20,7 +20,7 @@ def test_labels_are_read_in_alphabetical_order() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "statement"),
     [
         (["branch"], "invalid label 'branch': give KEY=VALUE, such as branch=main"),
         (["=main"], "invalid label key '': a letter, then letters, digits"),
@@ -35,10 +35,10 @@ def test_labels_are_read_in_alphabetical_order() -> None:
         ([f"k{i}=v" for i in range(MOST + 1)], "21 labels are too many: a run has at most 20"),
     ],
 )
-def test_a_bad_label_is_named(given: list[str], said: str) -> None:
+def test_a_bad_label_is_named(given: list[str], statement: str) -> None:
     with pytest.raises(ValueError, match="label") as refused:
         parsed(given)
-    assert said in str(refused.value)
+    assert statement in str(refused.value)
 
 
 def test_the_largest_ones_are_allowed() -> None:

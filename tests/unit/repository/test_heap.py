@@ -57,5 +57,7 @@ print(while_loading, gc.isenabled(), gc.get_threshold()[0], gc.get_freeze_count(
 
 
 def test_a_process_that_has_loaded_searches_only_what_comes_later() -> None:
-    said = subprocess.run([sys.executable, "-c", PROGRAM], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    assert said.split() == ["False", "True", str(heap.NEW), "True", "0"]
+    statement = subprocess.run(
+        [sys.executable, "-c", PROGRAM], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout
+    assert statement.split() == ["False", "True", str(heap.NEW), "True", "0"]

@@ -54,8 +54,8 @@ def test_every_outcome_is_reported_and_a_process_that_dies_takes_no_test_with_it
     result = in_folder(tmp_path, "--processes", "2")
     counts = {"failed": 3, "passed": 23, "skipped": 1, "xfailed": 1, "warning": 1}
     last = result.stdout.splitlines()[-1]
-    said = re.findall(r"(\d+) (failed|passed|skipped|xfailed|warning)", last)
-    assert {word: int(number) for number, word in said} == counts
+    statement = re.findall(r"(\d+) (failed|passed|skipped|xfailed|warning)", last)
+    assert {word: int(number) for number, word in statement} == counts
     assert re.search(r"\d errors?\b", last)
     texts = ("test_dies - process", "ended by signal 9", "what it printed", "Timeout (>0.1s)", "the last of all")
     assert [text for text in texts if text not in result.stdout] == []

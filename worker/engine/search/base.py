@@ -200,22 +200,22 @@ AT_ONCE = 256
 
 def independently(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Floats | Several, Batch, list[str]]:
     """Advance several searches in slots: each continues once its own points have ended. Returns their sentences."""
-    said = [""] * len(searches)
+    endings = [""] * len(searches)
     wanted: dict[int, Floats] = {}
     begun = 0
     request = Several([])
     try:
         while True:
             while len(wanted) < at_once and begun < len(searches):
-                _advance(begun, searches[begun], None, wanted, said)
+                _advance(begun, searches[begun], None, wanted, endings)
                 if begun in wanted:
                     request.groups.append((begun, wanted[begun]))
                 begun += 1
             if not wanted:
-                return said
+                return endings
             batch = yield request
             i, request = request.answered, Several([])
-            _advance(i, searches[i], batch, wanted, said)
+            _advance(i, searches[i], batch, wanted, endings)
             if i in wanted:
                 request.groups.append((i, wanted[i]))
     finally:
@@ -229,30 +229,30 @@ def side_by_side(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Fl
     If there are more than `at_once`, the next begins when one has ended. Their order is the given order, so the
     outcome depends on nothing else. Returns their sentences.
     """
-    said = [""] * len(searches)
+    endings = [""] * len(searches)
     wanted: dict[int, Floats] = {}
     begun = 0
     try:
         while True:
             while len(wanted) < at_once and begun < len(searches):
-                _advance(begun, searches[begun], None, wanted, said)
+                _advance(begun, searches[begun], None, wanted, endings)
                 begun += 1
             if not wanted:
-                return said
+                return endings
             order = sorted(wanted)
             batch = yield np.concatenate([wanted[i] for i in order])
             ends = np.cumsum([len(wanted[i]) for i in order])
             for i, end in zip(order, ends, strict=True):
                 first = end - len(wanted[i])
-                _advance(i, searches[i], Batch(batch.costs[first:end], batch.status[first:end]), wanted, said)
+                _advance(i, searches[i], Batch(batch.costs[first:end], batch.status[first:end]), wanted, endings)
     finally:
         for search in searches:
             search.close()
 
 
-def _advance(i: int, search: Search, batch: Batch | None, wanted: dict[int, Floats], said: list[str]) -> None:
+def _advance(i: int, search: Search, batch: Batch | None, wanted: dict[int, Floats], endings: list[str]) -> None:
     try:
         wanted[i] = next(search) if batch is None else search.send(batch)
     except StopIteration as end:
         wanted.pop(i, None)
-        said[i] = end.value or ""
+        endings[i] = end.value or ""

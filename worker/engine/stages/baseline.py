@@ -12,7 +12,7 @@ import numpy as np
 from campaigns.asked.regression import Baseline, BaselineCase
 from campaigns.claims.numbers import number
 from campaigns.claims.say import Part, count, joined, say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.results.base import OK, STATUS
 from campaigns.results.baseline import BaselineResult, Reevaluated
 from worker.engine.problem.problem import Problem
@@ -37,8 +37,8 @@ def run(context: Context, position: int) -> Outcome[BaselineResult]:
     columns = drive(context, position, _asking(points, seeds), len(points) + 1).columns
     index = {case.label: row for row, case in enumerate(usable)}
     cases = [_case(problem, case, reasons[case.label], index.get(case.label), columns) for case in baseline.cases]
-    said = _said(problem, baseline, cases)
-    return Outcome(BaselineResult(run=baseline.run, cases=cases, drawn_realisations=len(seeds), said=said))
+    statement = _statement(problem, baseline, cases)
+    return Outcome(BaselineResult(run=baseline.run, cases=cases, drawn_realisations=len(seeds), statement=statement))
 
 
 def _asking(points: list[Floats], seeds: list[int]) -> Asking[str]:
@@ -96,7 +96,7 @@ def _case(problem: Problem, case: BaselineCase, reason: str, row: int | None, co
     )
 
 
-def _said(problem: Problem, baseline: Baseline, cases: list[Reevaluated]) -> Said:
+def _statement(problem: Problem, baseline: Baseline, cases: list[Reevaluated]) -> Spans:
     known = [case for case in cases if case.cost is not None]
     clauses: list[Part] = [
         say(count(len(known), "known"), " of ", count(len(cases), "cases"), f" findings of {baseline.run} evaluated")

@@ -57,12 +57,12 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     kind = DRAWN if own else Noise.of_calls(context, single=True)
     sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
     quantile = sample.quantile(asked.quantile, problem.quantity, problem.unit)
-    statement = sample.statement()
+    drawing = sample.statement()
     short = say("; only ", count(sample.size), " of ", count(asked.samples), " samples were not excluded")
-    said = say(statement.said, "; ", quantile.said, short if sample.size < asked.samples else ())
+    statement = say(drawing.statement, "; ", quantile.statement, short if sample.size < asked.samples else ())
     tally = driven.tally
     result = CertifyResult(
-        sample=statement.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
+        sample=drawing.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
         grid=_grid(context, asked.grid.points, driven.columns, drawn.draws) if asked.grid is not None else None,
         drawn_realisations=drawn.draws if own else 0,
         evaluations=tally.evaluations,
@@ -70,7 +70,7 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
         excluded=tally.excluded,
         seconds=tally.seconds,
         stop=driven.how,
-        said=said,
+        statement=statement,
     )
     return Outcome(result)
 
@@ -131,7 +131,7 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
         violations=sample.violations,
         failed=sample.failed,
         excluded=sample.excluded,
-        said=say(
+        statement=say(
             *("full grid of ", count(points), " points on every axis, ", count(len(rows.status)), " in all: ", found),
             *(", ", count(sample.violations), " violate the criterion", sample.failures()),
             "; nothing is claimed between these points",

@@ -105,7 +105,7 @@ def _result(context: Context, method: Method, options: Any, driven: Driven, mini
                 point=m.point.tolist(),
                 cost=m.cost,
                 evaluations=m.evaluations,
-                said=spoken(m.text),
+                statement=spoken(m.text),
             )
             for m in minima
         ],

@@ -54,7 +54,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     validated = [nominal, *(f.validation for f in named if f.validation is not None)]
     result = ValidateResult(
         ok=all(case.ok for case in validated),
-        said=(),
+        statement=(),
         tolerance=tolerance,
         nominal=nominal,
         findings=_gathered(context, driven, found, unfinished),
@@ -143,7 +143,7 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
         left_out=found.left_out,
         rounds=found.rounds,
         complete=complete,
-        said=say(driven.how.said, beyond),
+        statement=say(driven.how.statement, beyond),
     )
 
 

@@ -17,7 +17,7 @@ from campaigns.checked.check import parameters
 from campaigns.claims import earlier
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
-from campaigns.claims.spans import Quantity, Said, words
+from campaigns.claims.spans import Quantity, Spans, words
 from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
 from worker.evidence.audit import limits
@@ -29,7 +29,7 @@ OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
 BESIDE = ("outside", "lowest", "mean")
 """Fields of a sample that the statistics of the verdict do not have."""
-SAID: TypeAdapter[Said] = TypeAdapter(Said)
+SPANS: TypeAdapter[Spans] = TypeAdapter(Spans)
 
 
 class Item(NamedTuple):
@@ -243,10 +243,10 @@ def _sentence(run: Run) -> tuple[Tree, Tree]:
 
     Versions that stored only text rounded the numbers to the digits of the text: they are compared as written.
     """
-    claims, exact, spent = run.claims, "said" in run.claims, dict[str, int]()
-    said = SAID.validate_python(claims["said"]) if exact else earlier.verdict(claims["reason"])
-    text, scope = words(said), words(SAID.validate_python(claims["holds_for"] if exact else ()))
-    spans = {span.name: span for span in said if isinstance(span, Quantity)}
+    claims, exact, spent = run.claims, "statement" in run.claims, dict[str, int]()
+    statement = SPANS.validate_python(claims["statement"]) if exact else earlier.verdict(claims["reason"])
+    text, scope = words(statement), words(SPANS.validate_python(claims["holds_for"] if exact else ()))
+    spans = {span.name: span for span in statement if isinstance(span, Quantity)}
     numbers, begun = _numbers(run), text.partition(".")[0]
     for k in run.searches:
         spent[run.methods[k].title] = spent.get(run.methods[k].title, 0) + run.ended[k]["evaluations"]
@@ -265,7 +265,7 @@ def _sentence(run: Run) -> tuple[Tree, Tree]:
         expected |= {name: written(name, value) for name, value in numbers.items()}
         given["methods"], expected["methods"] = text.partition("searched by ")[2][: len(methods)], methods
     given["checks"] = {c["name"]: c["text"] for c in claims["checks"]}
-    checks = {c["name"]: words(SAID.validate_python(c["said"])) for c in claims["checks"] if "said" in c}
+    checks = {c["name"]: words(SPANS.validate_python(c["statement"])) for c in claims["checks"] if "statement" in c}
     return given, expected | {"checks": checks}
 
 

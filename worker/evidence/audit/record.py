@@ -16,6 +16,7 @@ import sqlalchemy as sa
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
 from campaigns.checked.snapshot import digest_of
+from campaigns.claims.earlier import throughout
 from campaigns.documents import JsonObject
 from campaigns.results import earlier
 from campaigns.results.base import FLAKY, OK
@@ -70,7 +71,14 @@ def of_folder(folder: Path) -> Record:
         raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
     campaign = load_file(folder / "campaign.json")
     return Record(
-        campaign, claims, {"digests.result": (stated, campaign.digest)}, stage, rows[0], rows[1], rows[2], again
+        campaign,
+        throughout(claims),
+        {"digests.result": (stated, campaign.digest)},
+        stage,
+        rows[0],
+        rows[1],
+        rows[2],
+        again,
     )
 
 
@@ -105,7 +113,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     points, costs = (np.frombuffer(whole[k], "<f8").reshape(max(len(stage), 1), -1) for k in ("points", "costs"))
     status = np.frombuffer(whole["status"], np.uint8)
     again = sum(flaky(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks)
-    return Record(campaign, claims, twice, stage, points, costs, status, again)
+    return Record(campaign, throughout(claims), twice, stage, points, costs, status, again)
 
 
 def _reasons(arrays: Any, stage: int) -> JsonObject:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Condition, Scope, Words
 
 
@@ -18,5 +18,5 @@ class Terms:
     """Sentences that a "cleared" verdict must add about what was not checked."""
     shows: tuple[Condition, ...] = ()
     """The evidence of an encounter that the system can give; the verdict has only these checks of it."""
-    bars: tuple[tuple[str, Said], ...] = ()
+    bars: tuple[tuple[str, Spans], ...] = ()
     """Reasons that rule out "cleared" for any result: the check's code and the sentence."""

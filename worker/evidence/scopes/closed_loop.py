@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from campaigns.claims.say import count, listed, number, say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Condition, Scope, Words
 from campaigns.codes import CheckCode
 from worker.engine.systems.closed_loop.flights import Flights
@@ -49,20 +49,20 @@ def _scope(flights: Flights) -> Scope:
     )
 
 
-def _measured(flights: Flights) -> Said:
+def _measured(flights: Flights) -> Spans:
     clause = distances.clause(flights)
     return say("; ", clause) if clause else ()
 
 
-def _conditions(flights: Flights) -> Said:
+def _conditions(flights: Flights) -> Spans:
     """The clause for the environment, the faults and the noise realisations that the searches simulated."""
     parts, realised = flights.parts, flights.realisations
     titles = [e.title for e in parts.environment] + [f.fault.title for f in parts.faults]
-    said = say(", with ", listed(titles)) if titles else ()
+    statement = say(", with ", listed(titles)) if titles else ()
     if not realised.random:
-        return said
+        return statement
     seeds = listed([str(seed) for seed in realised.seeds])
     if realised.several:
         many = count(len(realised.seeds))
-        return say(said, f", {realised.combine} of ", many, " realisations (noise seeds ", seeds, ")")
-    return say(said, ", noise seed ", seeds)
+        return say(statement, f", {realised.combine} of ", many, " realisations (noise seeds ", seeds, ")")
+    return say(statement, ", noise seed ", seeds)

@@ -8,12 +8,12 @@ from __future__ import annotations
 from campaigns.checked import extents
 from campaigns.checked.check import parameters
 from campaigns.claims.say import listed, number, say, symbol
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.symbols import labels
 from worker.engine.systems.closed_loop.flights import Flights
 
 
-def clause(flights: Flights) -> Said:
+def clause(flights: Flights) -> Spans:
     """The clause about distances for the scope of a verdict; empty for a criterion without distances to obstacles."""
     criterion = flights.parts.criterion
     if criterion.measured_to == "surface":
@@ -25,7 +25,7 @@ def clause(flights: Flights) -> Said:
     return say("distances measured to the obstacles' centres, not their surfaces", more)
 
 
-def overlooked(flights: Flights) -> Said:
+def overlooked(flights: Flights) -> Spans:
     """The sentence why distances to centres rule out "cleared"; empty if they do not.
 
     They do if the threshold is inside an obstacle, unless the campaign states that a centre distance is intended. New
@@ -50,7 +50,7 @@ def _inside(flights: Flights) -> dict[str, float]:
     return extents.within(flights.campaign, described, parameters(flights.campaign, described))
 
 
-def _less(flights: Flights) -> Said:
+def _less(flights: Flights) -> Spans:
     """The clause for the subtracted radius of the vehicle; an uncertain one by symbol: the scope states its bounds."""
     path = "criterion.body_radius"
     if path not in flights.paths:

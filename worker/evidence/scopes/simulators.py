@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from campaigns.claims.say import say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Condition, Scope, Words
 from worker.engine.systems.base import System
 from worker.engine.systems.simulators.command import CommandSimulator
@@ -40,7 +40,7 @@ class _Usual:
     def caveat(self) -> str:
         return _caveat(self)
 
-    def bars(self) -> list[tuple[str, Said]]:
+    def bars(self) -> list[tuple[str, Spans]]:
         return []
 
 

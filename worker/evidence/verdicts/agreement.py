@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from campaigns import rules
 from campaigns.claims.say import Part, count, finding, joined, listed, method, number, say
-from campaigns.claims.spans import Said, Span
+from campaigns.claims.spans import Span, Spans
 from campaigns.codes import CheckCode
 from campaigns.results import SearchResult
 from campaigns.results.verdict import Check
@@ -28,13 +28,13 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
     globally = [s for s in aiming if rules.FAMILIES[s.kind].all_agree]
     if not globally:
         return _check(False, "no global method searched; add one, such as DIRECT")
-    lazy = [said for s in globally if (said := _not_searched(s, problem.dimension))]
+    lazy = [statement for s in globally if (statement := _not_searched(s, problem.dimension))]
     if lazy:
         return _check(False, joined("; ", lazy))
     # No method has evaluated the cases that drew their own noise.
     worst = min([f.cost for f in evidence.findings if f.realisation is None], default=known.cost)
     within = max(allowed(problem, nominal - worst), rules.AGREEMENT_ROUNDING.value * max(abs(worst), 1.0))
-    late = [said for s in globally if (said := _stopped_short(s, worst, within, problem))]
+    late = [statement for s in globally if (statement := _stopped_short(s, worst, within, problem))]
     if late:
         return _check(False, "the worst case is ", number(worst, unit, "worst"), ", but ", joined(" and ", late))
     elsewhere = [_titled(s) for s in globally if _finding_of(s, evidence) is None]
@@ -80,15 +80,15 @@ def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, n
     return _check(True, reached, " agree on the worst case (", labels, ") within ", number(apart, unit, "apart"))
 
 
-def _check(ok: bool, *said: Part) -> Check:
-    return Check(code=CheckCode.AGREEMENT, ok=ok, said=say(*said))
+def _check(ok: bool, *statement: Part) -> Check:
+    return Check(code=CheckCode.AGREEMENT, ok=ok, statement=say(*statement))
 
 
 def _titled(search: SearchResult) -> Span:
     return method(search.method, search.title)
 
 
-def _not_searched(search: SearchResult, dimension: int) -> Said:
+def _not_searched(search: SearchResult, dimension: int) -> Spans:
     """Why a stage does not count as a search, as a sentence; empty if it does."""
     title, spent = _titled(search), search.evaluations
     family = rules.FAMILIES[search.kind]
@@ -102,7 +102,7 @@ def _not_searched(search: SearchResult, dimension: int) -> Said:
     return ()
 
 
-def _stopped_short(search: SearchResult, worst: float, within: float, problem: Problem) -> Said:
+def _stopped_short(search: SearchResult, worst: float, within: float, problem: Problem) -> Spans:
     if search.best is None:
         return say(_titled(search), " evaluated no case successfully")
     by = search.best.cost - worst

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from campaigns import rules
 from campaigns.asked.spec import Simulator
 from campaigns.claims.say import capital, case, count, finding, joined, listed, number, percent, say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding
 from campaigns.results.finding import Validation
@@ -28,13 +28,13 @@ def calls(problem: Problem, evidence: Evidence) -> list[Check]:
     if asked is None or measured is None:
         return []
     if asked.calls > 1:
-        ok, said = _several(asked, measured, problem, evidence)
+        ok, statement = _several(asked, measured, problem, evidence)
     elif not measured.repeats:
         advice = _advice(measured.deviation, evidence.nominal.margin)
-        ok, said = False, say("the simulator ", measured.said, "; ", advice)
+        ok, statement = False, say("the simulator ", measured.statement, "; ", advice)
     else:
-        ok, said = _later(measured, problem, evidence)
-    return [*_retried(asked, evidence), Check(code=CheckCode.CALLS, ok=ok, said=said)]
+        ok, statement = _later(measured, problem, evidence)
+    return [*_retried(asked, evidence), Check(code=CheckCode.CALLS, ok=ok, statement=statement)]
 
 
 def each(problem: Problem) -> str:
@@ -43,22 +43,22 @@ def each(problem: Problem) -> str:
     return "" if asked is None or asked.calls == 1 else f", each {_combined(asked)}"
 
 
-def stated(problem: Problem, checks: list[Check]) -> list[Said]:
+def stated(problem: Problem, checks: list[Check]) -> list[Spans]:
     """What a "cleared" verdict on a simulator with several calls rests on, as a sentence."""
     asked = problem.campaign.simulator
     if asked is None or asked.calls == 1:
         return []
-    return [say(capital(c.said), ".") for c in checks if c.code == CheckCode.CALLS]
+    return [say(capital(c.statement), ".") for c in checks if c.code == CheckCode.CALLS]
 
 
-def repeated(problem: Problem, violation: Finding) -> Said:
+def repeated(problem: Problem, violation: Finding) -> Spans:
     """How many of the independent calls of a finding violate, as a sentence; empty for a system that repeats."""
     repeats = None if violation.validation is None else violation.validation.repeats
     if repeats is None:
         return ()
     lowest = min(v for v in repeats.values if v is not None)
     return say(
-        *(" In calls independent of the search, ", finding(violation.label), " ", repeats.said),
+        *(" In calls independent of the search, ", finding(violation.label), " ", repeats.statement),
         *(" (", percent(repeats.confidence, 6), " confidence), the lowest at ", number(lowest, problem.unit), "."),
     )
 
@@ -71,7 +71,7 @@ def proposed(deviation: float | None, margin: float | None) -> int:
     return next((calls for below, calls in rules.CALLS if ratio < below), rules.CALLS[-1][1])
 
 
-def _advice(deviation: float | None, margin: float | None) -> Said:
+def _advice(deviation: float | None, margin: float | None) -> Spans:
     return say("set simulator.repeats to {count: ", count(proposed(deviation, margin), "repeats"), ", combine: worst}")
 
 
@@ -84,16 +84,16 @@ def _combined(asked: Simulator) -> str:
 def _retried(asked: Simulator, evidence: Evidence) -> list[Check]:
     if not asked.retries:
         return []
-    said = say("no call that failed succeeded when tried again")
+    statement = say("no call that failed succeeded when tried again")
     if evidence.flaky:
-        said = say(
+        statement = say(
             *(count(evidence.flaky, "flaky"), " of ", count(evidence.evaluations, "evaluations"), " evaluations "),
             "succeeded only when a call that had failed was tried again; find out why calls fail",
         )
-    return [Check(code=CheckCode.RETRIES, ok=not evidence.flaky, said=said)]
+    return [Check(code=CheckCode.RETRIES, ok=not evidence.flaky, statement=statement)]
 
 
-def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Said]:
+def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Spans]:
     """The check of evaluations by several calls."""
     cases = [*_cases(evidence)]
     apart = max((_range(v) for _, v in cases), default=0.0)
@@ -108,7 +108,7 @@ def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: E
     if without:
         return False, say(is_, "; no independent calls of ", listed(without))
     held = [(name, v, v.repeats) for name, v in cases if v.repeats is not None]
-    bad = [say(name, " ", r.said) for name, _, r in held if r.violating or r.failed]
+    bad = [say(name, " ", r.statement) for name, _, r in held if r.violating or r.failed]
     bad += [say(name, " has no value to compare") for name, v, _ in held if v.cost is None]
     lucky = [
         say(name, " violates with ", number(v.cost, problem.unit), " in the search, and in none of its calls")
@@ -141,7 +141,7 @@ def _range(case: Validation) -> float:
     return max(values) - min(values) if values else 0.0
 
 
-def _cases(evidence: Evidence) -> Iterator[tuple[Said, Validation]]:
+def _cases(evidence: Evidence) -> Iterator[tuple[Spans, Validation]]:
     """The cases that are called again, by name."""
     validation = evidence.validation
     if validation.nominal is not None:
@@ -153,7 +153,7 @@ def _cases(evidence: Evidence) -> Iterator[tuple[Said, Validation]]:
         yield say(f"the best of {best.title}"), best.validation
 
 
-def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Said]:
+def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Spans]:
     """The check of a simulator that repeated when it was measured: every later comparison must show the same."""
     spot, apart = evidence.spot_checks, 0.0
     lost = [say("random evaluations")] if spot.compared < spot.checked else []
@@ -171,7 +171,7 @@ def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bo
         differ = say("evaluated again, a case differs by ", number(apart, problem.unit, "apart"))
         return False, say(differ, "; ", _advice(apart, evidence.nominal.margin))
     later = say("; so do ", count(compared + spot.compared, "again"), " later comparisons")
-    return True, say(measured.said, later)
+    return True, say(measured.statement, later)
 
 
 def condition(problem: Problem, evidence: Evidence, checks: list[Check]) -> str:

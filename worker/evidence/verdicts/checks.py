@@ -36,63 +36,65 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
 def _nominal(problem: Problem, evidence: Evidence) -> Check:
     nominal, unit = evidence.nominal, problem.unit
     if nominal.status != "ok" or nominal.cost is None or nominal.margin is None:
-        said = say(f"the nominal case was not evaluated: {nominal.reason}")
-        return Check(code=CheckCode.NOMINAL, ok=False, said=said)
+        statement = say(f"the nominal case was not evaluated: {nominal.reason}")
+        return Check(code=CheckCode.NOMINAL, ok=False, statement=statement)
     cost, margin = number(nominal.cost, unit, "cost"), signed(nominal.margin, unit, "margin")
-    said = say("the nominal case has ", cost, ", a margin of ", margin)
-    return Check(code=CheckCode.NOMINAL, ok=nominal.margin > 0, said=said)
+    statement = say("the nominal case has ", cost, ", a margin of ", margin)
+    return Check(code=CheckCode.NOMINAL, ok=nominal.margin > 0, statement=statement)
 
 
 def _ended(problem: Problem, evidence: Evidence) -> Check:
     empty = [method(s.method, s.title) for s in evidence.searches if s.best is None]
     if empty:
-        said = say(joined(" and ", empty), " evaluated no case successfully")
-        return Check(code=CheckCode.SEARCH, ok=False, said=said)
+        statement = say(joined(" and ", empty), " evaluated no case successfully")
+        return Check(code=CheckCode.SEARCH, ok=False, statement=statement)
     stopped = [(s, s.stop) for s in evidence.searches if s.stop is not None]
-    ways = joined(", ", [say(method(s.method, s.title), " ", unnamed(stop.said)) for s, stop in stopped])
+    ways = joined(", ", [say(method(s.method, s.title), " ", unnamed(stop.statement)) for s, stop in stopped])
     ended = "every search ended: " if evidence.complete else "not every search ended: "
-    return Check(code=CheckCode.SEARCH, ok=evidence.complete, said=say(ended, ways))
+    return Check(code=CheckCode.SEARCH, ok=evidence.complete, statement=say(ended, ways))
 
 
 def _no_violation(problem: Problem, evidence: Evidence) -> Check:
     """Over every stored evaluation of any stage."""
     worst, unit, code = evidence.finding, problem.unit, CheckCode.NO_VIOLATION
     if worst is None:
-        return Check(code=code, ok=False, said=say("no evaluation succeeded"))
+        return Check(code=code, ok=False, statement=say("no evaluation succeeded"))
     violation = evidence.violation
     if worst.margin > 0 and violation is not None and violation.validation is not None:
         # Of a simulator that does not repeat: no stored evaluation violates, but an independent call does.
         repeats = violation.validation.repeats
-        called = () if repeats is None else say(" ", repeats.said)
-        said = say("in independent calls ", finding(violation.label), called, "; ", evidence.violations.said)
-        return Check(code=code, ok=False, said=said)
+        called = () if repeats is None else say(" ", repeats.statement)
+        statement = say("in independent calls ", finding(violation.label), called, "; ", evidence.violations.statement)
+        return Check(code=code, ok=False, statement=statement)
     if worst.margin > 0 and not evidence.violating:
-        said = say("the worst case found has a margin of ", signed(worst.margin, unit, "margin"))
-        return Check(code=code, ok=True, said=said)
-    counts = evidence.violations.said
+        statement = say("the worst case found has a margin of ", signed(worst.margin, unit, "margin"))
+        return Check(code=code, ok=True, statement=statement)
+    counts = evidence.violations.statement
     if worst.margin > 0:
-        return Check(code=code, ok=False, said=counts)
+        return Check(code=code, ok=False, statement=counts)
     confirmed = "confirmed" if worst.violates else "did not confirm"
     by = number(-worst.margin, unit, "violated_by")
-    said = say(finding(worst.label), " violates the criterion by ", by, f"; validation {confirmed} it; ", counts)
-    return Check(code=code, ok=False, said=said)
+    statement = say(finding(worst.label), " violates the criterion by ", by, f"; validation {confirmed} it; ", counts)
+    return Check(code=code, ok=False, statement=statement)
 
 
 def _minimum(problem: Problem, evidence: Evidence) -> Check:
     """No stored evaluation is lower than the worst finding, and it was fully polished."""
     worst, unit, code = evidence.finding, problem.unit, CheckCode.MINIMUM
     if worst is None or evidence.lowest is None:
-        return Check(code=code, ok=False, said=say("no evaluation succeeded"))
+        return Check(code=code, ok=False, statement=say("no evaluation succeeded"))
     if evidence.lowest < worst.cost:
         lowest = number(evidence.lowest, unit, "lowest")
-        return Check(code=code, ok=False, said=say("a stored evaluation has ", lowest, ", lower than every finding"))
+        return Check(
+            code=code, ok=False, statement=say("a stored evaluation has ", lowest, ", lower than every finding")
+        )
     gathered = evidence.gathered
     if not gathered.complete:
-        said = say("the worst cases were not fully distinguished: ", gathered.said)
-        return Check(code=code, ok=False, said=said)
+        statement = say("the worst cases were not fully distinguished: ", gathered.statement)
+        return Check(code=code, ok=False, statement=statement)
     succeeded = count(evidence.succeeded, "evaluations")
-    said = say(finding(worst.label), " is the lowest of all ", succeeded, " evaluations of all stages")
-    return Check(code=code, ok=True, said=said)
+    statement = say(finding(worst.label), " is the lowest of all ", succeeded, " evaluations of all stages")
+    return Check(code=code, ok=True, statement=statement)
 
 
 def _validated(problem: Problem, evidence: Evidence) -> Check:
@@ -100,16 +102,20 @@ def _validated(problem: Problem, evidence: Evidence) -> Check:
     threshold."""
     validation, spot = evidence.validation, evidence.spot_checks
     ok = validation.ok and not spot.violating and (spot.compared > 0 or not spot.checked)
-    return Check(code=CheckCode(terms(problem.system).words.check), ok=ok, said=say(validation.said, "; ", spot.said))
+    return Check(
+        code=CheckCode(terms(problem.system).words.check),
+        ok=ok,
+        statement=say(validation.statement, "; ", spot.statement),
+    )
 
 
 def _distances(problem: Problem) -> list[Check]:
     """Checks that rule out "cleared" for any result, such as that a vehicle inside an obstacle counts as clear."""
-    return [Check(code=code, ok=False, said=said) for code, said in terms(problem.system).bars]
+    return [Check(code=code, ok=False, statement=statement) for code, statement in terms(problem.system).bars]
 
 
 def _none_failed(evidence: Evidence) -> Check:
     failed: Part = count(evidence.failed, "failed") if evidence.failed else "none"
     excluded = say(", ", count(evidence.excluded, "excluded"), " excluded") if evidence.excluded else ()
-    said = say(failed, " of ", count(evidence.evaluations, "evaluations"), " evaluations failed", excluded)
-    return Check(code=CheckCode.EVALUATIONS, ok=not evidence.failed, said=said)
+    statement = say(failed, " of ", count(evidence.evaluations, "evaluations"), " evaluations failed", excluded)
+    return Check(code=CheckCode.EVALUATIONS, ok=not evidence.failed, statement=statement)

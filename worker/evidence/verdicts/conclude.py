@@ -27,7 +27,7 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
     verdict = _verdict(problem, found, evidence)
     return Verdict(
         verdict=verdict,
-        said=sentence(problem, evidence, verdict, found, stated),
+        statement=sentence(problem, evidence, verdict, found, stated),
         holds_for=scope(problem),
         checks=found,
         statistics=stated,

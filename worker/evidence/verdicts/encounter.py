@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from campaigns import rules
 from campaigns.claims.say import capital, case, listed, number, say, symbol
-from campaigns.claims.spans import Said, Text
+from campaigns.claims.spans import Spans, Text
 from campaigns.codes import CheckCode
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.verdict import Check
@@ -21,7 +21,7 @@ from worker.evidence.verdicts.evidence import Evidence
 
 INTENDED = ", which the author states is intended: "
 
-Condition = tuple[bool, Said]
+Condition = tuple[bool, Spans]
 
 
 def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
@@ -38,27 +38,27 @@ def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
         held = condition(problem, evidence) if code in (CheckCode.INFLUENCE, *shows) else None
         if held is None:
             continue
-        ok, said = held
+        ok, statement = held
         reason = intended.get(code.replace(" ", "_"))
         if not ok and reason is not None:
-            ok, said = True, say(_without_advice(said), INTENDED, reason)
-        found.append(Check(code=code, ok=ok, said=said))
+            ok, statement = True, say(_without_advice(statement), INTENDED, reason)
+        found.append(Check(code=code, ok=ok, statement=statement))
     return found
 
 
-def stated(problem: Problem, checks: list[Check]) -> list[Said]:
+def stated(problem: Problem, checks: list[Check]) -> list[Spans]:
     """The conditions that do not hold but are intended according to the author, as sentences."""
     intended = problem.campaign.encounter.intended
     codes = {name.replace("_", " ") for name in intended}
-    return [say(capital(c.said), ".") for c in checks if c.code in codes and "is intended" in c.text]
+    return [say(capital(c.statement), ".") for c in checks if c.code in codes and "is intended" in c.text]
 
 
-def _without_advice(said: Said) -> Said:
+def _without_advice(statement: Spans) -> Spans:
     """The sentence without the advice: up to the first semicolon."""
-    for i, span in enumerate(said):
+    for i, span in enumerate(statement):
         if isinstance(span, Text) and ";" in span.text:
-            return say(said[:i], span.text.partition(";")[0])
-    return said
+            return say(statement[:i], span.text.partition(";")[0])
+    return statement
 
 
 def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
@@ -84,10 +84,10 @@ def _motion(problem: Problem, evidence: Evidence) -> Condition | None:
     moved, nominal = evidence.encounter.moved, evidence.nominal.cost
     if moved is None or nominal is None:
         return False, say("the vehicle's motion is unknown: the nominal case has no trace")
-    said = say("the vehicle moves ", number(moved, "m", "moved"), " in the nominal case")
+    statement = say("the vehicle moves ", number(moved, "m", "moved"), " in the nominal case")
     if moved <= rules.MOVED.value * abs(nominal):
-        return False, say(said, "; place the goal beyond the obstacle")
-    return True, said
+        return False, say(statement, "; place the goal beyond the obstacle")
+    return True, statement
 
 
 def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
@@ -127,5 +127,5 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
     parameters = problem.symbols
     least = rules.ROUNDING.value * by
     without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= least]
-    said = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
-    return True, say(said, "; no effect along the slices of ", listed(without)) if without else said
+    statement = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
+    return True, say(statement, "; no effect along the slices of ", listed(without)) if without else statement

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from campaigns import rules
 from campaigns.claims.say import count, listed, percent, say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results.sample import Sample
 from campaigns.results.verdict import Check, Statistics
@@ -28,7 +28,7 @@ def statistics(evidence: Evidence) -> Statistics | None:
         noise=sample.noise,
         quantile=sample.quantile,
         source="search" if evidence.certificate is None else "certify",
-        said=sample.said,
+        statement=sample.statement,
     )
 
 
@@ -43,21 +43,23 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
         return []
     seeds = listed([str(seed) for seed in realised.seeds])
     if realised.several and realised.combine == "mean":
-        said = say(
+        statement = say(
             "every evaluation is the mean over noise realisations, which can hide a violation in one of them; "
             "set combine to worst"
         )
-        return [Check(code=code, ok=False, said=said)]
+        return [Check(code=code, ok=False, statement=statement)]
     sample = evidence.sample
     if sample is None or sample.noise != "drawn":
-        said = say(
+        statement = say(
             *("the scenario has noise and only the realisations with seeds ", seeds, " were simulated; add a certify "),
             "stage, which draws a realisation for every sample",
         )
-        return [Check(code=code, ok=False, said=said)]
+        return [Check(code=code, ok=False, statement=statement)]
     drew = "; the independent sample drew one for every evaluation"
     return [
-        Check(code=code, ok=True, said=say("the searches simulated the noise realisations with seeds ", seeds, drew))
+        Check(
+            code=code, ok=True, statement=say("the searches simulated the noise realisations with seeds ", seeds, drew)
+        )
     ]
 
 
@@ -69,14 +71,14 @@ def _excluded(evidence: Evidence) -> list[Check]:
     much = max(drawn, evaluated)
     of = "draws of the sample" if drawn >= evaluated else "evaluations"
     excluded = f" of the {of} start at or below the threshold and were excluded: nothing is known about them"
-    said = say(percent(much, name="excluded"), excluded)
+    statement = say(percent(much, name="excluded"), excluded)
     most = rules.EXCLUDED.value
     if much > most:
-        said = say(said, "; narrow the bounds until at most ", percent(most, 6, "most"), " are excluded")
-    return [Check(code=CheckCode.EXCLUSIONS, ok=much <= most, said=said)]
+        statement = say(statement, "; narrow the bounds until at most ", percent(most, 6, "most"), " are excluded")
+    return [Check(code=CheckCode.EXCLUSIONS, ok=much <= most, statement=statement)]
 
 
-def _advice(sample: Sample) -> Said:
+def _advice(sample: Sample) -> Spans:
     """Advice on a bound above the ceiling: more samples help only if few of them violate."""
     if sample.violations > rules.CEILING.value * sample.samples:
         drawn = count(sample.samples, "samples")
@@ -88,19 +90,19 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     target, sample = problem.campaign.target_probability, evidence.sample
     goal = percent(target or rules.CEILING.value, 4, "target")
     if sample is None or sample.upper_bound is None:
-        said = say("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
-        return [] if target is None else [Check(code=CheckCode.TARGET, ok=False, said=said)]
+        statement = say("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
+        return [] if target is None else [Check(code=CheckCode.TARGET, ok=False, statement=statement)]
     bound = say("the bound of ", percent(sample.upper_bound, name="upper_bound"))
     if target is None:
         ok = sample.upper_bound <= rules.CEILING.value
-        said = say(bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
+        statement = say(bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
         if not ok:
-            said = say(said, "; ", _advice(sample))
-        return [Check(code=CheckCode.PROBABILITY, ok=ok, said=said)]
+            statement = say(statement, "; ", _advice(sample))
+        return [Check(code=CheckCode.PROBABILITY, ok=ok, statement=statement)]
     if sample.noise == "stated":
         of = "the stated noise realisations" if problem.realisations.random else "evaluations of several calls"
-        said = say(bound, f" holds only for {of}; add a certify stage")
-        return [Check(code=CheckCode.TARGET, ok=False, said=said)]
+        statement = say(bound, f" holds only for {of}; add a certify stage")
+        return [Check(code=CheckCode.TARGET, ok=False, statement=statement)]
     ok = sample.upper_bound <= target
-    said = say(bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
-    return [Check(code=CheckCode.TARGET, ok=ok, said=said)]
+    statement = say(bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
+    return [Check(code=CheckCode.TARGET, ok=ok, statement=statement)]

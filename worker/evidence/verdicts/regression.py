@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from campaigns import rules
 from campaigns.asked.regression import BaselineCase, Policy
 from campaigns.claims.say import Part, count, finding, joined, number, say, signed, symbol
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.results import Finding
 from campaigns.results.baseline import Reevaluated
 from campaigns.results.baselines import difference
@@ -54,7 +54,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
         accepted="violation" not in policy.fail_on and _all_known(violating),
         quantity=problem.quantity,
         unit=problem.unit,
-        said=_said(problem, baseline.run, cases, failing),
+        statement=_statement(problem, baseline.run, cases, failing),
     )
 
 
@@ -65,10 +65,10 @@ def _known(
     run, threshold = str(problem.campaign.baseline and problem.campaign.baseline.run), problem.threshold
     was = before.cost - threshold
     if again.cost is None:
-        said = say(f"{before.label} of {run} is not compared: {again.reason}")
+        statement = say(f"{before.label} of {run} is not compared: {again.reason}")
         return FindingChange(
             standing=Standing.NOT_COMPARED, before=before.label, now=None, evaluation=again.index,
-            parameters=before.parameters, margin_before=was, said=said,
+            parameters=before.parameters, margin_before=was, statement=statement,
         )  # fmt: skip
     there = next((f for f in evidence.findings if f.label == label), None)
     tolerance = _tolerance(problem, evidence, before, there)
@@ -87,7 +87,7 @@ def _known(
         change=cost - before.cost,
         tolerance=tolerance,
         newly_violating=cost <= threshold < before.cost,
-        said=_described(problem, run, before, again.cost, cost, standing, there),
+        statement=_described(problem, run, before, again.cost, cost, standing, there),
     )
 
 
@@ -109,7 +109,9 @@ def _standing(
 
 def _new(problem: Problem, found: Finding, run: str) -> FindingChange:
     cost = number(found.cost, problem.unit)
-    said = say(finding(found.label), " is new: no finding of ", run, " is in its basin; ", symbol(problem.quantity))
+    statement = say(
+        finding(found.label), " is new: no finding of ", run, " is in its basin; ", symbol(problem.quantity)
+    )
     return FindingChange(
         standing=Standing.NEW,
         before=None,
@@ -117,7 +119,7 @@ def _new(problem: Problem, found: Finding, run: str) -> FindingChange:
         parameters=found.parameters,
         margin=found.margin,
         newly_violating=found.margin <= 0,
-        said=say(said, " = ", cost, ", a margin of ", signed(found.margin, problem.unit, "margin")),
+        statement=say(statement, " = ", cost, ", a margin of ", signed(found.margin, problem.unit, "margin")),
     )
 
 
@@ -150,10 +152,10 @@ def _fails(policy: Policy, case: FindingChange) -> bool:
 def _described(
     problem: Problem, run: str, before: BaselineCase, again: float, cost: float, standing: Standing,
     there: Finding | None,
-) -> Said:  # fmt: skip
+) -> Spans:  # fmt: skip
     quantity, unit = symbol(problem.quantity), problem.unit
     was, now = number(before.cost, unit), number(again, unit, "again")
-    said = say(
+    statement = say(
         f"{before.label} of {run} is {IS.get(standing, standing)}: ",
         quantity,
         " = ",
@@ -163,15 +165,15 @@ def _described(
         " there",
     )
     if there is not None and cost < again:
-        said = say(said, "; ", finding(there.label), " in its basin has ", number(cost, unit, "lowest"))
+        statement = say(statement, "; ", finding(there.label), " in its basin has ", number(cost, unit, "lowest"))
     elif there is not None:
-        said = say(said, "; it is in the basin of ", finding(there.label))
+        statement = say(statement, "; it is in the basin of ", finding(there.label))
     else:
-        said = say(said, "; no finding of this run is in its basin")
-    return say(said, ", a change of ", signed(cost - before.cost, unit, "change"))
+        statement = say(statement, "; no finding of this run is in its basin")
+    return say(statement, ", a change of ", signed(cost - before.cost, unit, "change"))
 
 
-def _said(problem: Problem, run: str, cases: list[FindingChange], failing: list[FindingChange]) -> Said:
+def _statement(problem: Problem, run: str, cases: list[FindingChange], failing: list[FindingChange]) -> Spans:
     """How many findings have each standing, and which of them fail."""
     counts = [
         say(count(number), f" {standing}")
@@ -186,5 +188,5 @@ def _said(problem: Problem, run: str, cases: list[FindingChange], failing: list[
 
 def _clauses(problem: Problem, failing: list[FindingChange]) -> Iterator[Part]:
     yield " The policy of the campaign fails: "
-    yield joined("; ", [case.said for case in failing[:NAMED]])
+    yield joined("; ", [case.statement for case in failing[:NAMED]])
     yield f"; and {len(failing) - NAMED} more." if len(failing) > NAMED else "."

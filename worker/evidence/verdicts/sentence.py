@@ -18,7 +18,7 @@ from campaigns.claims.say import (
     symbol,
     unnamed,
 )
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding, SearchResult
 from campaigns.results.finding import Validation
@@ -31,12 +31,12 @@ from worker.evidence.verdicts.evidence import Evidence
 
 def sentence(
     problem: Problem, evidence: Evidence, verdict: VerdictWord, checks: list[Check], statistics: Statistics | None
-) -> Said:
+) -> Spans:
     """The verdict as a sentence; all counts are of stored evaluations."""
     found = evidence.finding
     quantity, limit = symbol(problem.quantity), number(problem.threshold, problem.unit, "threshold")
     if found is None:
-        return say(f"No {terms(problem.system).words.one} could be evaluated: ", checks[0].said, ".")
+        return say(f"No {terms(problem.system).words.one} could be evaluated: ", checks[0].statement, ".")
     worst = _worst(problem, found)
     each = calls.each(problem)
     how = say(count(evidence.evaluations, "evaluations"), f" evaluations{each}, searched by ", _searched(evidence))
@@ -63,7 +63,7 @@ def sentence(
     return say("Nothing may be claimed: ", why, ". ", worst, " It was found in ", how, ".", lost)
 
 
-def scope(problem: Problem) -> Said:
+def scope(problem: Problem) -> Spans:
     """The scope of the sentence: the system with its conditions, bounds and settings."""
     held, paths = terms(problem.system).scope, problem.symbols
     units = {p.path: p.unit for p in problem.system.parameters}
@@ -73,18 +73,18 @@ def scope(problem: Problem) -> Said:
     return say(held.what, "; ", joined(", ", bounds), settings, ends)
 
 
-def _reason(check: Check) -> Said:
+def _reason(check: Check) -> Spans:
     """The reason of a check; only the numbers of violations have their names, because they are also the verdict's."""
-    return check.said if check.code == CheckCode.NO_VIOLATION else unnamed(check.said)
+    return check.statement if check.code == CheckCode.NO_VIOLATION else unnamed(check.statement)
 
 
-def _worst(problem: Problem, found: Finding) -> Said:
+def _worst(problem: Problem, found: Finding) -> Spans:
     cost, margin = number(found.cost, problem.unit, "worst"), signed(found.margin, problem.unit, "margin")
     has = say("The worst case found has ", symbol(problem.quantity), " = ", cost)
     return say(has, ", a margin of ", margin, _noise(found.realisation), ".")
 
 
-def _shown(problem: Problem, found: Finding, violation: Finding) -> Said:
+def _shown(problem: Problem, found: Finding, violation: Finding) -> Spans:
     """Which violation was validated."""
     if violation.margin > 0:
         none = "No stored evaluation violates the criterion, but calls of " if violation is found else "Calls of "
@@ -96,7 +96,7 @@ def _shown(problem: Problem, found: Finding, violation: Finding) -> Said:
     return say("Validation did not confirm it, but confirmed ", milder, "; both were found")
 
 
-def _searched(evidence: Evidence) -> Said:
+def _searched(evidence: Evidence) -> Spans:
     """Every method with the number of its own evaluations."""
     spent: dict[tuple[str, str], int] = {}
     for search in evidence.searches:
@@ -105,19 +105,19 @@ def _searched(evidence: Evidence) -> Said:
     return listed([say(method(*of), " (", count(many, f"searched.{of[0]}"), ")") for of, many in spent.items()])
 
 
-def _chance(statistics: Statistics | None) -> Said:
+def _chance(statistics: Statistics | None) -> Spans:
     if statistics is None:
         return ()
     quantile = statistics.quantile
-    bound = say(" ", capital(unnamed(quantile.said)), ".") if quantile is not None else ()
-    return say(" ", statistics.said, ".", bound)
+    bound = say(" ", capital(unnamed(quantile.statement)), ".") if quantile is not None else ()
+    return say(" ", statistics.statement, ".", bound)
 
 
-def _counts(evidence: Evidence) -> Said:
-    return say(" ", capital(evidence.violations.said), ".")
+def _counts(evidence: Evidence) -> Spans:
+    return say(" ", capital(evidence.violations.statement), ".")
 
 
-def _without_value(evidence: Evidence) -> Said:
+def _without_value(evidence: Evidence) -> Spans:
     """How many evaluations failed, were excluded or were tried again; empty if there are none."""
     parts: list[Part] = []
     if evidence.failed:
@@ -130,7 +130,7 @@ def _without_value(evidence: Evidence) -> Said:
     return say(" Of these, ", joined(" and ", parts), ".") if parts else ()
 
 
-def _apart(case: Validation | None, unit: str) -> Said:
+def _apart(case: Validation | None, unit: str) -> Spans:
     """The values of a violation that differ beyond tolerance, by whatever confirms it; empty if they agree."""
     if case is None or case.agrees or case.agrees is None:
         return ()
@@ -138,8 +138,8 @@ def _apart(case: Validation | None, unit: str) -> Said:
     values = (case.cost, *(other.cost for other in others))
     step, *rest = (f"no value {unit}" if value is None else number(value, unit) for value in values)
     if case.again is not None and case.half_step is not None:
-        said = say(" Its evaluations violate the criterion but differ beyond tolerance: ", step, ", ", rest[-1])
-        return say(said, f" in {case.again.name}, ", rest[0], " at half the step.")
+        statement = say(" Its evaluations violate the criterion but differ beyond tolerance: ", step, ", ", rest[-1])
+        return say(statement, f" in {case.again.name}, ", rest[0], " at half the step.")
     if case.again is not None:
         apart = say(
             " Both its evaluations violate the criterion but differ beyond tolerance: ", step, ", and ", rest[-1]

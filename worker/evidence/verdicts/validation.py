@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from campaigns.claims.say import Part, case, count, joined, listed, number, say, unnamed
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Words
 from campaigns.results import ValidateResult
 from campaigns.results.finding import Finding, Validation
@@ -18,42 +18,42 @@ def worded(problem: Problem, result: ValidateResult, findings: Sequence[Finding]
     """The result of the stage, and its findings, with the sentences."""
     words = terms(problem.system).words
     cases = [found for found in (result.nominal, *(f.validation for f in findings)) if found is not None]
-    said = _agreement(words, cases) if all(found.repeats is None for found in cases) else _repeated(cases)
+    statement = _agreement(words, cases) if all(found.repeats is None for found in cases) else _repeated(cases)
     counts, spot = result.violations, result.spot_checks
     return result.model_copy(
         update={
-            "said": said,
-            "violations": counts and counts.model_copy(update={"said": _counts(words, counts)}),
-            "spot_checks": spot and spot.model_copy(update={"said": _apart(words, spot, problem.unit)}),
+            "statement": statement,
+            "violations": counts and counts.model_copy(update={"statement": _counts(words, counts)}),
+            "spot_checks": spot and spot.model_copy(update={"statement": _apart(words, spot, problem.unit)}),
         }
     )
 
 
-def _agreement(words: Words, cases: Sequence[Validation]) -> Said:
+def _agreement(words: Words, cases: Sequence[Validation]) -> Spans:
     """Whether all cases are validated."""
     wrong = [case(c.name) for c in cases if not c.ok]
     apart = [case(c.name) for c in cases if c.violates and not c.agrees]
     agreed = [case(c.name) for c in cases if c.agrees]
-    said: list[Part] = []
+    statement: list[Part] = []
     if wrong:
-        said.append(say(f"{words.disagrees} by more than the tolerance for ", listed(wrong)))
+        statement.append(say(f"{words.disagrees} by more than the tolerance for ", listed(wrong)))
     elif agreed:
-        said.append(say(f"{words.agree} for ", listed(agreed)))
+        statement.append(say(f"{words.agree} for ", listed(agreed)))
     if apart:
-        said.append(say(f"{words.every} of ", listed(apart), " violate, but differ by more than the tolerance"))
-    return joined("; ", said)
+        statement.append(say(f"{words.every} of ", listed(apart), " violate, but differ by more than the tolerance"))
+    return joined("; ", statement)
 
 
-def _repeated(cases: Sequence[Validation]) -> Said:
+def _repeated(cases: Sequence[Validation]) -> Spans:
     """What the independent calls of a simulator that does not repeat show."""
-    parts = [say(case(v.name), " ", v.repeats.said) for v in cases if v.repeats is not None]
+    parts = [say(case(v.name), " ", v.repeats.statement) for v in cases if v.repeats is not None]
     of = say("in independent calls, each in a fresh process, ", joined(", ", parts))
     unknown = [case(v.name) for v in cases if not v.ok]
     but = say("; not confirmed for ", listed(unknown)) if unknown else ()
     return unnamed(say(of, but))
 
 
-def _counts(words: Words, found: Violations) -> Said:
+def _counts(words: Words, found: Violations) -> Spans:
     if found.stored == 0:
         return say("no stored evaluation violates the criterion")
     all_of = found.checked == found.stored
@@ -64,17 +64,17 @@ def _counts(words: Words, found: Violations) -> Said:
     return say(many, f" of them were {words.again}, and ", confirmed, " violate there as well")
 
 
-def _apart(words: Words, found: SpotChecks, unit: str) -> Said:
+def _apart(words: Words, found: SpotChecks, unit: str) -> Spans:
     by = words.reference
     if found.largest is None or found.median is None:
         return say(f"no random evaluation could be compared with {by}")
-    said = say(
+    statement = say(
         *(count(found.compared, "compared"), f" random evaluations compared with {by}: differences of at most "),
         *(number(found.largest, unit, "largest"), ", half of them within ", number(found.median, unit, "median")),
     )
     without = found.checked - found.compared
     if without:
-        said = say(said, "; ", count(without), " more could not be compared")
+        statement = say(statement, "; ", count(without), " more could not be compared")
     if found.violating:
-        said = say(said, "; ", count(found.violating), " of them violate the criterion only there")
-    return said
+        statement = say(statement, "; ", count(found.violating), " of them violate the criterion only there")
+    return statement

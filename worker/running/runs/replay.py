@@ -147,8 +147,8 @@ def _case(recorded: Recorded, problem: Problem, name: str) -> Case:
     seed = own[index] if index < len(own) else seed
     vector = problem.vectors(columns.points[index : index + 1])[0]
     status, costs = int(columns.status[index]), np.array(columns.costs[index], dtype=np.float64)
-    said = f"evaluation {index} of {plan.method or plan.kind}"
-    return Case(said, vector, costs, status, seed, plan.kind == "certify")
+    name = f"evaluation {index} of {plan.method or plan.kind}"
+    return Case(name, vector, costs, status, seed, plan.kind == "certify")
 
 
 def _position(recorded: Recorded, stage: str) -> int:

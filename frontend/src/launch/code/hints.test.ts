@@ -23,14 +23,14 @@ beforeAll(() => {
   text = told.campaigns.unicycle_static?.text ?? ''
 })
 
-const known = (said: string): Known => ({ catalogue, campaign, schema, document: plain(tolerant(said)) })
+const known = (typedText: string): Known => ({ catalogue, campaign, schema, document: plain(tolerant(typedText)) })
 
 /** What is offered where `|` stands, put in the place of some words of the text. */
 function offered(words: string, typed: string): string[] {
   expect(text).toContain(words)
-  const said = text.replace(words, typed)
-  const at = said.indexOf('|', text.indexOf(words))
-  const whole = said.slice(0, at) + said.slice(at + 1)
+  const typedText = text.replace(words, typed)
+  const at = typedText.indexOf('|', text.indexOf(words))
+  const whole = typedText.slice(0, at) + typedText.slice(at + 1)
   return choicesIn(whole, at, known(whole))?.choices.map(({ name }) => name) ?? []
 }
 
@@ -58,7 +58,7 @@ it('waits for the schema where only the schema knows the choices', async () => {
   const arriving = new Promise<void>((resolve) => (arrive = resolve))
   const requests: boolean[] = []
   const source = completed(
-    (said) => ({ ...known(said), schema: there }),
+    (typedText) => ({ ...known(typedText), schema: there }),
     (asked) => {
       requests.push(asked)
       return there ? null : arriving

@@ -46,12 +46,12 @@ const range = (low: number, high: number): string =>
   low === -high ? `±${plain(high)}` : `${plain(low)} to ${plain(high)}`
 
 function ofParameter(entry: ParameterEntry): Hint {
-  const said = [
+  const parts = [
     unitText(entry.unit),
     range(entry.low, entry.high),
     entry.default === null ? 'must be given' : `default ${plain(entry.default)}`,
   ]
-  return { title: entry.text, detail: said.filter(Boolean).join(', '), text: '' }
+  return { title: entry.text, detail: parts.filter(Boolean).join(', '), text: '' }
 }
 
 /** The first paragraph of a component's text. */

@@ -29,8 +29,8 @@ function build(view: EditorView): DecorationSet {
       enter: (node) => {
         if (node.name === 'Key') return false
         if (node.name !== 'Literal' && node.name !== 'BlockLiteralContent') return undefined
-        const said = node.name === 'Literal' ? view.state.doc.sliceString(node.from, node.to) : ''
-        if (!NUMBER.test(said) && node.to > node.from) found.push((WORD.test(said) ? word : text).range(node.from, node.to))
+        const literal = node.name === 'Literal' ? view.state.doc.sliceString(node.from, node.to) : ''
+        if (!NUMBER.test(literal) && node.to > node.from) found.push((WORD.test(literal) ? word : text).range(node.from, node.to))
         return undefined
       },
     })

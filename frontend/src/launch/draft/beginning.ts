@@ -28,8 +28,8 @@ export async function fromRun(run: RunDetail, remedy = ''): Promise<Start> {
   const own = { readable: true, name: run.name, tags: run.tags, draft: null, labels: textsOf(run.labels), baseline: run.baseline?.asked }
   const text = await getRunText(run.id)
   if (!remedy) return { ...own, campaign: plain(run.campaign), text }
-  const { document, text: amended, said } = await remedied(run, text, remedy)
-  return { ...own, campaign: plain(document), text: amended, changed: said }
+  const { document, text: amended, statement } = await remedied(run, text, remedy)
+  return { ...own, campaign: plain(document), text: amended, changed: statement }
 }
 
 /** Without the findings of the baseline, which belong to the launch of the run and not to its text. */

@@ -4,10 +4,10 @@ import { parse } from 'yaml'
 import type { Remedy } from '../../client'
 import { changed, changesFor } from './remedied'
 import { amended } from '../text'
-import { keysOf, saidOf, stepsIn, stepsOf } from '../../api/steps'
+import { keysOf, statementOf, stepsIn, stepsOf } from '../../api/steps'
 
 const remedy = (text: string, ...changes: [(string | number)[], unknown][]): Remedy => ({
-  kind: 'step', text, said: [{ kind: 'text', text }], changes: changes.map(([at, value]) => ({ at, value })),
+  kind: 'step', text, statement: [{ kind: 'text', text }], changes: changes.map(([at, value]) => ({ at, value })),
 })
 const STEP = remedy('with step 10 ms', [['scenario', 'step'], 0.01])
 const METHOD = remedy('with CMA-ES as a further method', [['stages', 'search', 1], { method: 'cma_es', evaluations: 2000 }])
@@ -33,7 +33,7 @@ it('offers every remedy once, by the place of its check', () => {
   expect(stepsOf(CHECKS).map(({ key }) => key)).toEqual(['validation.0', 'agreement.0', 'noise.0'])
   expect(keysOf(stepsIn('noise.0,validation.0', CHECKS))).toBe('validation.0,noise.0')
   expect(stepsIn('validation.1,x,,constructor.0', CHECKS)).toEqual([])
-  expect(saidOf(stepsIn('validation.0,agreement.0', CHECKS)).map((span) => ('text' in span ? span.text : '')).join('')).toBe(
+  expect(statementOf(stepsIn('validation.0,agreement.0', CHECKS)).map((span) => ('text' in span ? span.text : '')).join('')).toBe(
     'with step 10 ms, with CMA-ES as a further method',
   )
 })

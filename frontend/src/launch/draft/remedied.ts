@@ -1,6 +1,6 @@
 // The campaign of a run with the changes of remedies, as a document and as the text that was written by hand.
 import type { Json } from '../../api/campaign'
-import { saidOf, type Step, stepsIn } from '../../api/steps'
+import { statementOf, type Step, stepsIn } from '../../api/steps'
 import type { RunDetail, Span } from '../../client'
 import { applied, type Change } from '../text/changes'
 
@@ -8,7 +8,7 @@ export interface Remedied {
   document: Json
   text: string
   /** What was changed, as a phrase; empty if the address names no remedy of this run. */
-  said: Span[]
+  statement: Span[]
 }
 
 export async function remedied(run: RunDetail, text: string, asked: string): Promise<Remedied> {
@@ -17,7 +17,7 @@ export async function remedied(run: RunDetail, text: string, asked: string): Pro
   return {
     document: changed(run.campaign, steps),
     text: amended(text, changesFor(run.campaign, steps)),
-    said: saidOf(steps),
+    statement: statementOf(steps),
   }
 }
 

@@ -93,9 +93,9 @@ const FORM = { readable: true, source: 'form' } as const
 
 /** The text after an edit of the form: changed in place, or deferred until possible. */
 function followed(before: State, campaign: Campaign): Edited {
-  const said = before.behind ?? before.campaign
-  if (!tools) return { ...FORM, campaign, text: before.text, behind: said }
-  return { ...FORM, campaign, text: tools.amended(before.text, tools.changesOf(said, campaign)), behind: null }
+  const shown = before.behind ?? before.campaign
+  if (!tools) return { ...FORM, campaign, text: before.text, behind: shown }
+  return { ...FORM, campaign, text: tools.amended(before.text, tools.changesOf(shown, campaign)), behind: null }
 }
 
 function takenOut(before: State, list: List | 'objectives', index: number): Edited {

@@ -103,7 +103,7 @@ function Flight({ ok, live, criterion }: FlightProps) {
         <IconRoute className="i s" aria-hidden />
         {following ? 'Stop previewing every edit' : 'Preview nominal case'}
       </button>
-      <div className={clsx(styles.said, 'small')} aria-live="polite" data-testid="nominal-flight">
+      <div className={clsx(styles.statement, 'small')} aria-live="polite" data-testid="nominal-flight">
         {following && !ok && <p className="mut">It is simulated again after the problems are solved.</p>}
         {waited !== null && (
           <p className={layout.row}>

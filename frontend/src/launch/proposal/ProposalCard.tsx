@@ -57,7 +57,7 @@ export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
               Use the proposal
             </button>
           </div>
-          <p aria-live="polite">{thinned(said(minutes, data.sentence, same))}</p>
+          <p aria-live="polite">{thinned(described(minutes, data.sentence, same))}</p>
           <p className="small mut">The other stages take evaluations in addition, mostly Validate: see Evaluations at most.</p>
         </>
       )}
@@ -71,7 +71,7 @@ function known(asked: boolean, sentence: string | undefined, error: Error | null
   return asked ? 'Looking up what an evaluation takes …' : 'A proposal needs a simulator and at least one uncertain parameter.'
 }
 
-function said(minutes: number | null, sentence: string, same: boolean): string {
+function described(minutes: number | null, sentence: string, same: boolean): string {
   if (minutes === null) return 'Give the time as a number above 0, at most a year.'
   return same ? `${sentence} The campaign states these searches.` : sentence
 }

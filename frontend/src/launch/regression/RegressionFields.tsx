@@ -31,7 +31,7 @@ export function RegressionFields({ regression }: { regression: Regression }) {
           error={problem.labels !== ''}
           onChange={setLabels}
         />
-        <Problem id="labels-problem" said={problem.labels} />
+        <Problem id="labels-problem" statement={problem.labels} />
         <FieldErrors field="labels" deep />
       </div>
       <div className={styles.next}>
@@ -59,7 +59,7 @@ export function RegressionFields({ regression }: { regression: Regression }) {
             </option>
           ))}
         </datalist>
-        <Problem id="baseline-problem" said={problem.baseline} />
+        <Problem id="baseline-problem" statement={problem.baseline} />
         <FieldErrors field="baseline" />
         <p className={clsx('small mut', styles.next)}>
           The new run evaluates the findings of its baseline first and states what has changed. A draft stores neither labels
@@ -70,11 +70,11 @@ export function RegressionFields({ regression }: { regression: Regression }) {
   )
 }
 
-function Problem({ id, said }: { id: string; said: string }) {
+function Problem({ id, statement }: { id: string; statement: string }) {
   return (
-    <p id={id} className={said ? fields.ferr : undefined} aria-live="polite">
-      {said && <IconAlertCircle className="i" aria-hidden />}
-      {said && <span>{said}</span>}
+    <p id={id} className={statement ? fields.ferr : undefined} aria-live="polite">
+      {statement && <IconAlertCircle className="i" aria-hidden />}
+      {statement && <span>{statement}</span>}
     </p>
   )
 }

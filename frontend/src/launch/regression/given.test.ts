@@ -18,8 +18,8 @@ test.each([
   [['zweig ä=a'], 'cannot be a key'],
   [['branch=a', 'branch=b'], 'given twice'],
   [Array.from({ length: 21 }, (_, i) => `k${i}=v`), 'at most 20'],
-])('refuses %j with a sentence', (texts, said) => {
-  expect(labelsOf(texts)).toEqual({ problem: expect.stringContaining(said) as string })
+])('refuses %j with a sentence', (texts, problem) => {
+  expect(labelsOf(texts)).toEqual({ problem: expect.stringContaining(problem) as string })
 })
 
 test('a key named like a part of every object is a label as any other', () => {

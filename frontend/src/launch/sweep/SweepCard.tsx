@@ -100,7 +100,7 @@ export function SweepCard({ campaign, parameters, name, tags, labels, blocked, t
             </span>
             <p id="sweep-problem" className={fields.ferr} aria-live="polite">
               {'problem' in given ? given.problem : ''}
-              {launch.error && saidOf(launch.error)}
+              {launch.error && statementOf(launch.error)}
             </p>
           </div>
           <button type="button" className={clsx(buttons.btn, buttons.wide)} disabled={blocked || values === null || launch.isPending} onClick={() => launch.mutate()}>
@@ -114,7 +114,7 @@ export function SweepCard({ campaign, parameters, name, tags, labels, blocked, t
   )
 }
 
-const saidOf = (error: Error): string =>
+const statementOf = (error: Error): string =>
   error instanceof Refusal && error.errors.length > 0
     ? error.errors.slice(0, 3).map(({ given, message }) => `${given ? `${given}: ` : ''}${message}`).join('; ')
     : error.message

@@ -163,8 +163,8 @@ it('touches nothing but what an edit means', () => {
     return follow(full, document, name).filter((_, j, all) => j % turns === i % turns || j === all.length - 1)
   })
   const meanings = python<[unknown, unknown][]>(MEANING, JSON.stringify(states))
-  for (const [i, [said, meant]] of meanings.entries()) expect(said, states[i]?.[0]).toEqual(meant)
-  expect(meanings.filter(([said]) => typeof said === 'string').length).toBeGreaterThan(meanings.length / 3)
+  for (const [i, [written, meant]] of meanings.entries()) expect(written, states[i]?.[0]).toEqual(meant)
+  expect(meanings.filter(([written]) => typeof written === 'string').length).toBeGreaterThan(meanings.length / 3)
 })
 
 const one = (text: string, from: unknown, to: unknown) => amended(text, changesOf(from, to))

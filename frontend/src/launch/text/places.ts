@@ -15,8 +15,8 @@ export const tolerant = (text: string): Tree => ({
 
 /** The text range of a field by its service name, or of its nearest existing parent. */
 export function placeOf({ text, root }: Tree, field: string): [number, number] {
-  const said = /^line (\d+)(?:, column (\d+))?$/.exec(field)
-  if (said) return lineOf(text, Number(said[1]), Number(said[2] ?? 1))
+  const position = /^line (\d+)(?:, column (\d+))?$/.exec(field)
+  if (position) return lineOf(text, Number(position[1]), Number(position[2] ?? 1))
   let place: [number, number] = [0, Math.max(0, text.search(/\r?\n|$/))]
   let words = field.split('.').filter(Boolean)
   let node = root

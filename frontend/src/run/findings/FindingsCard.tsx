@@ -5,13 +5,13 @@ import { Fragment, type MouseEvent } from 'react'
 import { hasScenario } from '../../api/campaign'
 import type { FindingDetail, Gathered, Span, ValidateResult } from '../../client'
 import { count, decimalsApart, fixed, NONE, percent, signed } from '../../format/numbers'
-import { sentence, words } from '../../format/said'
+import { sentence, words } from '../../format/spans'
 import { unitText } from '../../format/units'
 import { Place } from '../../ui/bars'
 import { Card, NumHead } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
 import { methodLook } from '../../ui/methods'
-import { Said } from '../../ui/Said'
+import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import { useHotkeys } from '../../ui/useHotkeys'
 import { NOMINAL } from '../data/chosen'
@@ -49,7 +49,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
       footer={
         result?.findings && (
           <>
-            <Boundary data={data} said={shown?.boundary?.said ?? []} />
+            <Boundary data={data} statement={shown?.boundary?.statement ?? []} />
             <Told told={result.findings} kept={findings.length} />
           </>
         )
@@ -245,10 +245,10 @@ function Validated({ finding }: { finding: FindingDetail }) {
 }
 
 /** The distance of the chosen violation's boundary from nominal. */
-function Boundary({ data, said }: { data: RunData; said: readonly Span[] }) {
-  return said.length > 0 ? (
+function Boundary({ data, statement }: { data: RunData; statement: readonly Span[] }) {
+  return statement.length > 0 ? (
     <div>
-      <span className="sec">Boundary of {data.chosen}:</span> <Said spans={[...said, words('.')]} />
+      <span className="sec">Boundary of {data.chosen}:</span> <Spans spans={[...statement, words('.')]} />
     </div>
   ) : null
 }
@@ -257,7 +257,7 @@ function Boundary({ data, said }: { data: RunData; said: readonly Span[] }) {
 function Told({ told, kept }: { told: Gathered; kept: number }) {
   return (
     <>
-      {!told.complete && <Said spans={[...sentence(told.said), words(' ')]} />}
+      {!told.complete && <Spans spans={[...sentence(told.statement), words(' ')]} />}
       {count(told.candidates)} low points of all stages were descended from. Two ends are one finding where they are
       within {percent(told.distance)} of every range, or no barrier above {percent(told.barrier)} of nominal minus worst
       is between them.

@@ -121,19 +121,19 @@ interface CopyProps {
 }
 
 function CopyInstant({ view, address, alone }: CopyProps) {
-  const [said, setSaid] = useState('')
+  const [statement, setStatement] = useState('')
   useEffect(() => {
-    if (!said) return
-    const timer = setTimeout(() => setSaid(''), 4000)
+    if (!statement) return
+    const timer = setTimeout(() => setStatement(''), 4000)
     return () => clearTimeout(timer)
-  }, [said])
+  }, [statement])
   const copy = async () => {
     const shown = await view.look()
-    if (!shown) return setSaid('The 3D view is not open yet')
+    if (!shown) return setStatement('The 3D view is not open yet')
     const link = linkTo(view.run, shown, address, alone)
     return navigator.clipboard.writeText(link).then(
-      () => setSaid(`Copied, at ${fixed(shown.time, 2)} s`),
-      () => setSaid(`The browser blocks copying; copy it by hand: ${link}`),
+      () => setStatement(`Copied, at ${fixed(shown.time, 2)} s`),
+      () => setStatement(`The browser blocks copying; copy it by hand: ${link}`),
     )
   }
   return (
@@ -145,10 +145,10 @@ function CopyInstant({ view, address, alone }: CopyProps) {
         title="Copy link to this instant"
         onClick={() => void copy()}
       >
-        {said.startsWith('Copied') ? <IconCheck className="i s" aria-hidden /> : <IconLink className="i s" aria-hidden />}
+        {statement.startsWith('Copied') ? <IconCheck className="i s" aria-hidden /> : <IconLink className="i s" aria-hidden />}
       </button>
-      <span className={clsx(styles.said, 'small sec')} role="status">
-        {said}
+      <span className={clsx(styles.statement, 'small sec')} role="status">
+        {statement}
       </span>
     </>
   )

@@ -12,7 +12,7 @@ interface Props {
   onRetry: () => void
 }
 
-export function FlightNotice({ known: { phase, said }, onRetry }: Props) {
+export function FlightNotice({ known: { phase, statement }, onRetry }: Props) {
   return (
     <div className={phase === 'open' ? clsx(runStyles.poster, runStyles.back) : runStyles.poster} role="status">
       {phase === 'opening' && (
@@ -22,21 +22,21 @@ export function FlightNotice({ known: { phase, said }, onRetry }: Props) {
       )}
       {phase === 'lost' && (
         <span className={layout.row}>
-          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> {said}
+          <IconLoader className={clsx(icons.spin, 'i')} aria-hidden /> {statement}
         </span>
       )}
       {phase === 'failed' && (
         <span className={runStyles.failed}>
           <IconPlugConnectedX className="i" aria-hidden />
-          <span>{said}</span>
+          <span>{statement}</span>
           <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={onRetry}>
             Open the 3D view again
           </button>
         </span>
       )}
-      {phase === 'open' && said && (
+      {phase === 'open' && statement && (
         <span className={layout.row}>
-          <IconCheck className="i s" aria-hidden /> {said}
+          <IconCheck className="i s" aria-hidden /> {statement}
         </span>
       )}
     </div>

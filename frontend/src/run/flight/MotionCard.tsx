@@ -124,7 +124,7 @@ interface SmallProps extends Pick<MotionProps, 'onCross' | 'standing'> {
 function Small({ column, flights, span, hidden, onCross, standing, last }: SmallProps) {
   const spec = useMemo((): PlotSpec => {
     const { name, symbol } = column
-    const said = wordsOf(column)
+    const statement = wordsOf(column)
     const unit = unitText(column.unit)
     const drawn = flights.map((flown) => ({ ...flown, curve: curveOf(flown.trace, name) }))
     const xs = union(drawn.map(({ curve }) => curve))
@@ -139,7 +139,7 @@ function Small({ column, flights, span, hidden, onCross, standing, last }: Small
       return time === undefined ? [] : [{ key, colour, time, value }]
     })
     return {
-      label: `${said || symbolText(symbol)} over time, ${flights.map(({ label }) => label.toLowerCase()).join(' and ')}${column.group === 'signal' ? '' : ' flight'}`,
+      label: `${statement || symbolText(symbol)} over time, ${flights.map(({ label }) => label.toLowerCase()).join(' and ')}${column.group === 'signal' ? '' : ' flight'}`,
       x: xs,
       lines: drawn.map(({ key, label, colour, curve }) => ({ key, label, colour, y: linesOn(xs, curve), width: 1.5 })),
       points: near.flatMap(({ key, colour, time, value }) => (value === null ? [] : [{ x: time, y: value, colour, line: key }])),
@@ -150,7 +150,7 @@ function Small({ column, flights, span, hidden, onCross, standing, last }: Small
             <Sign text={symbol} />
           </b>
           <span className="mut">
-            {said && ` ${said}`}
+            {statement && ` ${statement}`}
             {unit && `, ${unit}`}
           </span>
         </>
@@ -182,7 +182,7 @@ function Choice({ all, shown, chosen, onChange }: ChoiceProps) {
   const toggle = (name: string, on: boolean) =>
     onChange(all.map((column) => column.name).filter((each) => (each === name ? on : names.includes(each))).join(',') || undefined)
   return (
-    <Menu name="Columns" said={null} on={chosen} icon={<IconAdjustmentsHorizontal className="i" aria-hidden />}>
+    <Menu name="Columns" value={null} on={chosen} icon={<IconAdjustmentsHorizontal className="i" aria-hidden />}>
       <Picks label="Columns over time">
         {all.map((column) => (
           <Pick key={column.name} on={names.includes(column.name)} onChange={(on) => toggle(column.name, on)}>

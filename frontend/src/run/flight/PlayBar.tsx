@@ -156,7 +156,7 @@ function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
     ...further(flies, word),
   ]
   return (
-    <Menu name="Shown" said={null} on={false} icon={<IconStack2 className="i mut" aria-hidden />} above>
+    <Menu name="Shown" value={null} on={false} icon={<IconStack2 className="i mut" aria-hidden />} above>
       <Picks label="What is drawn">
         {names.map(([layer, name]) => (
           <Asked

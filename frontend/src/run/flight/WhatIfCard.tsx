@@ -256,7 +256,7 @@ function Field({ parameter, label, value, onChange }: FieldProps) {
   const [typed, setTyped] = useState<string | null>(null)
   const meant = typed === null ? value : parse(typed)
   const wrong = meant === null || !within(parameter, meant)
-  const said = `${plain(low)} to ${plain(high)} ${unitText(parameter.unit)}`.trim()
+  const range = `${plain(low)} to ${plain(high)} ${unitText(parameter.unit)}`.trim()
   const take = () => {
     if (typed !== null && meant !== null && !wrong && meant !== value) onChange(meant)
     setTyped(null)
@@ -269,7 +269,7 @@ function Field({ parameter, label, value, onChange }: FieldProps) {
       spellCheck={false}
       aria-label={label}
       aria-invalid={wrong}
-      title={wrong ? `Give a number from ${said}` : said}
+      title={wrong ? `Give a number from ${range}` : range}
       value={typed ?? (Number.isFinite(value) ? fixed(value, decimalsFor([low, high, nominal])) : NONE)}
       onFocus={({ currentTarget }) => {
         // Set immediately and selected: typing should replace the text, not extend it.

@@ -1,7 +1,7 @@
 // All transitions of the reconnect state machine, compared with the diagram in the architecture guide.
 import { describe, expect, it } from 'vitest'
 import guide from '../../../../docs/architecture.md?raw'
-import { CLOSED, type Event, type Kind, type Machine, type Name, next, OPENING, phaseOf, reframed, saidOf, TRANSITIONS } from './reconnect'
+import { CLOSED, type Event, type Kind, type Machine, type Name, next, OPENING, phaseOf, reframed, statementOf, TRANSITIONS } from './reconnect'
 
 const first: Machine = { ...CLOSED, name: 'asking', frames: 1, wait: OPENING }
 const open: Machine = { ...first, name: 'open' }
@@ -85,8 +85,8 @@ describe('the message to the visitor', () => {
     ['once it is back', { ...open, restores: 'all' }, 'open', 'The 3D view was lost and has been restored.'],
     ['once a part of it is back', { ...open, restores: 'part' }, 'open', 'The 3D view was lost and has been partly restored.'],
     ['when it is given up', failed, 'failed', 'You are signed out.'],
-  ])('%s', (_, machine, phase, said) => {
+  ])('%s', (_, machine, phase, statement) => {
     expect(phaseOf(machine)).toBe(phase)
-    expect(saidOf(machine)).toBe(said)
+    expect(statementOf(machine)).toBe(statement)
   })
 })

@@ -126,7 +126,7 @@ export function phaseOf({ name, lost }: Machine): 'opening' | 'open' | 'lost' | 
 }
 
 /** A notice for the visitor: the problem and its handling, or that the view is restored. */
-export function saidOf({ name, why, lost, restores }: Machine): string {
+export function statementOf({ name, why, lost, restores }: Machine): string {
   if (name === 'failed') return why
   if (name === 'open')
     return {

@@ -11,15 +11,15 @@ const STILL = 500
 export function useInstant(view: View, id: string): void {
   const [{ t, cam }, change] = useAddress(id)
   /** The values of the address that were sent to the view. */
-  const said = useRef<Place>({ time: t, camera: cam })
+  const sent = useRef<Place>({ time: t, camera: cam })
   const latest = useRef(change)
   useEffect(() => {
     latest.current = change
   })
 
   useEffect(() => {
-    const before = said.current
-    said.current = { time: t, camera: cam }
+    const before = sent.current
+    sent.current = { time: t, camera: cam }
     if (t !== undefined && t !== before.time) view.steer({ time: t })
     if (cam !== undefined && cam !== before.camera) view.steer({ camera: cam })
   }, [t, cam, view])
@@ -31,11 +31,11 @@ export function useInstant(view: View, id: string): void {
     const write = () => {
       const place = placeOf(view)
       if (!place || view.known.shown?.playing) return
-      const { time, camera } = said.current
+      const { time, camera } = sent.current
       if (time === undefined && place.time === opened?.time) delete place.time
       if (camera === undefined && place.camera === opened?.camera) delete place.camera
       if (place.time === time && place.camera === camera) return
-      said.current = place
+      sent.current = place
       latest.current({ t: place.time, cam: place.camera })
     }
     const heard = () => {

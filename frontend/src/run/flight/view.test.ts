@@ -27,14 +27,14 @@ it('restores all that was shown in a reopened view', () => {
   }
   const eye = { position: [1, 2, 3] as [number, number, number], target: [0, 0, 0] as [number, number, number] }
   const last = { opened: 1, revision: 7, flight: 'F2', time: 3.5, horizon: 20, camera: null, eye, playing: true, speed: 2, panel: true, what_if: null, what_if_seed: null, what_if_source: null }
-  const said = again({ ...last, theme: 'dark', layers })
-  expect(said).toEqual({ flight: 'F2', theme: 'dark', time: 3.5, playing: true, speed: 2, panel: true, layers, eye })
+  const message = again({ ...last, theme: 'dark', layers })
+  expect(message).toEqual({ flight: 'F2', theme: 'dark', time: 3.5, playing: true, speed: 2, panel: true, layers, eye })
   const noisy = again({ ...last, theme: 'dark', layers, what_if: { 'vehicle.m': 5 }, what_if_seed: 7 })
   expect(noisy).toMatchObject({ what_if: { 'vehicle.m': 5 }, what_if_seed: 7 })
-  expect(again({ ...last, theme: 'dark', layers, what_if: { 'simulator.x': 5 } }, false)).toEqual(said)
-  expect(merged(said, { camera: 'top', step: 1 })).toMatchObject({ time: 3.5, step: 1, camera: 'top' })
-  expect(merged(said, { camera: 'top' })).not.toHaveProperty('eye')
-  expect(merged(said, { closest: true })).not.toHaveProperty('time')
+  expect(again({ ...last, theme: 'dark', layers, what_if: { 'simulator.x': 5 } }, false)).toEqual(message)
+  expect(merged(message, { camera: 'top', step: 1 })).toMatchObject({ time: 3.5, step: 1, camera: 'top' })
+  expect(merged(message, { camera: 'top' })).not.toHaveProperty('eye')
+  expect(merged(message, { closest: true })).not.toHaveProperty('time')
 })
 
 it('keeps one page for all views that a page opens', () => {

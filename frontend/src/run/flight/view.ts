@@ -4,7 +4,7 @@ import { changeView, getView } from '../../api/calls'
 import { Refusal } from '../../api/problems'
 import { signedOut } from '../../api/session'
 import type { ViewChange, ViewState } from '../../client'
-import { CLOSED, type Event, type Machine, next, phaseOf, reframed, saidOf } from './reconnect'
+import { CLOSED, type Event, type Machine, next, phaseOf, reframed, statementOf } from './reconnect'
 import { Request } from './request'
 import { addressOf, again, merged, type Place, uuid, type Wanted } from '../data/viewChange'
 
@@ -27,7 +27,7 @@ export interface Known {
   shown: ViewState | null
   phase: ReturnType<typeof phaseOf>
   /** A notice for the visitor: the problem and what to do, or that the view is restored. */
-  said: string
+  statement: string
   /** Address and number of the frame: a lost one is replaced. */
   address: string | null
   frame: number
@@ -36,7 +36,7 @@ export interface Known {
 export class View {
   readonly run: string
   readonly key = uuid()
-  known: Known = { shown: null, phase: 'opening', said: '', address: null, frame: 0 }
+  known: Known = { shown: null, phase: 'opening', statement: '', address: null, frame: 0 }
   private readonly simulates: boolean
   private machine: Machine = CLOSED
   /** The last displayed state, also after a loss. */
@@ -143,9 +143,9 @@ export class View {
     if (machine.restores === 'part') this.last = null // its last state no longer exists: open it in the page's state
     if (reframed(before, machine)) this.frame(this.last ? placeOf(this.last) : {})
     if (machine.name === 'open' && before.name === 'open') return
-    const said = saidOf(machine)
-    this.tell({ phase: phaseOf(machine), said, ...(machine.name !== 'open' && { shown: null }) })
-    if (machine.name === 'open' && said) setTimeout(() => this.known.said === said && this.tell({ said: '' }), BACK)
+    const statement = statementOf(machine)
+    this.tell({ phase: phaseOf(machine), statement, ...(machine.name !== 'open' && { shown: null }) })
+    if (machine.name === 'open' && statement) setTimeout(() => this.known.statement === statement && this.tell({ statement: '' }), BACK)
   }
 
   /** Sends the complete state once the view is open. */

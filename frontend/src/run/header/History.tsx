@@ -6,7 +6,7 @@ import { getHistory } from '../../api/calls'
 import { moment } from '../../format/time'
 import { Failed } from '../../page/Trouble'
 import { Card } from '../../ui/Card'
-import { saidOf } from './said'
+import { statementOf } from './entry'
 import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 import tables from '../../ui/tables.module.css'
@@ -48,7 +48,7 @@ export function History({ run }: { run: string }) {
                 <td className="nw">
                   {entry.user} <span className="mut small">by {{ link: 'login link', provider: 'single sign-on' }[entry.via] ?? entry.via}</span>
                 </td>
-                <td>{saidOf(entry)}</td>
+                <td>{statementOf(entry)}</td>
               </tr>
             ))}
           </tbody>

@@ -51,13 +51,13 @@ export function Removed({ run }: { run: RunDetail }) {
   )
 }
 
-export function Purged({ id, said }: { id: string; said: string }) {
+export function Purged({ id, statement }: { id: string; statement: string }) {
   return (
     <>
       <div className={clsx(cards.card, layout.centre)} role="alert" style={{ marginBottom: 'var(--gap)' }}>
         <IconTrash size={36} stroke={1.5} aria-hidden />
         <h1>{id} was purged</h1>
-        <p className={layout.wrapAny}><Digests text={said} /></p>
+        <p className={layout.wrapAny}><Digests text={statement} /></p>
         <Link to="/runs" className={buttons.btn}>
           All runs
         </Link>

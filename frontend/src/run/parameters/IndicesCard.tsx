@@ -2,9 +2,9 @@
 import { clsx } from 'clsx'
 import type { SensitivityResult } from '../../client'
 import { count, NONE, percent, plain } from '../../format/numbers'
-import { words } from '../../format/said'
+import { words } from '../../format/spans'
 import { Card } from '../../ui/Card'
-import { Said } from '../../ui/Said'
+import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import tables from '../../ui/tables.module.css'
@@ -56,10 +56,10 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
       footer={
         <>
           {morris?.indices && `μ, μ* and σ are per whole range, in ${run.unit}. `}
-          {morris && !morris.indices && <Said spans={[words('Morris: '), ...morris.said, words('. ')]} />}
+          {morris && !morris.indices && <Spans spans={[words('Morris: '), ...morris.statement, words('. ')]} />}
           {sobol?.indices &&
             `Indices are fractions of the variance, ± half the width of their ${percent(sobol.confidence)} interval.`}
-          {sobol && !sobol.indices && <Said spans={[words('Sobol: '), ...sobol.said, words('.')]} />}
+          {sobol && !sobol.indices && <Spans spans={[words('Sobol: '), ...sobol.statement, words('.')]} />}
         </>
       }
     >

@@ -12,9 +12,9 @@ import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { FindingChange, Regression } from '../../client'
 import { decimalsFor, plain, signed } from '../../format/numbers'
-import { sentence, words } from '../../format/said'
+import { sentence, words } from '../../format/spans'
 import { Card, NumHead } from '../../ui/Card'
-import { Said } from '../../ui/Said'
+import { Spans } from '../../ui/Spans'
 import type { RunData } from '../data/data'
 import { useAddress } from '../data/useAddress'
 import badges from '../../ui/badges.module.css'
@@ -87,7 +87,7 @@ function Told({ regression }: { regression: Regression }) {
   const asked = regression.fail_on.map((word) => word.replace('_', ' ')).join(', ')
   return (
     <>
-      <Said spans={regression.said} /> {lost.map((each, i) => <Said key={i} spans={[...sentence(each.said), words(' ')]} />)}
+      <Spans spans={regression.statement} /> {lost.map((each, i) => <Spans key={i} spans={[...sentence(each.statement), words(' ')]} />)}
       {asked ? `The policy fails on: ${asked}.` : 'The policy fails on nothing.'} A finding that is new may also be one that
       the search of the baseline missed.
     </>

@@ -6,11 +6,11 @@ import { Changes } from './SinceCard'
 
 const change = (more: Partial<FindingChange>): FindingChange => ({
   standing: 'same', before: 'F1', now: 'F1', evaluation: 0, parameters: { 'vehicle.m': 6 }, margin_before: 0.44174,
-  margin_again: 0.42813, margin: 0.4, change: -0.01361, tolerance: 0.001, newly_violating: false, fails: false, said: [],
+  margin_again: 0.42813, margin: 0.4, change: -0.01361, tolerance: 0.001, newly_violating: false, fails: false, statement: [],
   text: '', ...more,
 })
 const regression = (...cases: FindingChange[]): Regression => ({
-  run: 'out', position: 1, cases, fail_on: ['worse'], ok: true, accepted: false, quantity: 'd_min', unit: 'm', said: [], text: '',
+  run: 'out', position: 1, cases, fail_on: ['worse'], ok: true, accepted: false, quantity: 'd_min', unit: 'm', statement: [], text: '',
 })
 const shown = (...cases: FindingChange[]) =>
   renderToStaticMarkup(<Changes unit="m" regression={regression(...cases)} choose={() => undefined} />)

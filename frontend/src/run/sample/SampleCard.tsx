@@ -8,9 +8,9 @@ import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals, tickText } from '../../charts/ticks'
 import { lostOf } from '../../format/counts'
 import { count, decimalsFor, fixed, plain, short } from '../../format/numbers'
-import { sentence, words } from '../../format/said'
+import { sentence, words } from '../../format/spans'
 import { Seg } from '../../ui/Card'
-import { Said } from '../../ui/Said'
+import { Spans } from '../../ui/Spans'
 import { SvgSign, symbolText } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import { DistributionCurve } from './DistributionCurve'
@@ -61,9 +61,9 @@ export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
       footer={
         <>
           Mean {fixed(sample.mean, decimals)} {run.unit}, standard deviation {plain(sample.deviation, 3)} {run.unit},
-          lowest {fixed(sample.lowest, decimals)} {run.unit}. <Said spans={sentence(sample.said)} />
-          {quantile && <Said spans={[words(' '), ...sentence(quantile.said)]} />}
-          {grid && <Said spans={[words(' '), ...sentence(grid.said)]} />}
+          lowest {fixed(sample.lowest, decimals)} {run.unit}. <Spans spans={sentence(sample.statement)} />
+          {quantile && <Spans spans={[words(' '), ...sentence(quantile.statement)]} />}
+          {grid && <Spans spans={[words(' '), ...sentence(grid.statement)]} />}
         </>
       }
     >

@@ -4,12 +4,12 @@ import { LIMITS } from '../../api/rules'
 import { resultOf } from '../../api/stages'
 import type { Compared, Member } from '../../client'
 import { count, decimalsApart, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
-import { words } from '../../format/said'
+import { words } from '../../format/spans'
 import { HelpLink } from '../../help/links'
 import { Card, NumHead, Progress } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
 import { useMethodLook } from '../../ui/methods'
-import { Said } from '../../ui/Said'
+import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import { rateOf, type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
 import layout from '../../ui/layout.module.css'
@@ -135,9 +135,9 @@ function Ends({ searches }: { searches: SearchStage[] }) {
   return searches.map(({ stage, title, result }) =>
     result?.stop ? (
       <div key={stage.position}>
-        <span className="sec">{title}:</span> <Said spans={result.stop.said} />
+        <span className="sec">{title}:</span> <Spans spans={result.stop.statement} />
         {result.members.length > 0 && `; ${membersText(result.members)}`}
-        {result.gap && <Said spans={[words('; '), ...result.gap.said]} />}
+        {result.gap && <Spans spans={[words('; '), ...result.gap.statement]} />}
       </div>
     ) : null,
   )

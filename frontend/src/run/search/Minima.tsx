@@ -7,7 +7,7 @@ import { count, decimalsApart, decimalsFor, fixed, NONE } from '../../format/num
 import { unitText } from '../../format/units'
 import { Card, NumHead, Seg } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
-import { Said } from '../../ui/Said'
+import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import { type RunData, stageOf } from '../data/data'
 import { basinsOf, distanceOf, type MergedMinimum, mergedMinima, rangesText } from './minima'
@@ -147,7 +147,7 @@ function Descent({ data, minimum, number, decimals, tall, lowest }: DescentProps
       })}
       <td className={minimum === lowest ? 'num b' : 'num'}>{fixed(minimum.cost, decimals)}</td>
       <td className="num sec">{count(minimum.evaluations)}</td>
-      <td className="sec"><Said spans={minimum.said} /></td>
+      <td className="sec"><Spans spans={minimum.statement} /></td>
     </tr>
   )
 }

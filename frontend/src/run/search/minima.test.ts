@@ -5,7 +5,7 @@ import type { Minimum } from '../../client'
 import { basinsOf, mergedMinima, rangesText } from './minima'
 
 const minimum = (cost: number, m: number): Minimum => ({
-  cost, evaluations: 10, parameters: { m }, start: { m: 0 }, point: [], said: [], text: '',
+  cost, evaluations: 10, parameters: { m }, start: { m: 0 }, point: [], statement: [], text: '',
 })
 const PARAMETERS = [{ path: 'm', low: 0, high: 10 }]
 const told = (minima: Minimum[], basins: (string | null)[] = [], findings = [finding('F1', { parameters: { m: 1 } })]) =>

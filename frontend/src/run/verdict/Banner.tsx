@@ -3,9 +3,9 @@ import { IconCircleCheck, IconCircleX, IconHelpCircle } from '@tabler/icons-reac
 import type { DescribedCheck, RunDetail } from '../../client'
 import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
-import { words } from '../../format/said'
+import { words } from '../../format/spans'
 import { HelpLink } from '../../help/links'
-import { Said } from '../../ui/Said'
+import { Spans } from '../../ui/Spans'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
 import { NextSteps } from './NextSteps'
@@ -31,12 +31,12 @@ export function Banner({ data }: { data: RunData }) {
           <HelpLink to="/help/evidence">What a verdict rests on</HelpLink>
         </span>
         <p>
-          {run.verdict ? <Said spans={summary?.said ?? [words(run.reason ?? '')]} /> : reasonOf(run, outcome)}
+          {run.verdict ? <Spans spans={summary?.statement ?? [words(run.reason ?? '')]} /> : reasonOf(run, outcome)}
         </p>
         {run.verdict && summary && summary.holds_for.length > 0 && (
           <details className={styles.scope}>
             <summary>
-              Scope: <Said spans={summary.holds_for} exact />
+              Scope: <Spans spans={summary.holds_for} exact />
             </summary>
           </details>
         )}
@@ -63,7 +63,7 @@ function Checks({ checks }: { checks: readonly DescribedCheck[] }) {
             <Standing check={check} />
             <span>
               <span className="m">{check.title}</span>:{' '}
-              <Said spans={check.limit.length > 0 ? [...check.said, words('; '), ...check.limit] : check.said} />
+              <Spans spans={check.limit.length > 0 ? [...check.statement, words('; '), ...check.limit] : check.statement} />
             </span>
           </li>
         ))}

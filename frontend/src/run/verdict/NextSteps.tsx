@@ -4,7 +4,7 @@ import { IconRefresh } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { keysOf, stepsOf } from '../../api/steps'
 import type { RunDetail } from '../../client'
-import { Said } from '../../ui/Said'
+import { Spans } from '../../ui/Spans'
 import buttons from '../../ui/buttons.module.css'
 import styles from './verdict.module.css'
 
@@ -17,7 +17,7 @@ export function NextSteps({ run }: { run: RunDetail }) {
         <Link key={step.key} to="/launch" search={{ from: run.id, remedy: step.key }} className={clsx(buttons.btn, buttons.s)}>
           <IconRefresh className="i s" aria-hidden />
           <span>
-            Run again <Said spans={step.remedy.said} />
+            Run again <Spans spans={step.remedy.statement} />
           </span>
         </Link>
       ))}

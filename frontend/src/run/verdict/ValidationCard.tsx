@@ -4,10 +4,10 @@ import { clsx } from 'clsx'
 import type { SpotChecks, ValidateResult, Validation, Violations } from '../../client'
 import { resultOf } from '../../api/stages'
 import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../../format/numbers'
-import { sentence, words } from '../../format/said'
+import { sentence, words } from '../../format/spans'
 import { Card, NumHead } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
-import { Said } from '../../ui/Said'
+import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import { casesOf, validatedWord } from '../data/validated'
@@ -48,14 +48,14 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
       }
       footer={
         <>
-          <Said spans={sentence(result.said)} />{' '}
+          <Spans spans={sentence(result.statement)} />{' '}
           {measured && (
             <span data-testid="measured">
-              Measured before the search: the simulator <Said spans={[...measured.said, words('. ')]} />
+              Measured before the search: the simulator <Spans spans={[...measured.statement, words('. ')]} />
             </span>
           )}
           {[result.violations, result.spot_checks].map(
-            (told, i) => told && <Said key={i} spans={[...sentence(told.said), words(' ')]} />,
+            (told, i) => told && <Spans key={i} spans={[...sentence(told.statement), words(' ')]} />,
           )}
           Tolerance {percent(result.tolerance)} of the value, and a tenth of the margin.{' '}
           {neighbours && (

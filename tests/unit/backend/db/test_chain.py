@@ -64,13 +64,13 @@ BREAKS: list[tuple[Callable[[Rows], Any], list[str]]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("broken", "said"), BREAKS)
-def test_what_is_broken_is_named(broken: Callable[[Rows], Any], said: list[str]) -> None:
+@pytest.mark.parametrize(("broken", "statement"), BREAKS)
+def test_what_is_broken_is_named(broken: Callable[[Rows], Any], statement: list[str]) -> None:
     rows = made()
     broken(rows)
     faults = verify(rows).faults
     assert faults
-    assert faults[0].startswith(said[0])
+    assert faults[0].startswith(statement[0])
 
 
 def test_two_rows_that_swapped_their_contents_are_found() -> None:

@@ -66,11 +66,11 @@ def test_a_dry_run_and_a_no_delete_nothing(
     data: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert invoke(["purge", "--dry-run", "--data", str(data)]) == 0
-    said = capsys.readouterr().out
-    assert re.search(r"R-0001  removed \S+ by ada  100,000 evaluations, 3\.3 MB  long ago: a trial", said)
-    assert "R-0002" not in said
-    assert "1 run, 3.3 MB of evaluations and trajectories." in said
-    assert "dry run" in said
+    statement = capsys.readouterr().out
+    assert re.search(r"R-0001  removed \S+ by ada  100,000 evaluations, 3\.3 MB  long ago: a trial", statement)
+    assert "R-0002" not in statement
+    assert "1 run, 3.3 MB of evaluations and trajectories." in statement
+    assert "dry run" in statement
     monkeypatch.setattr("typer.confirm", lambda _: False)
     assert invoke(["purge", "--data", str(data)]) == 0
     assert "Nothing was deleted." in capsys.readouterr().out
@@ -90,9 +90,9 @@ def test_without_confirmation_nothing_is_deleted(
 def test_old_runs_are_purged_and_their_space_is_freed(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = data / "clearance.sqlite3"
     assert invoke(["purge", "--yes", "--data", str(data)]) == 0
-    said = capsys.readouterr().out
-    assert "1 run purged." in said
-    before, after = (float(size) for size in re.findall(r"reduced from ([0-9.]+) MB to ([0-9.]+) MB", said)[0])
+    statement = capsys.readouterr().out
+    assert "1 run purged." in statement
+    before, after = (float(size) for size in re.findall(r"reduced from ([0-9.]+) MB to ([0-9.]+) MB", statement)[0])
     assert before - after == pytest.approx(3.3, abs=0.2)
     assert file.stat().st_size == pytest.approx(1e6 * after, abs=1e5)
     assert left(data) == [2, 3]

@@ -32,9 +32,9 @@ def test_a_password_of_any_length_and_of_any_characters_is_compared_without_an_e
     "password", ["", "x" * 11, "abcdefghijk", "x" * 201, "abababababab", "grace.hopper1", "GRACE.HOPPER!"]
 )
 def test_a_weak_password_is_refused_without_repeating_it(password: str) -> None:
-    said = passwords.problem(password, "grace.hopper")
-    assert said
-    assert len(password) < 5 or password not in said
+    statement = passwords.problem(password, "grace.hopper")
+    assert statement
+    assert len(password) < 5 or password not in statement
 
 
 @pytest.mark.parametrize("password", [GOOD, "grace.hopper and the compiler", "ünïcödé wörds", "x1y2z3" * 30])

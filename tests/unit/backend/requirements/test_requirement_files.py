@@ -47,7 +47,7 @@ OUTSIDE = b'<!DOCTYPE l [<!ENTITY a SYSTEM "file:///etc/passwd">]><REQ-IF>&a;</R
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "statement"),
     [
         (LAUGHS, "document type declaration"),
         (OUTSIDE, "document type declaration"),
@@ -62,10 +62,10 @@ OUTSIDE = b'<!DOCTYPE l [<!ENTITY a SYSTEM "file:///etc/passwd">]><REQ-IF>&a;</R
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_a_file_that_is_no_acceptable_reqif_is_refused_with_a_sentence(content: bytes, said: str) -> None:
+def test_a_file_that_is_no_acceptable_reqif_is_refused_with_a_sentence(content: bytes, statement: str) -> None:
     with pytest.raises(CannotRead, match=r".*") as refused:
         reqif.read(content)
-    assert said in str(refused.value)
+    assert statement in str(refused.value)
 
 
 def test_a_file_with_too_many_elements_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -103,7 +103,7 @@ def test_a_csv_file_with_other_columns(separator: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "statement"),
     [
         (b"a,b\n1,2\n", "no column for the id: the header has a, b; it needs 'id'"),
         (b"id,b\n1,2\n", "no column for the text"),
@@ -116,10 +116,10 @@ def test_a_csv_file_with_other_columns(separator: str) -> None:
         (b"id,text\n1," + b"x" * 200_000 + b"\n", "field larger than field limit"),
     ],
 )
-def test_a_file_that_is_no_acceptable_csv_is_refused_with_a_sentence(content: bytes, said: str) -> None:
+def test_a_file_that_is_no_acceptable_csv_is_refused_with_a_sentence(content: bytes, statement: str) -> None:
     with pytest.raises(CannotRead, match=r".*") as refused:
         sheet.read(content)
-    assert said in str(refused.value)
+    assert statement in str(refused.value)
 
 
 def test_columns_may_be_named() -> None:

@@ -32,9 +32,9 @@ def test_a_simulator_given_as_code_is_refused_with_how_to_install_one(case: str)
     given, field = GIVEN[case]
     with pytest.raises(CampaignError) as refused:
         load_document(package.campaign(simulator=given))
-    said = [problem.message for problem in refused.value.problems if problem.field == field]
-    assert len(said) == 1, refused.value
-    assert WAY in said[0]
+    statement = [problem.message for problem in refused.value.problems if problem.field == field]
+    assert len(statement) == 1, refused.value
+    assert WAY in statement[0]
 
 
 @pytest.mark.parametrize("changes", [{"code": "1 + 1"}, {"command": ["sh"]}])

@@ -128,14 +128,14 @@ def test_the_command_prints_stages_of_a_campaign(capsys: pytest.CaptureFixture[s
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "statement"),
     [(["--cost", "0", "--parameters", "3"], "invalid cost 0"), (["--cost", "9999", "--parameters", "3"], "allow more")],
 )
 def test_the_command_refuses_what_cannot_be(
-    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], statement: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert invoke(["propose", *arguments]) == WRONG_INPUT
-    assert said in capsys.readouterr().err
+    assert statement in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

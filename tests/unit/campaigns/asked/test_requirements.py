@@ -44,7 +44,7 @@ def test_requirements_are_ids_or_ids_with_text_and_part_of_the_digest() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wrong", "said"),
+    ("wrong", "statement"),
     [
         (["A", {"id": "A", "text": "x"}], "A is given twice; name a requirement once"),
         (["A "], "expected the id of a requirement: one line"),
@@ -56,10 +56,10 @@ def test_requirements_are_ids_or_ids_with_text_and_part_of_the_digest() -> None:
         ([7], "criterion.requirements.0"),
     ],
 )
-def test_a_wrong_requirement_is_refused_with_a_sentence(wrong: Any, said: str) -> None:
+def test_a_wrong_requirement_is_refused_with_a_sentence(wrong: Any, statement: str) -> None:
     with pytest.raises(CampaignError, match=r".*") as refused:
         load_document(document(criterion__requirements=wrong))
-    assert said in str(refused.value)
+    assert statement in str(refused.value)
 
 
 def test_the_question_is_without_methods_and_the_definition_without_the_baseline() -> None:

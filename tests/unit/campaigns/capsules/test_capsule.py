@@ -55,11 +55,11 @@ def test_a_capsule_replays_to_the_same_bits_without_a_service(
     capsule: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)  # no data folder, no folder of results
-    code, said = replayed(capsys, str(capsule))
-    assert (code, said["agrees"], said["differences"], said["component_changes"]) == (0, True, [], [])
-    (case,) = said["cases"]
+    code, statement = replayed(capsys, str(capsule))
+    assert (code, statement["agrees"], statement["differences"], statement["component_changes"]) == (0, True, [], [])
+    (case,) = statement["cases"]
     assert (case["case"], case["agreement"], case["now"]["values"]) == ("F1", "same bits", case["stored"]["values"])
-    assert (said["executed"], said["origin"]["verdict"]) == (False, "violated")
+    assert (statement["executed"], statement["origin"]["verdict"]) == (False, "violated")
     assert invoke(["replay", str(capsule), "F1"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[1] == (
@@ -106,9 +106,9 @@ def test_other_components_are_reported(capsule: Path, capsys: pytest.CaptureFixt
 
     capsule.write_bytes(altered(capsule, another))
     assert invoke(["replay", str(capsule)]) == 0
-    said = capsys.readouterr().out
-    assert "Other than in the capsule: the text of the " in said
-    assert "the loop digest was 000000000000, here it is " in said
+    statement = capsys.readouterr().out
+    assert "Other than in the capsule: the text of the " in statement
+    assert "the loop digest was 000000000000, here it is " in statement
 
 
 def _text(key: str, value: Any) -> Callable[[Document], object]:
@@ -207,9 +207,9 @@ def test_what_is_no_capsule_is_a_sentence(data: bytes, tmp_path: Path, capsys: p
     file = tmp_path / "x.zip"
     file.write_bytes(data)
     assert invoke(["replay", str(file)]) == WRONG_INPUT
-    said = capsys.readouterr().err
-    assert "is no capsule that can be replayed" in said
-    assert "Traceback" not in said
+    statement = capsys.readouterr().err
+    assert "is no capsule that can be replayed" in statement
+    assert "Traceback" not in statement
 
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
@@ -219,8 +219,8 @@ def test_a_damaged_file_is_a_sentence(method: int) -> None:
     with zipfile.ZipFile(buffer, "w", method) as archive:
         archive.writestr("capsule.json", b"{}" * 200)
     data = buffer.getvalue()
-    said = "not JSON" if method == zipfile.ZIP_DEFLATED else "is not compressed as a capsule is"
-    with pytest.raises(CapsuleError, match=said):
+    statement = "not JSON" if method == zipfile.ZIP_DEFLATED else "is not compressed as a capsule is"
+    with pytest.raises(CapsuleError, match=statement):
         unpacked(data)
     for seed in range(300):
         changes = random.Random(seed)

@@ -114,9 +114,9 @@ FROZEN: dict[str, Any] = {
 def test_what_does_not_state_it_keeps_its_digest() -> None:
     frozen = load_document(FROZEN)
     assert frozen.digest == "61a5dba965fd3e587316396256c0be93779bfda194120e3dbda9aef51dc3febe"
-    said = load_document(FROZEN | {"criterion": {"threshold": 0.5, "from_centre": False}})
-    assert said.digest == frozen.digest
-    assert "from_centre" not in json.dumps(said.document()) + to_yaml(said)
+    statement = load_document(FROZEN | {"criterion": {"threshold": 0.5, "from_centre": False}})
+    assert statement.digest == frozen.digest
+    assert "from_centre" not in json.dumps(statement.document()) + to_yaml(statement)
 
 
 def test_what_states_it_has_a_digest_of_its_own_and_keeps_saying_so() -> None:

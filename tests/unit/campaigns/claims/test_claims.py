@@ -28,7 +28,7 @@ TERMS = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "goal": "goal"}, {"m"
 
 
 def test_a_sentence_is_its_spans() -> None:
-    said = say(
+    statement = say(
         *(
             named("d_min"),
             " keeps a margin of ",
@@ -40,12 +40,12 @@ def test_a_sentence_is_its_spans() -> None:
         *(listed([method("direct", "DIRECT"), method("sqp", "SQP"), finding("F1"), finding("F1")]), ", "),
         *(percent(0.05, name="bound"), " and ", number(0.94174123456, "m"), "", named("goal")),
     )
-    assert words(said) == (
+    assert words(statement) == (
         "d_min keeps a margin of \u22120.25 m in 40\u202f314 evaluations of DIRECT, SQP and F1, 5 % and 0.941741 mgoal"
     )
-    assert values(said) == {"margin": -0.25, "bound": 0.05}
-    assert say(*said) == said
-    assert not any(isinstance(a, Text) and isinstance(b, Text) for a, b in pairwise(said))
+    assert values(statement) == {"margin": -0.25, "bound": 0.05}
+    assert say(*statement) == statement
+    assert not any(isinstance(a, Text) and isinstance(b, Text) for a, b in pairwise(statement))
 
 
 def test_a_clause_becomes_a_sentence() -> None:
@@ -57,9 +57,9 @@ def test_a_clause_becomes_a_sentence() -> None:
 
 
 def test_a_number_that_is_none_stays_readable() -> None:
-    said = say(number(math.nan, "m", "worst"), " and ", number(-0.0, "m"))
-    assert words(said) == "nan m and 0 m"
-    assert values(said) == {}
+    statement = say(number(math.nan, "m", "worst"), " and ", number(-0.0, "m"))
+    assert words(statement) == "nan m and 0 m"
+    assert values(statement) == {}
 
 
 @pytest.mark.parametrize(
@@ -88,9 +88,9 @@ EARLIER = [
 
 @pytest.mark.parametrize("text", EARLIER)
 def test_earlier_words_stay_as_they_are(text: str) -> None:
-    said = earlier.said(text, TERMS)
-    assert words(said) == text
-    for span in said:
+    spans = earlier.spans(text, TERMS)
+    assert words(spans) == text
+    for span in spans:
         assert not isinstance(span, Text) or "vehicle.m " not in span.text
 
 
@@ -104,12 +104,12 @@ def test_earlier_results_are_read_with_symbols_and_units() -> None:
 
     read = Gap.model_validate(earlier.spoken(stored, terms))
     assert read.text == stored["text"]
-    assert [span.kind for span in read.said] == ["symbol", "text", "quantity"]
+    assert [span.kind for span in read.statement] == ["symbol", "text", "quantity"]
     assert Gap.model_validate(stored).text == stored["text"], "without a look at the campaign the words alone"
     assert earlier.spoken(read.model_dump(), terms) == read.model_dump(), "what has spans stays"
     assert asked == [1]
     nested = {"stop": {"kind": "rule", "text": "ended"}, "curves": [{"values": [1.0, 2.0]}]}
-    assert earlier.spoken(nested, terms)["stop"]["said"] == [{"kind": "text", "text": "ended"}]
+    assert earlier.spoken(nested, terms)["stop"]["statement"] == [{"kind": "text", "text": "ended"}]
 
 
 def test_an_earlier_verdict_states_the_same() -> None:
@@ -126,8 +126,20 @@ def test_an_earlier_verdict_states_the_same() -> None:
         assert Verdict.model_validate(json.loads(read.model_dump_json())) == read
 
 
+def test_spans_that_were_stored_as_said_keep_their_named_numbers() -> None:
+    verdict = Verdict(verdict="cleared", statement=say("d_min stayed above ", number(0.5, "m", "threshold"), "."))
+    gap = Gap(rectangles=9, lower_bound=0.1, gap=0.2, statement=say("a bound of ", number(0.1, "m", "bound")))
+    for now in (verdict, gap):
+        stored = json.loads(now.model_dump_json().replace('"statement"', '"said"'))
+        assert "said" in stored
+        for read in (stored, earlier.spoken(stored, lambda: TERMS), earlier.throughout(stored)):
+            assert type(now).model_validate(read) == now
+    nested = json.loads(json.dumps({"checks": [gap.model_dump(mode="json")]}).replace('"statement"', '"said"'))
+    assert earlier.throughout(nested) == {"checks": [gap.model_dump(mode="json")]}
+
+
 def test_a_check_of_another_package_needs_no_table() -> None:
-    foreign = Check(code="fuel reserve", ok=False, said=say("it keeps ", number(0.25, "kg", "fuel")))
+    foreign = Check(code="fuel reserve", ok=False, statement=say("it keeps ", number(0.25, "kg", "fuel")))
     read = Check.model_validate(json.loads(foreign.model_dump_json()))
     assert (read.code, read.name, read.values) == ("fuel reserve", "fuel reserve", {"fuel": 0.25})
     assert described([read], 0)[0].title == "Fuel reserve"
@@ -148,9 +160,9 @@ def test_a_stop_rule_of_another_package_needs_no_table() -> None:
 
 def test_a_sentence_within_a_sentence_keeps_its_numbers() -> None:
     inner = Ended("iterations", "completed the {iterations} iterations", iterations=15)
-    said = spoken(Ended("members", "DIRECT: {direct}; SQP from {centres} centres", direct=inner, centres=5))
-    assert words(said) == "DIRECT: completed the 15 iterations; SQP from 5 centres"
-    assert [span.value for span in said if isinstance(span, Quantity)] == [15, 5]
+    statement = spoken(Ended("members", "DIRECT: {direct}; SQP from {centres} centres", direct=inner, centres=5))
+    assert words(statement) == "DIRECT: completed the 15 iterations; SQP from 5 centres"
+    assert [span.value for span in statement if isinstance(span, Quantity)] == [15, 5]
 
 
 def test_every_rule_of_ours_has_a_listed_code() -> None:

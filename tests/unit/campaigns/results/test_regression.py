@@ -237,7 +237,7 @@ def test_without_a_baseline_nothing_is_stored_and_the_digests_stay() -> None:
 
 
 @pytest.mark.parametrize(
-    ("policy", "said"),
+    ("policy", "statement"),
     [
         ({"fail_on": ["worst"]}, "'violation', 'new_violation', 'new', 'worse' or 'not_compared'"),
         ({"tolerance": -1}, "greater than or equal to 0"),
@@ -245,15 +245,15 @@ def test_without_a_baseline_nothing_is_stored_and_the_digests_stay() -> None:
         ({"fail": ["new"]}, "unknown key"),
     ],
 )
-def test_a_bad_policy_is_named(policy: dict[str, Any], said: str) -> None:
+def test_a_bad_policy_is_named(policy: dict[str, Any], statement: str) -> None:
     with pytest.raises(CampaignError) as refused:
         campaign(regression=policy)
-    assert said in str(refused.value)
+    assert statement in str(refused.value)
     assert "regression" in refused.value.problems[0].field
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "statement"),
     [
         ({"cases": []}, "at least 1 item"),
         ({"cases": [{"label": "F1", "parameters": {}, "cost": 1.0}]}, "at least 1 item"),
@@ -267,12 +267,12 @@ def test_a_bad_policy_is_named(policy: dict[str, Any], said: str) -> None:
         ({"colour": "x"}, "unknown key"),
     ],
 )
-def test_a_hostile_baseline_is_refused_by_field(change: dict[str, Any], said: str) -> None:
+def test_a_hostile_baseline_is_refused_by_field(change: dict[str, Any], statement: str) -> None:
     given_baseline = document(baseline=asked(0.84).document()["baseline"] | change)
     with pytest.raises(CampaignError) as refused:
         load_document(given_baseline)
     assert refused.value.problems[0].field.startswith("baseline")
-    assert said in str(refused.value)
+    assert statement in str(refused.value)
 
 
 def test_a_baseline_point_of_another_dimension_is_not_used() -> None:
@@ -301,18 +301,18 @@ OTHER_CRITERION = {"criterion": {"component": "goal_miss", "threshold": 0.5}}
 
 
 @pytest.mark.parametrize(
-    ("other", "found", "said"),
+    ("other", "found", "statement"),
     [
         (OTHER_CRITERION, 1, "its criterion is goal_miss, here it is separation; a comparison needs the same"),
         ({"uncertain": {"start.x": {"low": 0.0, "high": 1.0}}}, 1, "it varies none of the parameters of this campaign"),
         ({}, 0, "it has no findings to compare with; give another run"),
     ],
 )
-def test_a_run_that_cannot_be_a_baseline_is_refused(other: dict[str, Any], found: int, said: str) -> None:
+def test_a_run_that_cannot_be_a_baseline_is_refused(other: dict[str, Any], found: int, statement: str) -> None:
     with pytest.raises(CannotCompare) as refused:
         with_baseline(campaign(), "R-0001", campaign(**other), findings()[:found])
     assert str(refused.value).startswith("R-0001 cannot be the baseline: ")
-    assert said in str(refused.value)
+    assert statement in str(refused.value)
 
 
 def test_a_run_of_a_simulator_is_foreign_to_one_of_a_scenario() -> None:
@@ -366,7 +366,7 @@ def test_a_failure_in_junit_has_parameters_link_and_replay_command() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "tag", "said"),
+    ("changes", "tag", "statement"),
     [
         (
             {"state": "failed", "verdict": None, "error": "a\x00b\ud800 <c>"},
@@ -377,9 +377,9 @@ def test_a_failure_in_junit_has_parameters_link_and_replay_command() -> None:
         ({"compared": False, "notes": ("No baseline: none.",)}, "skipped", "No baseline: none."),
     ],
 )
-def test_junit_reports_what_is_missing(changes: dict[str, Any], tag: str, said: str) -> None:
+def test_junit_reports_what_is_missing(changes: dict[str, Any], tag: str, statement: str) -> None:
     (found,) = Xml.fromstring(junit(ended(None, **changes))).iter(tag)
-    assert found.get("message") == said
+    assert found.get("message") == statement
 
 
 @pytest.mark.parametrize("word", ["violated", "inconclusive"])

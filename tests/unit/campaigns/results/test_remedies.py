@@ -30,8 +30,8 @@ SIMULATED = {
 
 
 def failing(code: str, **values: float) -> Check:
-    said = [number(value, "s", name) for name, value in values.items()]
-    return Check(code=code, ok=False, said=say("it does not hold ", *said))
+    statement = [number(value, "s", name) for name, value in values.items()]
+    return Check(code=code, ok=False, statement=say("it does not hold ", *statement))
 
 
 def ran(asked: Campaign, *results: SearchResult, statistics: Statistics | None = None) -> Ran:
@@ -161,7 +161,7 @@ def test_a_simulator_that_does_not_repeat_asks_for_several_calls() -> None:
 
 @pytest.mark.parametrize("code", [code for code in CheckCode if code not in ("agreement", "validation")])
 def test_a_check_that_holds_has_no_remedy(code: CheckCode) -> None:
-    assert remedies(Check(code=code, ok=True, said=say("it holds")), ran(campaign())) == []
+    assert remedies(Check(code=code, ok=True, statement=say("it holds")), ran(campaign())) == []
 
 
 @pytest.mark.parametrize("code", ["nominal", "motion", "distances", "exclusions", "evaluations", "of another package"])

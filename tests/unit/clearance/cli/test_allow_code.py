@@ -66,9 +66,9 @@ def test_without_the_option_it_is_refused_and_never_started(
 ) -> None:
     file = written(tmp_path, command=["sh", "-c", f"touch {tmp_path}/made"])
     assert invoke([command, str(file)]) == WRONG_INPUT
-    said = " ".join(capsys.readouterr().err.split())
-    assert "simulator.command: a campaign contains no code and no settings of a program" in said
-    assert "--allow-code permits its command" in said
+    statement = " ".join(capsys.readouterr().err.split())
+    assert "simulator.command: a campaign contains no code and no settings of a program" in statement
+    assert "--allow-code permits its command" in statement
     assert not (tmp_path / "made").exists()
 
 
@@ -130,7 +130,7 @@ def test_the_digest_changes_with_the_description_and_with_the_program(tmp_path: 
 
 
 @pytest.mark.parametrize(
-    ("changed", "field", "said"),
+    ("changed", "field", "statement"),
     [
         ({"command": "python bowl.py"}, "simulator.command", "a list of words is expected"),
         ({"command": [1]}, "simulator.command.0", "a list of words is expected"),
@@ -146,13 +146,13 @@ def test_the_digest_changes_with_the_description_and_with_the_program(tmp_path: 
     ],
 )
 def test_a_description_that_cannot_be_used_is_refused_by_its_key(
-    tmp_path: Path, changed: dict[str, Any], field: str, said: str
+    tmp_path: Path, changed: dict[str, Any], field: str, statement: str
 ) -> None:
     with pytest.raises(CampaignError) as refused:
         code.read(written(tmp_path, **changed), allowed=True)
     problems = [p for p in refused.value.problems if p.field == field]
     assert len(problems) == 1, refused.value
-    assert said in problems[0].message
+    assert statement in problems[0].message
     assert "bowl" not in installed.simulators()
 
 
@@ -226,9 +226,9 @@ def test_a_run_of_a_command_is_extended_where_that_is_permitted(
 ) -> None:
     more = tmp_path / "more"
     assert extended(ended, "--out", str(more)) == WRONG_INPUT
-    said = " ".join(capsys.readouterr().err.split())
-    assert "its campaign file gave the command of the simulator, '{python}' -S '{folder}/bowl.py'" in said
-    assert "--allow-code permits it" in said
+    statement = " ".join(capsys.readouterr().err.split())
+    assert "its campaign file gave the command of the simulator, '{python}' -S '{folder}/bowl.py'" in statement
+    assert "--allow-code permits it" in statement
     assert extended(ended, "--allow-code", "--out", str(more)) == 2
     before, after = (json.loads((folder / "result.json").read_text()) for folder in (ended, more))
     assert after["continues"] == {"run": str(ended), "digest": before["digest"]}

@@ -88,11 +88,11 @@ def test_permitted_source_runs_and_gives_the_same_bits(
 ) -> None:
     capsule = with_source(tmp_path, module, TEXT)
     assert invoke(["replay", str(capsule), "--allow-code", "--json"]) == 0, capsys.readouterr().err
-    said = json.loads(capsys.readouterr().out)
-    (case,) = said["cases"]
+    statement = json.loads(capsys.readouterr().out)
+    (case,) = statement["cases"]
     assert (case["agreement"], case["now"]["values"]) == ("same bits", case["stored"]["values"])
-    assert said["executed"] is True
-    assert not [one for one in said["differences"] if "my_field" in one or "acme" in one]
+    assert statement["executed"] is True
+    assert not [one for one in statement["differences"] if "my_field" in one or "acme" in one]
     assert trace.exists()
 
 
@@ -161,8 +161,8 @@ def test_a_run_of_an_own_component_is_replayed_where_it_is_not_installed(
     assert invoke(["replay", str(capsule)]) == WRONG_INPUT
     capsys.readouterr()
     assert invoke(["replay", str(capsule), "--allow-code", "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert (said["cases"][0]["agreement"], said["differences"]) == ("same bits", [])
+    statement = json.loads(capsys.readouterr().out)
+    assert (statement["cases"][0]["agreement"], statement["differences"]) == ("same bits", [])
 
 
 def test_source_that_does_not_evaluate_the_finding_is_not_claimed_to(

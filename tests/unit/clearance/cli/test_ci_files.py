@@ -38,8 +38,8 @@ FINE = Case("F2", 0.9, 0.4, PARAMETERS)
 
 
 def verdict(word: str, *failing: str) -> Verdict:
-    checks = [Check(code="nominal", ok=True, said=results.said("margin +0.9 m"))]
-    checks += [Check(code=code, ok=False, said=results.said(f"{code} <fails>")) for code in failing]
+    checks = [Check(code="nominal", ok=True, statement=results.statement("margin +0.9 m"))]
+    checks += [Check(code=code, ok=False, statement=results.statement(f"{code} <fails>")) for code in failing]
     return results.verdict(word, f"It is {word}.", 1.4, 0.3 if word == "violated" else 1.3, checks=checks)
 
 

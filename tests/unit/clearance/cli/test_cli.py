@@ -14,7 +14,7 @@ from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "statement"),
     [
         ([], ""),
         (["bogus"], "No such command 'bogus'"),
@@ -29,11 +29,15 @@ from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
     ],
 )
 def test_wrong_usage_exits_with_3_and_names_the_mistake(
-    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    arguments: list[str],
+    statement: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert invoke(arguments) == WRONG_INPUT
-    assert said in capsys.readouterr().err
+    assert statement in capsys.readouterr().err
     assert not list(tmp_path.iterdir()), "nothing was left behind"
 
 
@@ -45,7 +49,7 @@ def test_help_is_0(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("raised", "code", "said"),
+    ("raised", "code", "statement"),
     [
         (RuntimeError("a bug"), INTERNAL, "Internal error in Clearance; this is not a result of your campaign."),
         (KeyboardInterrupt(), INTERRUPTED, "interrupted"),
@@ -53,7 +57,11 @@ def test_help_is_0(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_what_goes_wrong_inside(
-    raised: BaseException, code: int, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    raised: BaseException,
+    code: int,
+    statement: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     def broken(*_: object, **__: object) -> None:
         raise raised
@@ -63,7 +71,7 @@ def test_what_goes_wrong_inside(
     monkeypatch.setattr(token, "opened", lambda *_: _Nothing())
     assert build() is not None
     assert invoke(["token", "list"]) == code
-    assert capsys.readouterr().err.splitlines()[-1] == said
+    assert capsys.readouterr().err.splitlines()[-1] == statement
 
 
 class _Nothing:

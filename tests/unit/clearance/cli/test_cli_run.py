@@ -104,7 +104,7 @@ def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[st
 
 @pytest.mark.parametrize("command", ["run", "validate"])
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "statement"),
     [
         ("name: [", "not readable as YAML"),
         ("name: x\nname: y", "the key 'name' is given twice"),
@@ -114,18 +114,20 @@ def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[st
         (document(stages__search=[{"method": "magic", "evaluations": 1}]), "stages.search.0.method: no such method"),
     ],
 )
-def test_wrong_input_is_3(file: Write, capsys: pytest.CaptureFixture[str], command: str, given: Any, said: str) -> None:
+def test_wrong_input_is_3(
+    file: Write, capsys: pytest.CaptureFixture[str], command: str, given: Any, statement: str
+) -> None:
     name = file(given)
     assert invoke([command, name]) == WRONG_INPUT == 3
     out, err = capsys.readouterr()
     assert out == ""
     assert err.startswith(f"{name} cannot be used:\n")
-    assert said in err
+    assert statement in err
     assert "Traceback" not in err
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "statement"),
     [
         (["run", "/nowhere/file.yaml"], "the file cannot be read: No such file or directory"),
         (["run", "/"], "the file cannot be read: Is a directory"),
@@ -138,11 +140,11 @@ def test_wrong_input_is_3(file: Write, capsys: pytest.CaptureFixture[str], comma
         (["validate"], "give a campaign file, or --schema"),
     ],
 )
-def test_wrong_usage_is_3(capsys: pytest.CaptureFixture[str], arguments: list[str], said: str) -> None:
+def test_wrong_usage_is_3(capsys: pytest.CaptureFixture[str], arguments: list[str], statement: str) -> None:
     assert invoke(arguments) == WRONG_INPUT
     out, err = capsys.readouterr()
     assert out == ""
-    assert said in " ".join(err.split())
+    assert statement in " ".join(err.split())
 
 
 def test_a_failure_of_clearance_itself_is_4(
@@ -158,7 +160,7 @@ def test_a_failure_of_clearance_itself_is_4(
 
 KEYS = {
     "verdict", "reason", "nominal", "worst", "stages", "comparison", "checks", "statistics", "findings", "evaluations",
-    "digest", "seed", "versions", "sentence", "scope", "said", "holds_for", "values",
+    "digest", "seed", "versions", "sentence", "scope", "statement", "holds_for", "values",
 }  # fmt: skip
 
 

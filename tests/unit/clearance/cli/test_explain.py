@@ -39,5 +39,5 @@ def test_a_simulator_has_no_text(tmp_path: Path, capsys: pytest.CaptureFixture[s
     file.write_text(json.dumps(campaign().document()), encoding="utf-8")
     with adversary():
         assert invoke(["explain", str(file)]) == WRONG_INPUT
-    said = "Adversary, simulator adversary has no Python code to print; only a closed loop has"
-    assert said in capsys.readouterr().err
+    statement = "Adversary, simulator adversary has no Python code to print; only a closed loop has"
+    assert statement in capsys.readouterr().err

@@ -41,11 +41,11 @@ def replayed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, 
 def test_findings_have_the_same_bits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = written(tmp_path / "out", "violated")
     labels = [f["label"] for f in json.loads((folder / "result.json").read_text())["findings"]]
-    code, said = replayed(capsys, str(folder))
-    assert (code, said["agrees"], said["differences"]) == (0, True, [])
-    assert [case["case"] for case in said["cases"]] == labels != []
+    code, statement = replayed(capsys, str(folder))
+    assert (code, statement["agrees"], statement["differences"]) == (0, True, [])
+    assert [case["case"] for case in statement["cases"]] == labels != []
     assert all(case["agreement"] == "same bits" and case["now"] == {**case["stored"], "reason": None}
-               for case in said["cases"])  # fmt: skip
+               for case in statement["cases"])  # fmt: skip
     assert invoke(["replay", str(folder), "F1"]) == 0
     line, closing = capsys.readouterr().out.splitlines()
     assert line.startswith("F1: stored d_min 0.")
@@ -58,30 +58,30 @@ def test_a_sample_is_simulated_with_its_own_noise(tmp_path: Path, capsys: pytest
     draws = folder.evidence["results"][CERTIFY]["drawn_realisations"]
     rows = [0, draws // 2, draws - 1, draws, draws + 1]  # the last two are of the grid
     names = [f"certify:{row}" for row in rows] + [f"{SEARCH}:0"]
-    code, said = replayed(capsys, str(folder.path), *names)
-    assert code == 0, said
+    code, statement = replayed(capsys, str(folder.path), *names)
+    assert code == 0, statement
     folder.evidence["results"][CERTIFY]["drawn_realisations"] = 0
     folder.write()
-    code, said = replayed(capsys, str(folder.path), *names)
+    code, statement = replayed(capsys, str(folder.path), *names)
     assert code == VIOLATED
-    assert [case["agrees"] for case in said["cases"]] == [False] * 3 + [True] * 3
+    assert [case["agrees"] for case in statement["cases"]] == [False] * 3 + [True] * 3
 
 
 @pytest.mark.parametrize(
-    ("name", "code", "said"),
+    ("name", "code", "statement"),
     [
         ("differs", 0, "The run measured that its simulator does not repeat (by up to "),
         ("violated", VIOLATED, "The campaign states several calls for each evaluation, "),
     ],
 )
 def test_a_simulator_that_does_not_repeat_is_reported_as_such(
-    name: str, code: int, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, code: int, statement: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "out").mkdir()
     folder = write_called(tmp_path / "out", name)
     with adversary("a coin"):
         assert invoke(["replay", str(folder), "F1"]) == code
-    assert said in capsys.readouterr().out
+    assert statement in capsys.readouterr().out
     assert invoke(["replay", str(folder), "F1"]) == WRONG_INPUT
     assert "cannot be evaluated by this installation: simulator.name: no such simulator" in capsys.readouterr().err
 

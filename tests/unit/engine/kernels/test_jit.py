@@ -32,9 +32,9 @@ def test_nothing_is_started(
 ) -> None:
     monkeypatch.setenv(jit.VARIABLE, "1")
     assert invoke([*command, "--data", str(tmp_path / "data")]) == WRONG_INPUT
-    said = capsys.readouterr().err
-    assert said.startswith("Error: numba's compiler is switched off, by NUMBA_DISABLE_JIT")
-    assert "Unset NUMBA_DISABLE_JIT" in said
+    statement = capsys.readouterr().err
+    assert statement.startswith("Error: numba's compiler is switched off, by NUMBA_DISABLE_JIT")
+    assert "Unset NUMBA_DISABLE_JIT" in statement
     assert not (tmp_path / "data").exists()
 
 

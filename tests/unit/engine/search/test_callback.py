@@ -238,17 +238,19 @@ def together(*searches: Search, at_once: int = 256) -> tuple[list[Floats], list[
 
 def test_searches_side_by_side_get_their_own_answers() -> None:
     closed: list[str] = []
-    asked, said = together(asking("a", 1, closed, 3), asking("b", 3, closed, 1), asking("c", 2, closed))
+    asked, statement = together(asking("a", 1, closed, 3), asking("b", 3, closed, 1), asking("c", 2, closed))
     assert asked == [[97.0] * 3 + [98.0] + [99.0] * 2, [98.01, 99.01, 99.01], [98.02]]
-    assert said == ["a ended", "b ended", "c ended"]
+    assert statement == ["a ended", "b ended", "c ended"]
     assert sorted(closed) == ["a", "b", "c"]
 
 
 def test_of_many_searches_the_next_begins_when_one_has_ended() -> None:
     closed: list[str] = []
-    asked, said = together(*(asking(n, k, closed, 1) for n, k in zip("abcd", (1, 3, 0, 1), strict=True)), at_once=2)
+    asked, statement = together(
+        *(asking(n, k, closed, 1) for n, k in zip("abcd", (1, 3, 0, 1), strict=True)), at_once=2
+    )
     assert asked == [[97.0, 98.0], [98.01, 100.0], [98.02]]
-    assert said == ["a ended", "b ended", "c ended", "d ended"]
+    assert statement == ["a ended", "b ended", "c ended", "d ended"]
     assert together() == ([], [])
 
 

@@ -57,9 +57,9 @@ def run(
 
 
 def test_it_reaches_a_known_convex_front_and_spreads_over_it() -> None:
-    _, costs, said = run(zdt1, 8, 10**6, generations=120)
+    _, costs, statement = run(zdt1, 8, 10**6, generations=120)
     last = costs[-300:]
-    assert said == "completed the 120 generations"
+    assert statement == "completed the 120 generations"
     assert np.abs(last[:, 1] - (1.0 - np.sqrt(last[:, 0])))[last[:, 0] <= 1.0].mean() < 0.05
     best = costs[costs[:, 1] < 1.0 - np.sqrt(costs[:, 0]) + 0.01]
     assert set(np.floor(10 * best[:, 0]).clip(0, 9)) == set(range(10))

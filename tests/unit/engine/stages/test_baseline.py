@@ -90,7 +90,7 @@ def test_a_finding_is_evaluated_at_its_own_bits() -> None:
 
 
 @pytest.mark.parametrize(
-    ("parameters", "said"),
+    ("parameters", "statement"),
     [
         ({"vehicle.m": 6.5}, "vehicle.m = 6.5 is outside the bounds 4 to 6 of this campaign"),
         ({"vehicle.wheels": 4.0}, "there is no parameter vehicle.wheels"),
@@ -98,14 +98,14 @@ def test_a_finding_is_evaluated_at_its_own_bits() -> None:
         ({"vehicle.m": 3.0, "vehicle.q": 1.0}, "vehicle.m = 3 is outside the bounds 4 to 6 of this campaign; there is"),
     ],
 )
-def test_parameters_that_cannot_be_had_are_named(parameters: dict[str, float], said: str) -> None:
+def test_parameters_that_cannot_be_had_are_named(parameters: dict[str, float], statement: str) -> None:
     made = context(asked({"parameters": parameters}, {"parameters": CORNER}), flat)
     result = ran(made)
     lost, found = result.cases
     assert (lost.index, lost.cost, lost.parameters) == (None, None, parameters)
-    assert said in lost.reason
+    assert statement in lost.reason
     assert (found.index, found.cost) == (0, 3.0)
-    assert f"1 of 2 findings of R-0001 evaluated; F1 was not evaluated: {said}" in result.text
+    assert f"1 of 2 findings of R-0001 evaluated; F1 was not evaluated: {statement}" in result.text
 
 
 def test_a_parameter_that_is_fixed_at_its_value_and_one_that_is_new() -> None:
@@ -201,8 +201,8 @@ def test_a_worse_controller_fails_and_every_other_command_reads_the_run(
     bad.write_text(json.dumps(document))
     options = ["--label", "branch=slow", "--baseline", first, "--summary", str(tmp_path / "s.md")]
     assert invoke(["run", str(bad), "--out", second, *options]) == 1
-    said = capsys.readouterr().out
-    assert f"The policy of the campaign fails: F1 of {first} is worse: d_min = 0.9281" in said
+    statement = capsys.readouterr().out
+    assert f"The policy of the campaign fails: F1 of {first} is worse: d_min = 0.9281" in statement
     result = json.loads((tmp_path / "second" / "result.json").read_text())
     assert result["labels"] == {"branch": "slow"}
     assert result["regression"]["cases"][0]["standing"] == "worse"
@@ -289,7 +289,7 @@ def assert_audit_notices(folder: Folder, capsys: pytest.CaptureFixture[str]) -> 
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "statement"),
     [
         (["--baseline", "R-0001"], "there is no database at"),
         (["--baseline", "missing"], "there is no database at"),
@@ -298,11 +298,11 @@ def assert_audit_notices(folder: Folder, capsys: pytest.CaptureFixture[str]) -> 
     ],
 )
 def test_a_bad_option_is_refused_before_anything_is_simulated(
-    arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], statement: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = write(tmp_path / "campaign.json")
     assert invoke(["run", str(file), "--data", str(tmp_path), *arguments]) == WRONG_INPUT
-    assert said in capsys.readouterr().err
+    assert statement in capsys.readouterr().err
 
 
 def test_an_extended_run_takes_no_other_baseline(capsys: pytest.CaptureFixture[str]) -> None:

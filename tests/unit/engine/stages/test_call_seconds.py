@@ -56,7 +56,7 @@ def test_it_is_unknown_where_nothing_was_measured() -> None:
 
 def test_results_of_earlier_versions_have_none_and_stay_as_they_were() -> None:
     before = {"points": 5, "evaluations": 15, "failed": 0, "identical": True, "declared": True, "by_process": False}
-    before |= {"spread": 0.0, "deviation": 0.0, "seconds": 0.1, "said": []}
+    before |= {"spread": 0.0, "deviation": 0.0, "seconds": 0.1, "statement": []}
     told = Measured.model_validate(before)
     assert (told.call_seconds, told.slots, told.start_seconds, told.recycle) == (None, None, None, None)
     assert told.model_dump(mode="json") == {**before, "text": ""}

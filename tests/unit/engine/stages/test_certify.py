@@ -157,9 +157,9 @@ def test_the_probability_beyond_the_bounds_is_added() -> None:
     assert order < 39
     wide = asked({"certify": {"samples": 1000}}, **{"uncertain__vehicle.m": normal | {"distribution": {
         "kind": "normal", "mean": 5, "deviation": 0.6}}})  # fmt: skip
-    said = quantile_of(certify.run(context(wide, problem=Problem(wide)), 0).result.sample)
-    assert said.bound is None
-    assert said.text == "no bound on the 5 % quantile: 9.56 % of the draws may be beyond the bounds"
+    statement = quantile_of(certify.run(context(wide, problem=Problem(wide)), 0).result.sample)
+    assert statement.bound is None
+    assert statement.text == "no bound on the 5 % quantile: 9.56 % of the draws may be beyond the bounds"
 
 
 def test_its_numbers_are_those_of_no_search() -> None:

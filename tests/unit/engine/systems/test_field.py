@@ -145,7 +145,7 @@ def test_it_is_answered_live_between_simulations(live: Live, case1: Problem) -> 
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "statement"),
     [
         ({"kind": "music"}, "kind must be 'flight' or 'field', given 'music'"),
         ({"places": []}, "places must be 1 to 10000 pairs of finite numbers"),
@@ -158,8 +158,8 @@ def test_it_is_answered_live_between_simulations(live: Live, case1: Problem) -> 
         ({"parameters": {"vehicle.n": 1.0}}, "the scenario has no parameter 'vehicle.n'"),
     ],
 )
-def test_invalid_requests_are_refused(live: Live, changes: dict[str, Any], said: str) -> None:
+def test_invalid_requests_are_refused(live: Live, changes: dict[str, Any], statement: str) -> None:
     request: dict[str, Any] = {"kind": "field", "campaign": CASE1, "time": 1.0, "places": [[0.0, 0.0]]}
     answer = live.ask(id=2, **(request | changes))
     assert set(answer) == {"id", "error"}
-    assert said in answer["error"]
+    assert statement in answer["error"]

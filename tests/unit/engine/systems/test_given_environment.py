@@ -38,8 +38,8 @@ def test_a_process_has_one_thread_and_knows_what_was_given(number: str) -> None:
     clean = {name: value for name, value in os.environ.items() if name not in (THREADS, BEFORE)}
     environment = clean | {"ELSE": "x"} | ({THREADS: number} if number else {})
     asked = [sys.executable, "-c", PROGRAM]
-    said = subprocess.run(asked, env=environment, capture_output=True, text=True, check=True).stdout
-    assert said.split() == ["1", number or "none", "x"]
+    statement = subprocess.run(asked, env=environment, capture_output=True, text=True, check=True).stdout
+    assert statement.split() == ["1", number or "none", "x"]
 
 
 def test_what_was_given_is_known_to_the_processes_of_processes() -> None:

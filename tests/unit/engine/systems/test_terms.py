@@ -12,7 +12,7 @@ import pytest
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import Simulator
 from campaigns.claims.say import say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.results.base import OK
 from tests.simulators import package, two_basins
 from worker.engine.search.base import Batch
@@ -93,7 +93,7 @@ class Rig(System):
     ) -> list[Comparison]:
         return [Comparison("again", "another drive", float(v[0])) for v in vectors]
 
-    def bars(self) -> list[tuple[str, Said]]:
+    def bars(self) -> list[tuple[str, Spans]]:
         return [BAR]
 
 

@@ -42,15 +42,15 @@ def test_cleared_when_everything_holds() -> None:
 
 
 def test_the_sentence_states_bounds_methods_evaluations_margin_bound_and_doubt() -> None:
-    said = concluded().reason
+    statement = concluded().reason
     for part in (
         "vehicle.m 4 to 6 kg", "vehicle.J 0.04 to 0.06 kg m2",
         "DIRECT (1\u202f000), SQP multistart (1\u202f000) and Monte",
         "3\u202f343 evaluations", "a margin of +0.34 m", "d_min = 0.84 m", "0 of 1000 violate",
         "A search can miss a worse case", "horizon 15 s, step 0.005 s", "1 obstacle;",
     ):  # fmt: skip
-        assert part in said
-    assert concluded().scope in said
+        assert part in statement
+    assert concluded().scope in statement
 
 
 def test_a_verdict_contains_nominal_worst_case_provenance_and_statistics() -> None:
@@ -79,8 +79,8 @@ def test_a_violation_that_does_not_repeat_is_reported_as_such() -> None:
     assert found.validation is not None
     conclusion = concluded(**violation(finding=changed(found, validation=changed(found.validation, **apart))))
     assert conclusion.verdict == "violated"
-    said = "Both its evaluations violate the criterion but differ beyond tolerance: 0.49 m, and 0.45 m in a fresh"
-    assert f"{said} evaluation." in conclusion.reason
+    statement = "Both its evaluations violate the criterion but differ beyond tolerance: 0.49 m, and 0.45 m in a fresh"
+    assert f"{statement} evaluation." in conclusion.reason
     agreeing = changed(found.validation, **apart | {"agrees": True})
     assert "apart" not in concluded(**violation(finding=changed(found, validation=agreeing))).reason
 
@@ -146,8 +146,8 @@ def test_no_flight_at_all() -> None:
 
 
 def test_a_search_without_any_flight() -> None:
-    said = barred("search", searches=[search("direct"), search("sqp"), search("monte_carlo", None)])
-    assert said == "Monte Carlo evaluated no case successfully"
+    statement = barred("search", searches=[search("direct"), search("sqp"), search("monte_carlo", None)])
+    assert statement == "Monte Carlo evaluated no case successfully"
 
 
 def test_a_search_that_did_not_end() -> None:
@@ -172,13 +172,13 @@ def test_validation_that_disagrees() -> None:
 
 
 def test_one_method_alone_is_never_enough() -> None:
-    said = "only DIRECT reached the worst case; a second method must confirm it"
-    assert barred("agreement", searches=[search("direct")]) == said
+    statement = "only DIRECT reached the worst case; a second method must confirm it"
+    assert barred("agreement", searches=[search("direct")]) == statement
 
 
 def test_two_stages_of_one_method_are_one_method() -> None:
-    said = "only DIRECT reached the worst case; a second method must confirm it"
-    assert barred("agreement", searches=[search("direct"), search("direct", WORST + 0.001)]) == said
+    statement = "only DIRECT reached the worst case; a second method must confirm it"
+    assert barred("agreement", searches=[search("direct"), search("direct", WORST + 0.001)]) == statement
 
 
 def test_a_random_sample_is_no_second_method() -> None:
@@ -191,27 +191,27 @@ def test_a_second_method_that_stopped_short_is_none() -> None:
 
 
 def test_local_methods_alone_are_not_enough() -> None:
-    said = barred("agreement", searches=[search("sqp"), search("monte_carlo", sample=sample())])
-    assert said == "no global method searched; add one, such as DIRECT"
+    statement = barred("agreement", searches=[search("sqp"), search("monte_carlo", sample=sample())])
+    assert statement == "no global method searched; add one, such as DIRECT"
 
 
 def test_a_global_method_that_stopped_short_is_named_with_how_much() -> None:
     searches = [search("ga", WORST + 0.0125), search("direct"), search("sqp")]
-    said = "the worst case is 0.84 m, but Genetic algorithm stopped 0.0125 m above it"
-    assert barred("agreement", searches=searches) == said
+    statement = "the worst case is 0.84 m, but Genetic algorithm stopped 0.0125 m above it"
+    assert barred("agreement", searches=searches) == statement
 
 
 def test_every_global_method_that_stopped_short_is_named() -> None:
     searches = [search("ga", WORST + 0.0125), search("direct", WORST + 0.05), search("sqp")]
-    said = barred("agreement", searches=searches)
-    assert said.endswith("but Genetic algorithm stopped 0.0125 m above it and DIRECT stopped 0.05 m above it")
+    statement = barred("agreement", searches=searches)
+    assert statement.endswith("but Genetic algorithm stopped 0.0125 m above it and DIRECT stopped 0.05 m above it")
 
 
 @pytest.mark.parametrize("first", [WORST, WORST + 0.05])
 def test_every_stage_of_a_global_method_must_reach_it(first: float) -> None:
     other = WORST + 0.05 if first == WORST else WORST
-    said = barred("agreement", searches=[search("direct", first), search("direct", other), search("sqp")])
-    assert said == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
+    statement = barred("agreement", searches=[search("direct", first), search("direct", other), search("sqp")])
+    assert statement == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
 
 
 def test_a_global_method_without_a_flight_is_named() -> None:
@@ -227,8 +227,8 @@ def test_the_worst_of_the_sample_is_compared_with_the_global_methods() -> None:
         search("sqp", WORST + 0.05),
         search("monte_carlo", sample=sample()),
     ]
-    said = barred("agreement", searches=searches)
-    assert said == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
+    statement = barred("agreement", searches=searches)
+    assert statement == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
 
 
 def test_agreement_is_a_fraction_of_nominal_minus_worst() -> None:
@@ -269,13 +269,13 @@ def test_the_target_is_met() -> None:
 
 
 def test_the_target_is_not_met() -> None:
-    said = barred("target", campaign(target_probability=0.0029))
-    assert said == "the bound of 0.299 % does not meet the target of 0.29 %"
+    statement = barred("target", campaign(target_probability=0.0029))
+    assert statement == "the bound of 0.299 % does not meet the target of 0.29 %"
 
 
 def test_a_target_without_a_sample() -> None:
-    said = barred("target", campaign(target_probability=0.5), searches=[search("direct"), search("sqp")])
-    assert said == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
+    statement = barred("target", campaign(target_probability=0.5), searches=[search("direct"), search("sqp")])
+    assert statement == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
 
 
 def test_the_first_sample_counts_and_the_second_does_not() -> None:
@@ -292,15 +292,17 @@ def test_without_a_target_the_bound_is_compared_with_a_ceiling() -> None:
         return {"searches": [search("direct"), search("sqp"), sampled]}
 
     assert concluded(**drawn(59)).verdict == "cleared"
-    said = barred("probability", **drawn(58))
-    assert said.startswith("the bound of 5.03 % on P(violation) is above the required 5 %; draw more than 58 samples")
+    statement = barred("probability", **drawn(58))
+    assert statement.startswith(
+        "the bound of 5.03 % on P(violation) is above the required 5 %; draw more than 58 samples"
+    )
     assert concluded(campaign(target_probability=0.9), **drawn(2)).verdict == "cleared"
 
 
 def test_more_samples_are_not_advised_where_too_many_violate() -> None:
     much = search("monte_carlo", 0.85, sample=sample(samples=100, violations=76))
-    said = barred("probability", searches=[search("direct"), search("sqp"), much])
-    assert said.endswith("above the required 5 %; 76 of its 100 samples violate the criterion")
+    statement = barred("probability", searches=[search("direct"), search("sqp"), much])
+    assert statement.endswith("above the required 5 %; 76 of its 100 samples violate the criterion")
 
 
 def test_the_certify_stage_replaces_the_sample_of_a_search() -> None:
@@ -313,17 +315,17 @@ def test_the_certify_stage_replaces_the_sample_of_a_search() -> None:
 
 
 def test_what_it_bounds_is_in_the_sentence() -> None:
-    said = concluded(certificate=certificate()).reason
-    assert "0 of 3000 violate. At most 5 % of the flights have d_min below 0.9 m. A search can miss" in said
-    assert "0 of 1000 violate" not in said
+    statement = concluded(certificate=certificate()).reason
+    assert "0 of 3000 violate. At most 5 % of the flights have d_min below 0.9 m. A search can miss" in statement
+    assert "0 of 1000 violate" not in statement
 
 
 def test_the_target_is_compared_with_the_certify_stage() -> None:
     asked = campaign(target_probability=0.0015)
     assert barred("target", asked) == "the bound of 0.299 % does not meet the target of 0.15 %"
     assert concluded(asked, certificate=certificate()).verdict == "cleared"
-    said = barred("target", asked, certificate=certificate(3))
-    assert said == "the bound of 0.258 % does not meet the target of 0.15 %"
+    statement = barred("target", asked, certificate=certificate(3))
+    assert statement == "the bound of 0.258 % does not meet the target of 0.15 %"
 
 
 def test_a_certify_stage_is_not_passed_over_for_a_better_search() -> None:
@@ -334,8 +336,8 @@ def test_points_that_are_no_independent_sample_give_no_statement() -> None:
     even = sample(upper_bound=None, text="they are no independent sample")
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=even)]
     assert concluded(searches=searches).statistics is None
-    said = barred("target", campaign(target_probability=0.5), searches=searches)
-    assert said == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
+    statement = barred("target", campaign(target_probability=0.5), searches=searches)
+    assert statement == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
     both = [*searches, search("monte_carlo", 0.85, sample=sample(samples=200))]
     stated = concluded(searches=both).statistics
     assert stated is not None
@@ -345,12 +347,12 @@ def test_points_that_are_no_independent_sample_give_no_statement() -> None:
 def test_a_search_for_a_front_plays_no_part_in_agreement() -> None:
     searches = [search("direct"), search("sqp"), search("nsga2", WORST + 0.2)]
     assert concluded(searches=searches).verdict == "cleared"
-    said = "only DIRECT reached the worst case; a second method must confirm it"
-    assert barred("agreement", searches=[search("direct"), search("nsga2")]) == said
+    statement = "only DIRECT reached the worst case; a second method must confirm it"
+    assert barred("agreement", searches=[search("direct"), search("nsga2")]) == statement
     assert barred("agreement", searches=[search("sqp"), search("nsga2")]).startswith("no global method searched")
 
 
 def test_a_portfolio_is_a_global_method() -> None:
     assert concluded(searches=[search("portfolio"), search("sqp")]).verdict == "cleared"
-    said = barred("agreement", searches=[search("portfolio", WORST + 0.03), search("direct"), search("sqp")])
-    assert said == "the worst case is 0.84 m, but Portfolio stopped 0.03 m above it"
+    statement = barred("agreement", searches=[search("portfolio", WORST + 0.03), search("direct"), search("sqp")])
+    assert statement == "the worst case is 0.84 m, but Portfolio stopped 0.03 m above it"

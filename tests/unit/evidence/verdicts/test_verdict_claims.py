@@ -70,8 +70,8 @@ def test_a_method_that_hardly_evaluated_anything_did_not_search(method: str) -> 
         return {"searches": [others[method], search(method, evaluations=evaluations)]}
 
     assert concluded(**given(least)).verdict == "cleared"
-    said = barred("agreement", **given(least - 1))
-    assert "only DIRECT reached" in said if method == "sqp" else f"at least {least} are required" in said
+    statement = barred("agreement", **given(least - 1))
+    assert "only DIRECT reached" in statement if method == "sqp" else f"at least {least} are required" in statement
 
 
 def test_a_local_search_that_spent_its_budget_confirms_nothing() -> None:
@@ -82,14 +82,14 @@ def test_methods_that_found_nothing_below_nominal_do_not_agree() -> None:
     searches = [search("direct", NOMINAL), search("ga", NOMINAL)]
     spread = Spread(evaluations=3343, lowest=NOMINAL, highest=1.3)
     given = validation(encounter=encountered(spread=spread))
-    said = barred("agreement", searches=searches, finding=finding(NOMINAL), validation=given)
-    assert said.startswith("no method found a value below the nominal case")
+    statement = barred("agreement", searches=searches, finding=finding(NOMINAL), validation=given)
+    assert statement.startswith("no method found a value below the nominal case")
 
 
 def test_agreement_requires_the_same_point_as_well_as_the_same_cost() -> None:
     assert concluded(basins={"sqp": "F2"}).verdict == "cleared", "mirrored worst cases agree"
-    said = barred("agreement", basins={"direct": None})
-    assert said == "the best of DIRECT is not in the basin of any listed finding"
+    statement = barred("agreement", basins={"direct": None})
+    assert statement == "the best of DIRECT is not in the basin of any listed finding"
     assert barred("agreement", basins={"sqp": None}).startswith("only DIRECT reached")
 
 
@@ -111,7 +111,7 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
 
 
 @pytest.mark.parametrize(
-    ("given", "name", "said"),
+    ("given", "name", "statement"),
     [
         (nearest(time=15.0, at="end"), "closest approach", "of F1 is at the end of the horizon"),
         (nearest(time=0.0, at="start"), "closest approach", "of F1 is at the start"),
@@ -125,8 +125,8 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
         (met(unseen=unseen(None, "a stall")), "avoidance", "without it the nominal case fails (a stall)"),
     ],
 )  # fmt: skip
-def test_an_encounter_that_did_not_occur_bars_cleared(given: dict[str, Any], name: str, said: str) -> None:
-    assert said in barred(name, **given)
+def test_an_encounter_that_did_not_occur_bars_cleared(given: dict[str, Any], name: str, statement: str) -> None:
+    assert statement in barred(name, **given)
     intended = campaign(encounter={"intended": {name.replace(" ", "_"): "a baseline"}})
     conclusion = concluded(intended, **given)
     assert conclusion.verdict == "cleared"
@@ -177,8 +177,8 @@ def test_a_mean_over_realisations_never_clears() -> None:
 
 def test_much_that_is_excluded_bars_cleared() -> None:
     assert concluded(certificate=drawn(excluded_fraction=0.1), excluded=300).verdict == "cleared"
-    said = barred("exclusions", certificate=drawn(excluded_fraction=0.9), excluded=300)
-    assert said.startswith("90 % of the draws of the sample start at or below the threshold and were excluded")
+    statement = barred("exclusions", certificate=drawn(excluded_fraction=0.9), excluded=300)
+    assert statement.startswith("90 % of the draws of the sample start at or below the threshold and were excluded")
     assert barred("exclusions", excluded=400).startswith("12 % of the evaluations")
 
 
@@ -193,14 +193,14 @@ def test_a_violation_whose_integrations_differ_states_by_how_much() -> None:
     half = HalfStep(step=0.0025, cost=0.48, difference=0.17)
     other = ReferenceCost(name="DOP853", cost=0.49, difference=0.18)
     apart = finding(0.31, validation=case(cost=0.31, agrees=False, half_step=half, integrator=other))
-    said = concluded(**violation(finding=apart, violating=1)).reason
-    assert "beyond tolerance: 0.31 m at the step, 0.48 m at half the step, 0.49 m with DOP853." in said
+    statement = concluded(**violation(finding=apart, violating=1)).reason
+    assert "beyond tolerance: 0.31 m at the step, 0.48 m at half the step, 0.49 m with DOP853." in statement
 
 
 def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:
     text = "135 stored evaluations violate the criterion; all of them were simulated again, and 120 violate there too"
     own = finding(0.49, validation=case(cost=0.49, realisation=77))
     given = validation(violations=Violations(stored=135, checked=135, confirmed=120, text=text))
-    said = concluded(**violation(finding=own, violating=135, validation=given)).reason
-    assert f" {text}." in said
-    assert "with the noise realisation of seed 77" in said
+    statement = concluded(**violation(finding=own, violating=135, validation=given)).reason
+    assert f" {text}." in statement
+    assert "with the noise realisation of seed 77" in statement

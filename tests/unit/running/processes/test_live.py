@@ -62,7 +62,7 @@ def test_an_excluded_flight_has_a_reason(live: Live) -> None:
 
 
 @pytest.mark.parametrize(
-    ("parameters", "said"),
+    ("parameters", "statement"),
     [
         ({"vehicle.n": 1.0}, "the scenario has no parameter 'vehicle.n'"),
         ({"vehicle.m": 0.0}, "vehicle.m must be within 0.001 to 100000 kg, given 0.0"),
@@ -74,15 +74,15 @@ def test_an_excluded_flight_has_a_reason(live: Live) -> None:
         ([5.0], "invalid request"),
     ],
 )
-def test_parameters_that_cannot_be_simulated(live: Live, parameters: Any, said: str) -> None:
+def test_parameters_that_cannot_be_simulated(live: Live, parameters: Any, statement: str) -> None:
     answer = live.ask(id=3, campaign=CASE1, parameters=parameters)
     assert set(answer) == {"id", "error"}
     assert answer["id"] == 3
-    assert said in answer["error"]
+    assert statement in answer["error"]
 
 
 @pytest.mark.parametrize(
-    ("request_", "said"),
+    ("request_", "statement"),
     [
         (b"{", "invalid request: JSONDecodeError"),
         (b"[]", "invalid request: TypeError"),
@@ -97,11 +97,11 @@ def test_parameters_that_cannot_be_simulated(live: Live, parameters: Any, said: 
         (b'{"id": 1, "campaign": {}}', "scenario: this key is required"),
     ],
 )
-def test_invalid_requests_are_refused(live: Live, request_: bytes, said: str) -> None:
+def test_invalid_requests_are_refused(live: Live, request_: bytes, statement: str) -> None:
     live.say(request_)
     answer = live.hear()
     assert set(answer) == {"id", "error"}
-    assert said in answer["error"] or "RecursionError" in answer["error"]
+    assert statement in answer["error"] or "RecursionError" in answer["error"]
 
 
 @pytest.mark.parametrize("rows", ["many", [1], -5, 0, 10**9, None])

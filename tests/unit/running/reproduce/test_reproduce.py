@@ -157,7 +157,7 @@ class TestHeld:
 
 
 @pytest.mark.parametrize(
-    ("costs", "said"),
+    ("costs", "statement"),
     [
         ([1.0, 2.0, 3.0], "rises"),
         ([3.0, 2.0, 1.0], "falls"),
@@ -166,15 +166,15 @@ class TestHeld:
         ([3.0, np.nan, 2.0], "neither"),
     ],
 )
-def test_direction(costs: list[float], said: str) -> None:
-    assert ours.direction(np.array(costs))[0] == said
+def test_direction(costs: list[float], statement: str) -> None:
+    assert ours.direction(np.array(costs))[0] == statement
 
 
 class TestRendering:
     def test_text(self, made: Reproduction) -> None:
-        said = io.StringIO()
-        render.print_text(made, Console(file=said, width=160))
-        shown = said.getvalue()
+        statement = io.StringIO()
+        render.print_text(made, Console(file=statement, width=160))
+        shown = statement.getvalue()
         for part in ("Table 5.3. DIRECT, unicycle", "not available", "0.9378", "[6, 0.06]", "0.9435642 ± 2e-06"):
             assert part in shown
         assert render.summary(made) in " ".join(shown.split())

@@ -244,7 +244,7 @@ def test_a_run_of_other_code_is_not_extended(data: Path, capsys: pytest.CaptureF
     with read(engine) as connection:
         flown = connection.execute(sa.select(Run.flown)).scalar_one()
     assert flown["code"]
-    for change, said in (
+    for change, statement in (
         ({"loop": "f" * 16}, "it was begun by other code: the loop digest was ffffffffffff, here it is "),
         ({"code": "e" * 64}, f"the code digest was eeeeeeeeeeee, here it is {flown['code'][:12]}"),
         ({"packages": {"numpy": "1.0"}}, "numpy was 1.0, here it is "),
@@ -252,7 +252,7 @@ def test_a_run_of_other_code_is_not_extended(data: Path, capsys: pytest.CaptureF
         with engine.begin() as connection:
             connection.execute(sa.update(Run).values(flown=flown | change))
         assert invoke(["run", "--continue", "R-0001", "--budget", "+10", "--data", str(data)]) == WRONG_INPUT
-        assert said in capsys.readouterr().err
+        assert statement in capsys.readouterr().err
     with read(engine) as connection:
         assert connection.scalar(sa.select(sa.func.count()).select_from(Run)) == 1
     engine.dispose()

@@ -71,12 +71,12 @@ def search(space: Space, options: Options) -> Search:
     points[: len(given)] = given
     batch = yield points.copy()
     population = Population(points, batch.ranked())
-    said = ""
+    ending = ""
     for _ in range(options.schedules):
-        population, said = yield from _schedule(space, options, population)
+        population, ending = yield from _schedule(space, options, population)
     if options.schedules == 1:
-        return said
-    return Ended("iterations", "{schedule}, {times} times", schedule=said, times=options.schedules)
+        return ending
+    return Ended("iterations", "{schedule}, {times} times", schedule=ending, times=options.schedules)
 
 
 def _schedule(

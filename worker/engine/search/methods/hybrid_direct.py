@@ -35,10 +35,10 @@ class Options(direct.Options):
 
 def search(space: Space, options: Options) -> Parallel:
     boxes = direct.Boxes(space.dimension)
-    said = yield from _divided(boxes, space, options)
+    ending = yield from _divided(boxes, space, options)
     starts = _centres(boxes, options.centres)
     if len(starts) == 0:
-        return Ended("no value", "DIRECT: {direct}; no centre had a value", direct=said)
+        return Ended("no value", "DIRECT: {direct}; no centre had a value", direct=ending)
     asked = sqp.Options(
         differences=options.differences, difference=options.difference, iterations=options.gradients
     )  # fmt: skip
@@ -48,7 +48,7 @@ def search(space: Space, options: Options) -> Parallel:
     return Ended(
         "members",
         "DIRECT: {direct}; SQP from {centres} centres, from the best of them: {sqp}",
-        direct=said,
+        direct=ending,
         centres=len(starts),
         sqp=text,
     )

@@ -53,10 +53,10 @@ def search(space: Space, options: Options) -> Parallel:
         sampler = qmc.Sobol(space.dimension, rng=space.random)
         starts = sampler.random_base2(int(np.ceil(np.log2(options.starts))))[: options.starts]
     descents = [_descend(space, options, start) for start in starts]
-    said = yield from independently(descents) if space.slots else side_by_side(descents)
+    endings = yield from independently(descents) if space.slots else side_by_side(descents)
     if len(starts) == 1:
-        return said[0]
-    ends = {f"end{i}": end for i, end in enumerate(sorted(set(said)))}
+        return endings[0]
+    ends = {f"end{i}": end for i, end in enumerate(sorted(set(endings)))}
     return Ended("members", f"every start ended: {', '.join(f'{{{name}}}' for name in ends)}", **ends)
 
 

@@ -42,12 +42,12 @@ def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
 
     library: Any = greenlet(lambda: run(ask))
     try:
-        said = library.switch()
+        step = library.switch()
         while not library.dead:
-            answer = yield said
+            answer = yield step
             library.parent = getcurrent()  # whoever drives the generator now
-            said = library.switch(answer)
-        result: T = said
+            step = library.switch(answer)
+        result: T = step
         return result
     finally:
         abandoned = True

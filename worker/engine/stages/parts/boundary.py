@@ -67,8 +67,8 @@ def boundary(problem: Problem, worst: Floats) -> Generator[Floats, Batch, Bounda
     batch = yield points
     beyond = _beyond(batch, problem.threshold)
     if beyond[0]:
-        said = say("the nominal case itself violates the criterion or fails")
-        return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=[], line=None, said=said)
+        statement = say("the nominal case itself violates the criterion or fails")
+        return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=[], line=None, statement=statement)
     costs = batch.costs[1:, 0].reshape(len(rays), SAMPLES)
     for ray, hit, values in zip(rays, beyond[1:].reshape(len(rays), SAMPLES), costs, strict=True):
         if hit.any():
@@ -115,19 +115,19 @@ def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Fl
 def _described(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Boundary:
     *single, line = [_ray(problem, nominal, ray) for ray in rays]
     hits = [(ray.share, ray) for ray in single if ray.share is not None and ray.value is not None]
-    said = say("no violation was found along any single parameter, sampled in ", count(SAMPLES), " steps")
+    statement = say("no violation was found along any single parameter, sampled in ", count(SAMPLES), " steps")
     if hits:
         fraction, near = min(hits, key=lambda hit: hit[0])
         assert near.value is not None
         parameter = problem.symbols[near.path]
-        said = say(
+        statement = say(
             *("the nearest boundary along a single parameter is at ", parameter, " = ", number(near.value)),
             *(", ", percent(fraction), " of its range from nominal"),
         )
     if line.way is not None:
         crossed = "; on the straight line to the worst case it is crossed at "
-        said = say(said, crossed, percent(line.way), " of the distance")
-    return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=single, line=line, said=said)
+        statement = say(statement, crossed, percent(line.way), " of the distance")
+    return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=single, line=line, statement=statement)
 
 
 def _ray(problem: Problem, nominal: Floats, ray: _Ray) -> Ray:

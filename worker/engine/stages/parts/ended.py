@@ -6,7 +6,7 @@ from string import Formatter
 from typing import Any, Literal
 
 from campaigns.claims.say import Part, count, number, say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.codes import StopCode
 from campaigns.results.base import Stop
 from worker.engine.search.base import Ended
@@ -14,10 +14,10 @@ from worker.engine.search.base import Ended
 
 def stop(kind: Literal["rule", "budget"], ended: str) -> Stop:
     """The rule by which a search ended; a plain string, from a method of another package, has no code."""
-    return Stop(kind=kind, code=ended.code if isinstance(ended, Ended) else StopCode.OTHER, said=spoken(ended))
+    return Stop(kind=kind, code=ended.code if isinstance(ended, Ended) else StopCode.OTHER, statement=spoken(ended))
 
 
-def spoken(ended: str) -> Said:
+def spoken(ended: str) -> Spans:
     """The sentence of a method with its numbers as quantities."""
     if not isinstance(ended, Ended):
         return say(ended)

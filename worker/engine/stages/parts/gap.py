@@ -41,7 +41,7 @@ def estimate(problem: Problem, method: Method, options: Any, columns: Columns) -
         slopes={r.path: float(s) / (r.high - r.low) for r, s in zip(problem.ranges, slopes, strict=True)},
         lower_bound=lowest,
         gap=best - lowest,
-        said=say(
+        statement=say(
             *(
                 "estimate, not a bound: if the steepest slopes observed between the centres of ",
                 count(boxes.count),

@@ -14,7 +14,7 @@ import numpy as np
 
 from campaigns.asked.stages import Morris, SobolIndices
 from campaigns.claims.say import count, listed, number, say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sensitivity import MorrisRow, MorrisStudy, SobolRow, SobolStudy
 from worker.engine.problem.problem import Problem
@@ -36,9 +36,11 @@ def morris(
     points = np.asarray(sampling.sample(box, asked.trajectories, num_levels=asked.levels, seed=random))
     batch = yield points
 
-    def study(rows: list[MorrisRow] | None, said: Said) -> MorrisStudy:
+    def study(rows: list[MorrisRow] | None, statement: Spans) -> MorrisStudy:
         counts = _counts(batch, confidence)
-        return MorrisStudy(**counts, trajectories=asked.trajectories, levels=asked.levels, indices=rows, said=said)
+        return MorrisStudy(
+            **counts, trajectories=asked.trajectories, levels=asked.levels, indices=rows, statement=statement
+        )
 
     reason = _unusable(problem, batch)
     if reason is not None:
@@ -66,8 +68,8 @@ def sobol(
     uniform = np.asarray(sampling.sample(box, asked.samples, calc_second_order=False, seed=random))
     batch = yield problem.distributions.marginals(uniform)
 
-    def study(rows: list[SobolRow] | None, said: Said) -> SobolStudy:
-        return SobolStudy(**_counts(batch, confidence), samples=asked.samples, indices=rows, said=said)
+    def study(rows: list[SobolRow] | None, statement: Spans) -> SobolStudy:
+        return SobolStudy(**_counts(batch, confidence), samples=asked.samples, indices=rows, statement=statement)
 
     values = batch.costs[:, 0]
     reason = _unusable(problem, batch)
@@ -110,7 +112,7 @@ def _counts(batch: Batch, confidence: float) -> _Counts:
     return {"evaluations": len(batch.status), "failed": failed, "excluded": excluded, "confidence": confidence}
 
 
-def _unusable(problem: Problem, batch: Batch) -> Said | None:
+def _unusable(problem: Problem, batch: Batch) -> Spans | None:
     """Why no index is computed: the designs need the value of every evaluation, and missing ones are not imputed."""
     missing = int(np.count_nonzero(batch.status != OK))
     if not missing:
@@ -131,7 +133,7 @@ def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[s
     return rows
 
 
-def _leading(problem: Problem, values: dict[str, float | None]) -> Said:
+def _leading(problem: Problem, values: dict[str, float | None]) -> Spans:
     ordered, parameters = (
         sorted(values.items(), key=lambda item: -(item[1] or 0.0)),
         problem.symbols,

@@ -32,8 +32,8 @@ class Members:
             while True:
                 request = next(search) if batch is None else search.send(batch)
                 groups = [points for _, points in request.groups] if isinstance(request, Several) else [request]
-                said, self.announced = self.announced, []
-                names = [member for member, count in said for _ in range(count)]
+                announced, self.announced = self.announced, []
+                names = [member for member, count in announced for _ in range(count)]
                 for name, point in zip(names, chain(*groups), strict=False):
                     self.owner.setdefault(point.tobytes(), name)
                 batch = yield request

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from campaigns.claims.say import count, number, say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.results import NominalResult
 from campaigns.results.base import EXCLUDED, FLAKY, OK
 from campaigns.results.nominal import Measured
@@ -91,7 +91,7 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
         slots=None if call is None else slots,
         start_seconds=start_seconds(columns, chosen, slots, calls) if system.slots else None,
         recycle=system.recycle or None,
-        said=_said(chosen, status.size, failed, identical, declared, spread, problem.unit),
+        statement=_statement(chosen, status.size, failed, identical, declared, spread, problem.unit),
     )
 
 
@@ -119,9 +119,9 @@ def start_seconds(columns: Columns, chosen: int, slots: int, calls: int) -> floa
     return max(took / -(-chosen * calls // slots) - call, 0.0)
 
 
-def _said(
+def _statement(
     chosen: int, evaluations: int, failed: int, identical: bool, declared: bool, spread: float | None, unit: str
-) -> Said:
+) -> Spans:
     of = say(count(chosen, "points"), " points, ", count(evaluations, "evaluations"), " evaluations")
     lost = say("; ", count(failed, "failed"), " of them failed") if failed else ()
     if identical:

@@ -81,7 +81,7 @@ def violations(context: Context, positions: range) -> tuple[Violations, list[tup
         by_stage=[StageCount(position=int(at), count=int(n)) for at, n in zip(stages, counts, strict=True)],
         checked=len(chosen),
         confirmed=len(confirmed),
-        said=(),  # by worker.evidence.verdicts.validation
+        statement=(),  # by worker.evidence.verdicts.validation
     )
     return described, confirmed
 
@@ -107,7 +107,7 @@ def spot_checks(context: Context, positions: range) -> SpotChecks:
         violating=len(sides),
         at=_furthest(context, *pairs[int(apart.argmax())]) if len(apart) else None,
         reasons=reasons[:5],
-        said=(),  # by worker.evidence.verdicts.validation
+        statement=(),  # by worker.evidence.verdicts.validation
     )
 
 

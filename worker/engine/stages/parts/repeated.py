@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from campaigns.claims.say import count, number, say
-from campaigns.claims.spans import Said
+from campaigns.claims.spans import Spans
 from campaigns.results.base import OK
 from campaigns.results.finding import Calls, Validation
 from worker.engine.stages.parts import claims
@@ -41,11 +41,11 @@ def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold:
         confidence=confidence,
         low=low,
         high=high,
-        said=_said(violating, failed, len(values), low, high),
+        statement=_statement(violating, failed, len(values), low, high),
     )
 
 
-def _said(violating: int, failed: int, many: int, low: float, high: float) -> Said:
+def _statement(violating: int, failed: int, many: int, low: float, high: float) -> Spans:
     lost = say(", ", count(failed, "failed"), " failed") if failed else ()
     of = say(count(violating, "repeats_violating"), " of ", count(many, "repeats"), lost)
     return say("violates in ", of, " [", number(low, "", "low", 2), ", ", number(high, "", "high", 2), "]")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.claims.say import count, listed, number, percent, say, symbol
-from campaigns.claims.spans import Said, words
+from campaigns.claims.spans import Spans, words
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sample import Distribution, Histogram, QuantileBound
 from campaigns.results.sample import Noise as NoiseKind
@@ -117,7 +117,7 @@ class Sample:
             mean=float(costs.mean()) if len(costs) else None,
             deviation=float(costs.std(ddof=1)) if len(costs) > 1 else None,
             histogram=Histogram(edges=edges.tolist(), counts=counts.tolist()),
-            said=say(
+            statement=say(
                 *(self._seen(), " violate the criterion", self.failures(), ": P(violation) is at most "),
                 *(percent(upper, name="upper_bound"), " with ", percent(self.confidence, 6, "confidence")),
                 *(" confidence", self._beyond(), self._conditions()),
@@ -127,11 +127,11 @@ class Sample:
     def unclaimed(self, points: str, why: str) -> Statement:
         """The statement without a bound, and the reason for that."""
         estimate = say(" (an estimate of ", percent(self.violations / self.size), ")") if self.size else ()
-        said = say(
+        statement = say(
             *(count(self.violations, "violations"), " of ", count(self.size, "samples"), f" {points} violate the "),
             *("criterion", self.failures(), estimate, f": {why}", self._conditions()),
         )
-        return self.statement().model_copy(update={"upper_bound": None, "said": said})
+        return self.statement().model_copy(update={"upper_bound": None, "statement": statement})
 
     def quantile(self, share: float, quantity: str, unit: str) -> QuantileBound:
         """Wilks' lower bound on the quantile at `share`: which of the lowest values, with which confidence."""
@@ -142,20 +142,22 @@ class Sample:
         value = float(self.costs[r - 1 - self.failed]) if r > self.failed else None
         most, size, none = percent(share, 6, "share"), count(self.size, "samples"), "no bound on the "
         if least is None:
-            said = say(none, most, " quantile: ", percent(self.outside), " of the draws may be beyond the bounds")
+            statement = say(none, most, " quantile: ", percent(self.outside), " of the draws may be beyond the bounds")
         elif r == 0:
             few = " samples are too few for a bound on the "
-            said = say(size, few, most, " quantile, which needs ", count(least, "needed"))
+            statement = say(size, few, most, " quantile, which needs ", count(least, "needed"))
         elif value is None:
-            said = say(none, most, f" quantile: the {_ordinal(r)} lowest of the sample is a failed evaluation")
+            statement = say(none, most, f" quantile: the {_ordinal(r)} lowest of the sample is a failed evaluation")
         else:
-            said = say(
+            statement = say(
                 *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
                 *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence")),
                 *(f" confidence: this is the {_ordinal(r)} lowest of ", size),
             )
         confidence = claims.held(r, self.size, within) if r else None
-        return QuantileBound(share=share, order=r or None, bound=value, needed=least, confidence=confidence, said=said)
+        return QuantileBound(
+            share=share, order=r or None, bound=value, needed=least, confidence=confidence, statement=statement
+        )
 
     def distribution(self) -> Distribution:
         """The empirical distribution function: values and the fraction of the sample at or below each; its band."""
@@ -175,12 +177,12 @@ class Sample:
         """The fraction of all draws that were excluded."""
         return self.excluded / max(self.size + self.excluded, 1)
 
-    def _seen(self) -> Said:
+    def _seen(self) -> Spans:
         own = self.noise.clause if self.noise.kind == "drawn" else ""
         drawn = f" samples drawn from the stated distributions{own}"
         return say(count(self.violations, "violations"), " of ", count(self.size, "samples"), drawn)
 
-    def _conditions(self) -> Said:
+    def _conditions(self) -> Spans:
         """The conditions under which the statement holds: noise and exclusions."""
         given = self.noise.clause if self.noise.kind == "stated" else self.noise.holds
         if not self.excluded:
@@ -191,11 +193,11 @@ class Sample:
             ") start at or below it and were excluded",
         )
 
-    def failures(self) -> Said:
+    def failures(self) -> Spans:
         """A clause on failed evaluations, if there are any."""
         return say(" (", count(self.failed, "draws_failed"), " of them because they failed)") if self.failed else ()
 
-    def _beyond(self) -> Said:
+    def _beyond(self) -> Spans:
         if not self.outside:
             return ()
         every = ", relative to all draws, including excluded ones" if self.excluded else ""
@@ -219,7 +221,7 @@ def of_search(context: Context, method: Method, options: Any, columns: Columns) 
         "this is interim analysis ",
         *(count(drawn.looks, "looks"), ", at ", percent(drawn.level, 6, "level")),
     )
-    return statement.model_copy(update={"looks": drawn.looks, "said": say(statement.said, how)})
+    return statement.model_copy(update={"looks": drawn.looks, "statement": say(statement.statement, how)})
 
 
 def _ordinal(r: int) -> str:

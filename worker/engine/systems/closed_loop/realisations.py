@@ -78,11 +78,11 @@ class Realisations(Realised):
         one = np.arange(states.shape[1])
         joined = np.where(bad.any(axis=0), states[first, one], OK).astype(np.uint8)
         value = table.min(axis=0) if self.combine == "worst" else table.mean(axis=0)
-        said = {
+        whys = {
             int(i): f"with seed {self.seeds[first[i]]}: {reasons[int(first[i] * len(one) + i)]}"
             for i in np.flatnonzero(joined != OK)
         }
-        return Batch(np.where((joined == OK)[:, None], value, np.nan), joined), said
+        return Batch(np.where((joined == OK)[:, None], value, np.nan), joined), whys
 
     def counting(self, costs: Floats, status: NDArray[np.uint8]) -> list[int]:
         """The seed of the worst realisation of each of m evaluations, from costs (s m, k) and status (s m,)."""

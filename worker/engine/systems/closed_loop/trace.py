@@ -69,8 +69,8 @@ def simulate(flights: Flights, values: Mapping[str, float]) -> SimulatedCase:
     vectors = flights.realisations.flights(flights.vector(values)[None, :])
     several = len(vectors) > 1
     result = flights.loop.simulate(vectors, flights.step, *flights.counts(flights.step), traced=0 if several else 1)
-    codes, said = flights.judge(result.status, result.when)
-    batch, reasons = flights.realisations.combined(result.costs, codes, said)
+    codes, whys = flights.judge(result.status, result.when)
+    batch, reasons = flights.realisations.combined(result.costs, codes, whys)
     shown = flights.realisations.worst(result.costs, codes)
     states = result.trace[0] if not several else _again(flights, vectors[shown])
     finite = np.isfinite(states).all(axis=1)

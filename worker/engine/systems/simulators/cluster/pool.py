@@ -164,7 +164,7 @@ class DaskPool:
             self._again(batch)
             if client is not None and self._connection.connected is not client:
                 return  # whatever the error, the connection was lost
-            self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.given}: {_said(error)}"))
+            self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.given}: {_statement(error)}"))
         else:
             self._deliver(batch, done)
 
@@ -235,7 +235,7 @@ def _finish(job: _Job, outcome: Outcome) -> None:
         job.future.set_result(outcome)
 
 
-def _said(error: Exception) -> str:
+def _statement(error: Exception) -> str:
     """What went wrong on a node, in one line."""
     text = " ".join(str(error).split())[:400]
     return text if isinstance(error, NodeUnusable) else f"{type(error).__name__}: {text}"

@@ -4,7 +4,7 @@ import type { HistoryEntry } from '../../client'
 const text = (value: unknown): string => (typeof value === 'string' ? value : '')
 
 /** One entry of the audit trail as a sentence without its subject. */
-export function saidOf({ action, detail }: HistoryEntry): string {
+export function statementOf({ action, detail }: HistoryEntry): string {
   switch (action) {
     case 'run.submitted':
       return 'Submitted'
@@ -39,6 +39,6 @@ function editOf(detail: HistoryEntry['detail']): string {
   if (Array.isArray(detail.tags)) parts.push(detail.tags.length > 0 ? `tagged it ${detail.tags.join(', ')}` : 'removed its tags')
   if ('notes' in detail) parts.push('wrote its notes')
   if ('pinned' in detail) parts.push(detail.pinned ? 'pinned it' : 'unpinned it')
-  const said = parts.join('; ') || 'changed it'
-  return said.charAt(0).toUpperCase() + said.slice(1)
+  const sentence = parts.join('; ') || 'changed it'
+  return sentence.charAt(0).toUpperCase() + sentence.slice(1)
 }

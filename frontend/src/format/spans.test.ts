@@ -1,7 +1,7 @@
 // Clauses as sentences.
 import { expect, it } from 'vitest'
 import type { Span } from '../client'
-import { sentence, words } from './said'
+import { sentence, words } from './spans'
 
 const D_MIN: Span = { kind: 'symbol', name: 'd_min', symbol: 'd_min' }
 

@@ -4,13 +4,13 @@ import { nameOf } from '../format/names'
 import { exactText, quantityText, readDigits } from '../format/quantity'
 import { isPath, Sign } from './Sign'
 
-interface SaidProps {
+interface SpansProps {
   spans: readonly Span[]
   /** With the digits of the service, for the conditions of a claim; otherwise with as many as are read. */
   exact?: boolean
 }
 
-export function Said({ spans, exact = false }: SaidProps) {
+export function Spans({ spans, exact = false }: SpansProps) {
   const quantities = spans.filter((span) => span.kind === 'quantity')
   const read = exact ? [] : readDigits(quantities)
   return spans.map((span, i) => (

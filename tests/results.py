@@ -19,7 +19,7 @@ TERMS = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "vehicle.J": "J"}, {"
 
 def statement(text: str) -> Spans:
     """A sentence of a run of case 1 as spans."""
-    return earlier.statement(text, TERMS)
+    return earlier.spans(text, TERMS)
 
 
 ENDED = Stop(kind="rule", text="completed the 100 iterations")

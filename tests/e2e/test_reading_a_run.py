@@ -64,6 +64,9 @@ def diverged() -> Trace:
     return Trace(trace.name, trace.columns, data, results.head(**meta))
 
 
+OUTSIDE = "vehicle.m = 6.5 is outside the bounds 4 to 6 of this campaign"
+
+
 def changed() -> Regression:
     """One finding of the baseline has become worse, one cannot be compared, and one is new."""
     known: dict[str, Any] = {"parameters": PARAMETERS, "margin_before": 0.9}
@@ -74,7 +77,7 @@ def changed() -> Regression:
         ),
         FindingChange(
             standing=Standing.NOT_COMPARED, before="F2", now=None,
-            statement=say("F2 of R-0001 is not compared: vehicle.m = 6.5 is outside ", "the bounds 4 to 6 of this campaign"),
+            statement=say(f"F2 of R-0001 is not compared: {OUTSIDE}"),
             **known,
         ),
         FindingChange(
@@ -259,7 +262,7 @@ def test_the_changes_since_the_baseline_are_on_the_page(visit: Visit) -> None:
     expect(lost).to_contain_text("Not compared")
     expect(lost).to_contain_text("no finding")
     expect(new.get_by_role("cell").nth(1)).to_have_text("none")
-    expect(card).to_contain_text("vehicle.m = 6.5 is outside the bounds 4 to 6 of this campaign")
+    expect(card).to_contain_text(OUTSIDE)
     expect(card.get_by_role("link", name="R-0001")).to_have_attribute("href", "/runs/R-0001")
     new.get_by_role("button", name="F2").click()
     expect(page).to_have_url(re.compile("finding=F2"))

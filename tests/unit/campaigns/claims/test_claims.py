@@ -127,7 +127,9 @@ def test_an_earlier_verdict_states_the_same() -> None:
 
 
 def test_spans_that_were_stored_as_said_keep_their_named_numbers() -> None:
-    verdict = Verdict(verdict="cleared", statement=say("d_min stayed above ", number(0.5, "m", "threshold"), "."))
+    verdict = Verdict(
+        verdict="cleared", checks=[], statement=say("d_min stayed above ", number(0.5, "m", "threshold"), ".")
+    )
     gap = Gap(rectangles=9, lower_bound=0.1, gap=0.2, statement=say("a bound of ", number(0.1, "m", "bound")))
     for now in (verdict, gap):
         stored = json.loads(now.model_dump_json().replace('"statement"', '"said"'))

@@ -46,7 +46,8 @@ class FindingChange(Described):
     margin_again: float | None = None
     """The same case on this model, as evaluated."""
     margin: float | None = None
-    """The lowest known in its basin on this model; null if it has no value."""
+    """The lowest known in its basin on this model, or that of the case itself if another one of the baseline stands for
+    the basin; null if it has no value."""
     change: float | None = None
     """Of the margin, in the criterion's unit; negative is worse."""
     tolerance: float | None = None

@@ -57,6 +57,7 @@ def _case(run: Run, given: Tree) -> Tree:
     baseline = run.campaign.baseline
     assert baseline is not None
     case = next(case for case in baseline.cases if case.label == given["before"])
+    basin = found["margin"] if found is not None else math.inf
     beside = {row["before"] for row in run.claims["regression"]["cases"] if row["now"] == given["now"]}
     if any(other.cost < case.cost for other in baseline.cases if other.label in beside):
         found = None  # another finding of the baseline represents this basin
@@ -69,7 +70,7 @@ def _case(run: Run, given: Tree) -> Tree:
     tolerance = _tolerance(run, case.difference, given["now"])
     new = lowest <= 0 < before
     if before <= 0 < lowest:
-        standing = "fixed"
+        standing = "fixed" if basin > 0 else "better"
     else:
         allowed = max(tolerance, limits.SAME_COST * max(run.nominal - run.threshold - lowest, 0.0))
         worse = new or again < before - tolerance or lowest < before - allowed

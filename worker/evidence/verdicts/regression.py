@@ -2,7 +2,8 @@
 
 A finding of the baseline is worse if it costs less on this model by more than the tolerance, or if the search found a
 case in its basin that is lower than any finding of the baseline there: of that one the tolerance is larger, because two
-searches do not stop at the same point. A case that begins or ceases to violate has changed whatever the tolerance.
+searches do not stop at the same point. A case that begins or ceases to violate has changed whatever the tolerance; it
+is fixed only if nothing known in its basin violates.
 """
 
 from __future__ import annotations
@@ -75,6 +76,8 @@ def _known(
     lower = stands and there is not None and there.cost < again.cost
     cost = there.cost if there is not None and lower else again.cost
     standing = _standing(problem, evidence, before.cost, again.cost, cost, tolerance)
+    if standing is Standing.FIXED and there is not None and there.cost <= threshold:
+        standing = Standing.BETTER  # what stands for its basin still violates
     return FindingChange(
         standing=standing,
         before=before.label,
@@ -164,8 +167,8 @@ def _described(
         was,
         " there",
     )
-    if there is not None and cost < again:
-        statement = say(statement, "; ", finding(there.label), " in its basin has ", number(cost, unit, "lowest"))
+    if there is not None and (cost < again or there.cost <= problem.threshold < again):
+        statement = say(statement, "; ", finding(there.label), " in its basin has ", number(there.cost, unit, "lowest"))
     elif there is not None:
         statement = say(statement, "; it is in the basin of ", finding(there.label))
     else:

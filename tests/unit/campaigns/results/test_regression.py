@@ -8,6 +8,8 @@ from typing import Any
 from xml.etree import ElementTree as Xml
 
 import pytest
+from hypothesis import given as given_
+from hypothesis import strategies as st
 
 from campaigns import Campaign
 from campaigns.asked.load import load_document
@@ -105,6 +107,36 @@ def test_a_finding_of_the_baseline_has_one_standing(
     assert case.change == pytest.approx(change, abs=1e-12)
     assert case.margin_again == pytest.approx(again - 0.5)
     assert case.text.startswith(f"F1 of R-0001 is {'the same' if standing is Standing.SAME else standing}: d_min = ")
+
+
+def test_nothing_is_fixed_while_its_basin_violates() -> None:
+    first, second = compared((0.40, 0.45), (0.42, 0.55), (0.42,), ("F1", "F1")).cases
+    assert (first.before, first.standing, second.before, second.standing) == (
+        "F1",
+        Standing.BETTER,
+        "F2",
+        Standing.BETTER,
+    )
+    assert "F1 in its basin has 0.42 m" in second.text
+    clear = compared((0.40, 0.45), (0.52, 0.55), (0.51,), ("F1", "F1")).cases
+    assert [case.standing for case in clear] == [Standing.FIXED, Standing.FIXED]
+
+
+@given_(
+    st.lists(st.tuples(st.floats(0.3, 0.7), st.floats(0.3, 0.7), st.booleans()), min_size=1, max_size=5),
+    st.floats(0.3, 0.7),
+)
+def test_fixed_means_that_nothing_known_in_its_basin_violates(
+    rows: list[tuple[float, float, bool]], low: float
+) -> None:
+    """Several findings of the baseline, some of them in the basin of this run's finding, which is its lowest."""
+    inside = [again for _, again, there in rows if there]
+    now = (min([low, *inside]),) if inside else ()
+    since = tuple("F1" if there else None for *_, there in rows)
+    found = compared(tuple(b for b, *_ in rows), tuple(a for _, a, _ in rows), now, since)
+    for case in found.cases:
+        violates = min([*now, 0.7] if case.now else [case.margin_again or 0.0]) <= (0.5 if case.now else 0.0)
+        assert case.standing is not Standing.FIXED or not violates, case.text
 
 
 def test_the_tolerance_is_the_largest_of_what_cannot_be_resolved() -> None:

@@ -126,6 +126,8 @@ class MethodEntry(Entry):
     """Whether it starts from points given in the campaign."""
     family: Annotated[str, _NOT_STATED] = ""
     """The principle by which it searches. Methods of one family do not confirm each other; omitted if not declared."""
+    families: Annotated[dict[str, dict[str, str]], _NOT_STATED] = {}
+    """The family by option and value, where an option decides it; omitted if none does."""
     whole_budget: Annotated[bool, _NOT_STATED] = False
     """Whether it uses its whole budget; omitted if it may end by its own rule."""
     effort: Annotated[Iterations | Descents | None, _LEFT_OUT] = None

@@ -37,7 +37,8 @@ EFFORT = "effort of a run"
 AGREEMENT = Limit(limits.AGREEMENT, "agreement of methods, as a fraction of nominal minus worst", USUAL)
 AGREEMENT_AT_MOST = Limit(0.2, "the same at most, whatever the campaign states", CONVENTION)
 AGREEMENT_ROUNDING = Limit(1e-9, "the same at least, as a fraction of the worst case or of 1", "rounding")
-METHODS = Limit(2, "methods that must reach the worst case", "no verdict rests on one method")
+AGREEMENT_OF_MARGIN = Limit(0.1, "the same at most, as a fraction of the margin of the worst case", CONVENTION)
+METHODS = Limit(2, "families of methods that must reach the worst case", "no verdict rests on one principle of search")
 GLOBAL_LEAST = Limit(25, "evaluations for each uncertain parameter that a global method needs", CONVENTION)
 LOCAL_LEAST = Limit(3, "evaluations for each uncertain parameter that a local method needs", CONVENTION)
 ROUNDING = Limit(limits.ROUNDING, "fraction below which a difference of what is compared is rounding", "rounding")
@@ -154,7 +155,8 @@ RULES = (
         CheckCode.AGREEMENT,
         "Agreement of methods",
         "At least one global method searched, every one reaches the worst case within the campaign's agreement, by "
-        f"default {percent(AGREEMENT)} of nominal minus worst, and at least {METHODS.value} methods do.",
+        f"default {percent(AGREEMENT)} of nominal minus worst, and within {percent(AGREEMENT_OF_MARGIN)} of the margin, "
+        f"and methods of at least {METHODS.value} families do.",
         ("search", "validate"),
         RemedyKind.EVALUATIONS,
     ),

@@ -39,6 +39,7 @@ _WORDS = {
     "starts": "use of start points",
     "evaluations": "usual budget",
     "family": "family",
+    "families": "families",
 }
 _ADVICE = ("whole_budget", "effort", "parallel", "at_once", "suits", "proposed")
 """What a method states for its choice and for estimates; it changes no result."""

@@ -76,6 +76,8 @@ class SearchResult(StageResult):
     method: str
     title: str
     kind: MethodKind
+    family: str = ""
+    """The principle that found its best, of a portfolio that of the member; empty in earlier versions."""
     best: Best | None
     evaluations: int
     failed: int

@@ -152,7 +152,8 @@ class Method:
     `compiles`: it compiles parts of itself when it first runs; the driver does this before it measures time.
     `costly`: it takes milliseconds of its own per evaluation, for evaluations that take longer; tests and benchmarks
     give it smaller budgets.
-    `family`: the principle by which it searches; methods of one family do not confirm each other.
+    `family`: the principle by which it searches; methods of one family do not confirm each other. `families`: where an
+    option decides it, by option and value.
     `whole_budget`: it uses its whole budget; others may end by their own rule, after their `effort` if it is known.
     `parallel`, `at_once`: how many points it requests at a time, in a few words; the option that states this number.
     `suits`: what it is for, in a few words.
@@ -177,6 +178,7 @@ class Method:
     compiles: bool = False
     costly: bool = False
     family: str = ""
+    families: Mapping[str, Mapping[str, str]] = field(default_factory=dict, hash=False)
     whole_budget: bool = False
     effort: Iterations | Descents | None = None
     parallel: str = ""
@@ -192,6 +194,11 @@ class Method:
         if not is_dataclass(self.options):
             text = f"method {self.name!r}: options is {self.options!r}; give a dataclass, a described field per option"
             raise TypeError(text)
+
+    def family_with(self, options: Any) -> str:
+        """Its family with these options; its name if it declares none."""
+        chosen = (by.get(str(getattr(options, name))) for name, by in self.families.items())
+        return next((family for family in chosen if family), self.family or self.name)
 
 
 AT_ONCE = 256

@@ -54,9 +54,11 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
     driven = drive(context, position, search, asked.evaluations, method.repeats)
     minima.sort(key=lambda m: _place(m, space.starts))
     result = _result(context, method, options, driven, minima)
-    return Outcome(
-        result.model_copy(update={"members": members.rows(driven.columns, context.methods) if driven.columns else []})
-    )
+    rows = members.rows(driven.columns, context.methods) if driven.columns else []
+    leading = min((row for row in rows if row.best is not None), key=lambda row: row.best or 0.0, default=None)
+    known = None if leading is None else context.methods.get(leading.member)
+    family = method.family_with(options) if known is None else known.family_with(known.options())
+    return Outcome(result.model_copy(update={"members": rows, "family": family}))
 
 
 @cache

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import TypeAdapter
 
+from campaigns.catalogue import MethodEntry
 from campaigns.checked import extents
 from campaigns.checked.check import parameters
 from campaigns.claims import earlier
@@ -205,11 +206,13 @@ def _encounter(run: Run) -> dict[str, bool]:
 
 
 def _agreement(run: Run) -> bool:
-    """Whether at least two methods that searched, including all global ones, reached the worst case and its cost."""
+    """Whether methods that searched, of two families and all global ones, reached the worst case and its cost."""
     findings, came = run.claims["findings"], dict[int, bool]()
     stated = [f["cost"] for f in findings if f["validation"]["realisation"] is None]
     worst = min(stated or [f["cost"] for f in findings], default=math.nan)
     fall = min(run.campaign.agreement, limits.AGREEMENT_AT_MOST) * (run.nominal - worst)
+    if worst > run.threshold:
+        fall = min(fall, limits.AGREEMENT_OF_MARGIN * (worst - run.threshold))
     for k, row in zip(run.searches, run.claims["comparison"], strict=True):
         kind, spent = run.methods[k].kind, run.ended[k]["evaluations"]
         near = run.best[k] - worst <= max(fall, limits.AGREEMENT_ROUNDING * max(abs(worst), 1.0))
@@ -217,8 +220,22 @@ def _agreement(run: Run) -> bool:
         searched = kind in limits.LEAST and spent >= limits.LEAST[kind] * len(run.bounds)
         came[k] = there and searched and not (kind == "local" and spent >= run.plan[k].planned)
     globally = [came[k] for k in run.searches if run.methods[k].kind == "global"]
-    several = len({run.plan[k].method for k in run.searches if came[k]}) >= limits.METHODS
+    several = len({_family(run, k) for k in run.searches if came[k]}) >= limits.METHODS
     return bool(globally) and all(globally) and several and (not run.varies or worst < run.nominal)
+
+
+def _family(run: Run, k: int) -> str:
+    """The principle by which a search searched; that of a portfolio's leading member is taken as given."""
+    method, result = run.methods[k], run.claims["results"][k]
+    options = run.campaign.stages.search[run.searches.index(k)].options
+    if result.get("members"):
+        return str(result.get("family") or method.name)
+    chosen = [by.get(str(options.get(name, _usual(method, name))), "") for name, by in method.families.items()]
+    return next((family for family in chosen if family), method.family or method.name)
+
+
+def _usual(method: MethodEntry, option: str) -> Any:
+    return method.options.get("properties", {}).get(option, {}).get("default")
 
 
 def _probability(run: Run) -> dict[str, bool]:

@@ -6,7 +6,7 @@ A test compares the two, name by name.
 LEAST = {"global": 25, "local": 3}
 """By the kind of methods that can agree: the fewest evaluations per parameter that count as a search."""
 METHODS = 2
-AGREEMENT_AT_MOST, AGREEMENT_ROUNDING = 0.2, 1e-9
+AGREEMENT_AT_MOST, AGREEMENT_OF_MARGIN, AGREEMENT_ROUNDING = 0.2, 0.1, 1e-9
 TOLERANCE_OF_MARGIN = 0.1
 ROUNDING = 1e-6
 MOVED, ABOVE_NOISE = 0.01, 10.0

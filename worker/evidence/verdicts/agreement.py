@@ -1,8 +1,9 @@
 """Agreement: did the methods find the same worst case at the same cost?
 
-A method's best counts if it is in the basin of a listed finding (by the findings' own test) and its cost is within the
-campaign's `agreement` of the worst; so mirrored worst cases agree. A method counts only if it really searched: with a
-minimum budget, until its own stopping rule or the end of its budget, and to a best below nominal.
+A method's own best counts if it is in the basin of a listed finding (by the findings' own test) and its cost is within
+the campaign's `agreement` and a tenth of the margin of the worst; so mirrored worst cases agree. A method counts only
+if it really searched: with a minimum budget, until its own stopping rule or the end of its budget, and to a best below
+nominal. Methods of one family search by the same principle and miss the same cases: they count once.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from worker.evidence.verdicts.evidence import Evidence
 
 
 def agreement(problem: Problem, evidence: Evidence) -> Check:
-    """Whether every global method found the worst case known from any source, and at least two methods found it."""
+    """Whether every global method found the worst case known from any source, and two families of methods found it."""
     known, nominal, unit = evidence.finding, evidence.nominal.cost, problem.unit
     if known is None or nominal is None:
         return _check(False, "there is no worst case to agree on")
@@ -33,7 +34,7 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
         return _check(False, joined("; ", lazy))
     # No method has evaluated the cases that drew their own noise.
     worst = min([f.cost for f in evidence.findings if f.realisation is None], default=known.cost)
-    within = max(allowed(problem, nominal - worst), rules.AGREEMENT_ROUNDING.value * max(abs(worst), 1.0))
+    within = allowed(problem, nominal, worst)
     late = [statement for s in globally if (statement := _stopped_short(s, worst, within, problem))]
     if late:
         return _check(False, "the worst case is ", number(worst, unit, "worst"), ", but ", joined(" and ", late))
@@ -48,9 +49,18 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
     return _agreed(counted, evidence, worst, nominal, unit)
 
 
-def allowed(problem: Problem, fall: float) -> float:
-    """The largest difference of costs that agree, for this fall from nominal to worst [the criterion's unit]."""
-    return min(problem.campaign.agreement, rules.AGREEMENT_AT_MOST.value) * fall
+def allowed(problem: Problem, nominal: float, worst: float) -> float:
+    """The largest difference of costs that agree [the criterion's unit]. A worst case that violates has no margin that
+    a disagreement could use up."""
+    of_fall = min(problem.campaign.agreement, rules.AGREEMENT_AT_MOST.value) * (nominal - worst)
+    margin = worst - problem.threshold
+    least = rules.AGREEMENT_ROUNDING.value * max(abs(worst), 1.0)
+    return max(min(of_fall, rules.AGREEMENT_OF_MARGIN.value * margin) if margin > 0 else of_fall, least)
+
+
+def family(search: SearchResult) -> str:
+    """The principle that found its best; earlier versions and undeclared methods count by name."""
+    return search.family or search.method
 
 
 def varies(evidence: Evidence) -> float:
@@ -64,8 +74,11 @@ def varies(evidence: Evidence) -> float:
 
 def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
     reached = listed([_titled(s) for s in counted])
-    if len({s.method for s in counted}) < rules.METHODS.value:
-        return _check(False, "only ", reached, " reached the worst case; a second method must confirm it")
+    families = sorted({family(s) for s in counted})
+    if len(families) < rules.METHODS.value:
+        of_one = f", of one family ({families[0]})," if len({s.method for s in counted}) > 1 else ""
+        second = " reached the worst case; a method of another family must confirm it"
+        return _check(False, "only ", reached, of_one, second)
     if not varies(evidence):
         evaluations = count(evidence.encounter.spread.evaluations, "evaluations")
         return _check(True, reached, " agree: the criterion does not vary over ", evaluations, " evaluations")

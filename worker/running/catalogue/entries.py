@@ -111,6 +111,7 @@ def method_entry(method: Method, module: ModuleType) -> MethodEntry:
         evaluations=method.evaluations,
         starts=method.starts,
         family=method.family,
+        families={option: dict(by) for option, by in method.families.items()},
         whole_budget=method.whole_budget,
         effort=method.effort,
         parallel=method.parallel,

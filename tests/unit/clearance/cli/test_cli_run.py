@@ -91,7 +91,7 @@ def test_inconclusive_is_2(file: Write, capsys: pytest.CaptureFixture[str]) -> N
     assert invoke(["run", file(searching(DIRECT, scenario__horizon=1.0))]) == INCONCLUSIVE == 2
     out = capsys.readouterr().out
     assert "? Inconclusive" in out
-    assert "a second method must confirm it" in out
+    assert "a method of another family must confirm it" in out
 
 
 def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[str]) -> None:

@@ -172,12 +172,12 @@ def test_validation_that_disagrees() -> None:
 
 
 def test_one_method_alone_is_never_enough() -> None:
-    statement = "only DIRECT reached the worst case; a second method must confirm it"
+    statement = "only DIRECT reached the worst case; a method of another family must confirm it"
     assert barred("agreement", searches=[search("direct")]) == statement
 
 
 def test_two_stages_of_one_method_are_one_method() -> None:
-    statement = "only DIRECT reached the worst case; a second method must confirm it"
+    statement = "only DIRECT reached the worst case; a method of another family must confirm it"
     assert barred("agreement", searches=[search("direct"), search("direct", WORST + 0.001)]) == statement
 
 
@@ -347,7 +347,7 @@ def test_points_that_are_no_independent_sample_give_no_statement() -> None:
 def test_a_search_for_a_front_plays_no_part_in_agreement() -> None:
     searches = [search("direct"), search("sqp"), search("nsga2", WORST + 0.2)]
     assert concluded(searches=searches).verdict == "cleared"
-    statement = "only DIRECT reached the worst case; a second method must confirm it"
+    statement = "only DIRECT reached the worst case; a method of another family must confirm it"
     assert barred("agreement", searches=[search("direct"), search("nsga2")]) == statement
     assert barred("agreement", searches=[search("sqp"), search("nsga2")]).startswith("no global method searched")
 

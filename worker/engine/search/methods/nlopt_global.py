@@ -18,6 +18,11 @@ from pydantic import Field
 from worker.engine.search.base import Ended, Method, MethodLook, Search, Space
 from worker.engine.search.parts.nlopt_calls import optimised
 
+DIVIDES = (
+    "direct", "direct_l", "direct_l_rand", "direct_noscal", "direct_l_noscal", "direct_l_rand_noscal",
+    "orig_direct", "orig_direct_l",
+)  # fmt: skip
+FAMILIES = {"crs2_lm": "population", "isres": "population", "esch": "population", "ags": "space-filling curve"}
 AGS_PARAMETERS = 10
 """The largest number of parameters that NLopt is built with for ags."""
 
@@ -68,6 +73,7 @@ method = Method(
     options=Options,
     search=search,
     family="library",
+    families={"algorithm": {**FAMILIES, **dict.fromkeys(DIVIDES, "division of the box")}},
     whole_budget=True,
     parallel="one point",
     suits="comparison with published results",

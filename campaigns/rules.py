@@ -155,7 +155,7 @@ RULES = (
         CheckCode.AGREEMENT,
         "Agreement of methods",
         "At least one global method searched, every one reaches the worst case within the campaign's agreement, by "
-        f"default {percent(AGREEMENT)} of nominal minus worst, and within {percent(AGREEMENT_OF_MARGIN)} of the margin, "
+        f"default {percent(AGREEMENT)} of nominal minus worst, and {percent(AGREEMENT_OF_MARGIN)} of the margin, "
         f"and methods of at least {METHODS.value} families do.",
         ("search", "validate"),
         RemedyKind.EVALUATIONS,
@@ -238,6 +238,12 @@ RULES = (
         f"At most {percent(EXCLUDED)} of the draws of the sample, and of all evaluations, were excluded.",
     ),
     Rule(
+        CheckCode.OUTSIDE,
+        "Draws outside the bounds",
+        f"Of normal distributions, at most {percent(CEILING)} of all draws lie outside the bounds, where nothing is "
+        "evaluated.",
+    ),
+    Rule(
         CheckCode.PROBABILITY,
         "Bound on P(violation)",
         f"If there is an independent sample and no target, its bound on P(violation) is at most {percent(CEILING)}.",
@@ -247,7 +253,8 @@ RULES = (
     Rule(
         CheckCode.TARGET,
         "Target for P(violation)",
-        "If the campaign states a target, the bound on P(violation) of an independent sample meets it.",
+        f"If the campaign states a target, the bound on P(violation) of an independent sample meets it; a target above "
+        f"{percent(CEILING)} does not loosen what is required.",
         ("search", "certify"),
         RemedyKind.SAMPLE,
     ),
@@ -255,6 +262,11 @@ RULES = (
 """Every check in the order in which a verdict states it."""
 
 _BY_CODE = {str(rule.code): rule for rule in RULES}
+
+
+def required(target: float | None) -> float:
+    """The bound on P(violation) that a campaign must meet: its target, which can be stricter than the ceiling only."""
+    return CEILING.value if target is None else min(target, CEILING.value)
 
 
 def rule(code: str) -> Rule | None:

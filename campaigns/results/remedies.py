@@ -174,7 +174,7 @@ def _distinguished(check: Check, ran: Ran) -> Iterator[Remedy]:
 
 def _larger_sample(check: Check, ran: Ran) -> Iterator[Remedy]:
     """An independent sample that is large enough for the bound, if few of its flights violate."""
-    stated, goal = ran.statistics, ran.campaign.target_probability or rules.CEILING.value
+    stated, goal = ran.statistics, rules.required(ran.campaign.target_probability)
     if stated is None or ran.campaign.stages.certify is None:
         wanted = needed(0, 0, goal, ran.campaign.confidence)
     else:

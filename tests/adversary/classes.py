@@ -206,6 +206,37 @@ def tails(random: np.random.Generator) -> Attack:
     return campaign("tails outside the bounds", random, NOT_CLEARED, uncertain=uncertain, criterion__threshold=0.9)
 
 
+def mass_outside(random: np.random.Generator) -> Attack:
+    """Normal distributions of which more than a twentieth is outside the bounds, mostly without a sample, often with a
+    target that seems to permit it."""
+    half, wide = float(random.uniform(0.05, 0.5)), float(random.uniform(0.6, 5.0))
+    normal = {"kind": "normal", "mean": 5.0, "deviation": half * wide}
+    uncertain = {
+        "vehicle.m": {"low": 5.0 - half, "high": 5.0 + half, "distribution": normal},
+        "vehicle.J": {"low": 0.049, "high": 0.051},
+    }
+    given: dict[str, Any] = {"stages__certify": None} if random.random() < 0.7 else {}
+    if random.random() < 0.5:
+        given["target_probability"] = float(random.uniform(0.5, 0.999))
+    return campaign(
+        "mass outside the bounds", random, NOT_CLEARED, uncertain=uncertain, criterion__threshold=0.5, **given
+    )
+
+
+def one_family(random: np.random.Generator) -> Attack:
+    """Methods that divide the box by the same rule and miss the same cases, by any of their names."""
+    names = ["direct", "direct_l", "hybrid_direct", "nlopt_global", "nlopt_global"]
+    chosen = random.choice(names, int(random.integers(2, 5)), replace=False)
+    variants = ("direct", "direct_l", "direct_l_rand", "orig_direct", "orig_direct_l", "direct_noscal")
+    searches = [
+        {"method": str(name), "evaluations": 400}
+        | ({"options": {"algorithm": str(random.choice(variants))}} if name == "nlopt_global" else {})
+        for name in chosen
+    ]
+    threshold = float(random.uniform(0.3, 0.8))
+    return campaign("one family", random, NOT_CLEARED, stages__search=searches, criterion__threshold=threshold)
+
+
 def through_a_wall(random: np.random.Generator) -> Attack:
     """Through a wall far from its centre, at a threshold within the wall's reach."""
     length, k_rep = float(random.uniform(10.0, 20.0)), float(random.choice([0.0, 4.0]))
@@ -266,5 +297,5 @@ def brute_force(asked: Campaign, points: int) -> float:
 CLASSES: tuple[Callable[[np.random.Generator], Attack], ...] = (
     slit_on_a_slice, nobody_searched, horizon_too_short, never_moves, out_of_reach, no_avoidance, no_influence,
     collision, side_switch, one_realisation, mean_of_realisations, mostly_excluded, tails, through_a_wall, aliased,
-    near_the_worst,
+    near_the_worst, mass_outside, one_family,
 )  # fmt: skip

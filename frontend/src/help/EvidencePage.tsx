@@ -21,7 +21,7 @@ const CAPS: readonly [string, string][] = [
   ['confidence', `At least ${LIMITS.confidence_at_least}; a campaign with less is refused. Default ${LIMITS.confidence}.`],
   [
     'target_probability',
-    `Without a target, the bound on P(violation) from a sample must be at most ${percent(LIMITS.ceiling, 1)}.`,
+    `The bound on P(violation) from a sample must be at most ${percent(LIMITS.ceiling, 1)}; a target can only be stricter.`,
   ],
   ['Excluded', `At most ${percent(LIMITS.excluded, 1)} of the draws of the sample, and of all evaluations.`],
   [

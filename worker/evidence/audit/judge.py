@@ -248,8 +248,10 @@ def _probability(run: Run) -> dict[str, bool]:
         checks["noise"] = noise == "drawn" and not (asked.combine == "mean" and len(asked.seeds) > 1)
     if excluded:
         checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= limits.EXCLUDED
+    if run.outside():
+        checks["outside the bounds"] = run.outside() <= limits.CEILING
     if campaign.target_probability is not None:
-        checks["target"] = bound <= campaign.target_probability and noise != "stated"
+        checks["target"] = bound <= min(campaign.target_probability, limits.CEILING) and noise != "stated"
     elif sample is not None:
         checks["probability"] = bound <= limits.CEILING
     return checks

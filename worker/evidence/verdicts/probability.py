@@ -1,4 +1,7 @@
-"""The probability of a violation: the statement of the independent sample, and checks of the conditions it needs."""
+"""The probability of a violation: the statement of the independent sample, and checks of the conditions it needs.
+
+The probability of draws outside the bounds counts with and without a sample: nothing is evaluated there.
+"""
 
 from __future__ import annotations
 
@@ -33,8 +36,27 @@ def statistics(evidence: Evidence) -> Statistics | None:
 
 
 def probability(problem: Problem, evidence: Evidence) -> list[Check]:
-    """The checks of the noise, the exclusions, and the bound."""
-    return [*_noise(problem, evidence), *_excluded(evidence), *_bound(problem, evidence)]
+    """The checks of the noise, the exclusions, the draws outside the bounds, and the bound."""
+    return [*_noise(problem, evidence), *_excluded(evidence), *_outside(problem), *_bound(problem, evidence)]
+
+
+def outside(problem: Problem) -> Spans:
+    """The probability of draws outside the bounds, as a sentence without its full stop; empty if there are none."""
+    much = problem.distributions.outside
+    if not much:
+        return ()
+    most = "at most " if problem.campaign.correlations else ""
+    return say(most, percent(much, name="outside"), " of the draws lie outside the bounds, where nothing was evaluated")
+
+
+def _outside(problem: Problem) -> list[Check]:
+    stated, most = outside(problem), rules.CEILING.value
+    if not stated:
+        return []
+    ok = problem.distributions.outside <= most
+    if not ok:
+        stated = say(stated, "; widen the bounds until at most ", percent(most, 6, "most"), " do")
+    return [Check(code=CheckCode.OUTSIDE, ok=ok, statement=stated)]
 
 
 def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
@@ -83,18 +105,19 @@ def _advice(sample: Sample) -> Spans:
     if sample.violations > rules.CEILING.value * sample.samples:
         drawn = count(sample.samples, "samples")
         return say(count(sample.violations, "violations"), " of its ", drawn, " samples violate the criterion")
-    return say("draw more than ", count(sample.samples, "samples"), " samples, or set target_probability")
+    return say("draw more than ", count(sample.samples, "samples"), " samples")
 
 
 def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     target, sample = problem.campaign.target_probability, evidence.sample
-    goal = percent(target or rules.CEILING.value, 4, "target")
+    required = rules.required(target)
+    goal = percent(required, 4, "target")
     if sample is None or sample.upper_bound is None:
         statement = say("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
         return [] if target is None else [Check(code=CheckCode.TARGET, ok=False, statement=statement)]
     bound = say("the bound of ", percent(sample.upper_bound, name="upper_bound"))
     if target is None:
-        ok = sample.upper_bound <= rules.CEILING.value
+        ok = sample.upper_bound <= required
         statement = say(bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
         if not ok:
             statement = say(statement, "; ", _advice(sample))
@@ -103,6 +126,8 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
         of = "the stated noise realisations" if problem.realisations.random else "evaluations of several calls"
         statement = say(bound, f" holds only for {of}; add a certify stage")
         return [Check(code=CheckCode.TARGET, ok=False, statement=statement)]
-    ok = sample.upper_bound <= target
+    ok = sample.upper_bound <= required
     statement = say(bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
+    if target > required:
+        statement = say(statement, "; the campaign states ", percent(target, 4), ", which does not loosen it")
     return [Check(code=CheckCode.TARGET, ok=ok, statement=statement)]

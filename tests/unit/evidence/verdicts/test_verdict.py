@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from campaigns.codes import CheckCode
 from campaigns.results.finding import Repeated
 from campaigns.results.sensitivity import Curve
 from campaigns.results.validate import Spread
@@ -275,7 +276,7 @@ def test_the_target_is_not_met() -> None:
 
 def test_a_target_without_a_sample() -> None:
     statement = barred("target", campaign(target_probability=0.5), searches=[search("direct"), search("sqp")])
-    assert statement == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
+    assert statement == "the target P(violation) of 5 % needs an independent sample; add a certify stage"
 
 
 def test_the_first_sample_counts_and_the_second_does_not() -> None:
@@ -296,7 +297,32 @@ def test_without_a_target_the_bound_is_compared_with_a_ceiling() -> None:
     assert statement.startswith(
         "the bound of 5.03 % on P(violation) is above the required 5 %; draw more than 58 samples"
     )
-    assert concluded(campaign(target_probability=0.9), **drawn(2)).verdict == "cleared"
+    loose = barred("target", campaign(target_probability=0.9), **drawn(2))
+    assert loose.endswith("does not meet the target of 5 %; the campaign states 90 %, which does not loosen it")
+
+
+@pytest.mark.parametrize("target", [None, 0.001, 0.05, 0.2, 0.97])
+@pytest.mark.parametrize("samples", [2, 58, 59, 300, 3000])
+def test_a_target_makes_a_verdict_stricter_never_looser(target: float | None, samples: int) -> None:
+    drawn = {"searches": [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(samples=samples))]}
+    order = ["inconclusive", "cleared"]
+    without, stated = concluded(**drawn), concluded(campaign(target_probability=target), **drawn)
+    assert order.index(stated.verdict) <= order.index(without.verdict)
+
+
+@pytest.mark.parametrize("sampled", [True, False])
+@pytest.mark.parametrize(("deviation", "verdict"), [(0.4, "cleared"), (5.0, "inconclusive")])
+def test_draws_outside_the_bounds_count_with_and_without_a_sample(
+    sampled: bool, deviation: float, verdict: str
+) -> None:
+    normal = {"kind": "normal", "mean": 5.0, "deviation": deviation}
+    uncertain = {"vehicle.m": {"plus_minus": "20%", "distribution": normal}, "vehicle.J": {"plus_minus": "20%"}}
+    searches = [search("direct"), search("sqp")]
+    many = [*searches, search("monte_carlo", 0.85, sample=sample())] if sampled else searches
+    found = concluded(campaign(uncertain=uncertain), searches=many)
+    check = next(check for check in found.checks if check.code == CheckCode.OUTSIDE)
+    assert (found.verdict, check.ok) == (verdict, verdict == "cleared")
+    assert "outside the bounds" in found.reason or sampled
 
 
 def test_more_samples_are_not_advised_where_too_many_violate() -> None:
@@ -337,7 +363,7 @@ def test_points_that_are_no_independent_sample_give_no_statement() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=even)]
     assert concluded(searches=searches).statistics is None
     statement = barred("target", campaign(target_probability=0.5), searches=searches)
-    assert statement == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
+    assert statement == "the target P(violation) of 5 % needs an independent sample; add a certify stage"
     both = [*searches, search("monte_carlo", 0.85, sample=sample(samples=200))]
     stated = concluded(searches=both).statistics
     assert stated is not None

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Literal
 
+from pydantic import computed_field
+
 from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Schema
 from campaigns.results import TraceHead
 from campaigns.results.base import Status
-from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation
+from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation, granted
 from campaigns.results.sensitivity import Slices
 from campaigns.results.trace import TraceColumn
 
@@ -84,6 +86,12 @@ class FindingDetail(Schema):
     boundary: Boundary | None
     """The boundary of a violation: its distance from nominal."""
     closest: ClosestApproach | None
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def granted(self) -> float:
+        """The value to state for it: of a confirmed violation the mildest of its values, if they differ."""
+        return granted(self.cost, self.validation)
 
 
 class TraceInfo(Schema):

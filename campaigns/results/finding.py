@@ -95,6 +95,15 @@ class Validation(Result):
     neighbours: Neighbours | None = None
 
 
+def granted(cost: float, case: Validation | None) -> float:
+    """What every value of a confirmed violation grants: the mildest of them if they differ beyond tolerance; of any
+    other case its own value."""
+    if case is None or case.agrees or not case.violates:
+        return cost
+    others = [other.cost for other in (case.half_step, case.integrator, case.again) if other is not None]
+    return max([cost, *(other for other in others if other is not None)])
+
+
 class Ray(Result):
     """The first evaluation beyond the boundary along one line from nominal; null fields where none was seen."""
 
@@ -176,6 +185,11 @@ class Finding(Result):
         an independent call of it violates."""
         case = self.validation
         return case is not None and bool(case.violates) and (self.margin <= 0 or case.repeats is not None)
+
+    @property
+    def granted(self) -> float:
+        """The value to state for it: of a confirmed violation what every integration grants."""
+        return granted(self.cost, self.validation) if self.violates else self.cost
 
     @property
     def realisation(self) -> int | None:

@@ -65,10 +65,13 @@ class Statistics(Described):
 
 
 class Worst(Result):
-    """The worst finding."""
+    """The worst finding; of a violated verdict the worst of those that were confirmed, by what every integration of it
+    grants."""
 
     cost: float
     margin: float
+    evaluated: float | None = None
+    """Its cost as the search evaluated it; null in results of earlier versions."""
     parameters: Values
     method: str | None
     """The method with the lowest best value."""

@@ -18,7 +18,7 @@ from clearance.cli._ended import Case, EndedRun, Source, changes, write_files
 if TYPE_CHECKING:
     from clearance.cli._launch import Launch
     from clearance.client import Client
-    from clearance.client.answers import Run, RunDetail
+    from clearance.client.answers import Finding, Run, RunDetail
 
 FILES = ("campaign.yaml", "run.json", "evaluations.csv", "findings.csv", "report.html")
 """Files of a run that are saved."""
@@ -128,9 +128,15 @@ def superseded(found: Run) -> str:
     return f"{found.superseded_by} superseded it in the group {found.group}"
 
 
+def _case(found: Finding) -> Case:
+    """A finding by the value to state for it; a service of an earlier version answers without one."""
+    stated = found.cost if found.granted is None else found.granted
+    return Case(found.label, stated, found.margin + (stated - found.cost), found.parameters)
+
+
 def _complete(service: Client, ended: EndedRun, given: Launch, out: Path | None, source: Source | None) -> EndedRun:
     """The run with what only its files state: findings, the campaign's text, the picture of the worst case."""
-    cases = tuple(Case(f.label, f.cost, f.margin, f.parameters) for f in service.findings(ended.run))
+    cases = tuple(_case(f) for f in service.findings(ended.run))
     if given.sarif is not None and source is None:
         address = f"{service.address}/api/v1/runs/{ended.run}/campaign.yaml"
         source = Source(address, service.campaign_text(ended.run))

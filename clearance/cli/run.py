@@ -123,7 +123,9 @@ def _ended(
         quantity=verdict.quantity,
         unit=verdict.unit,
         threshold=campaign.criterion.threshold,
-        findings=tuple(Case(f.label, f.cost, f.margin, f.parameters) for f in store.found()),
+        findings=tuple(
+            Case(f.label, f.granted, f.granted - campaign.criterion.threshold, f.parameters) for f in store.found()
+        ),
         source=_source(file, given),
         requirements=tuple(one.id for one in campaign.criterion.requirements),
     )

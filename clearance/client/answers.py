@@ -259,6 +259,8 @@ class Finding(Answer):
     """{name: value} of every criterion in its own sign, as stored with the trace; empty if it was not stored."""
     at_bounds: dict[str, str]
     validation: Validation | None = None
+    granted: float | None = None
+    """The value to state for it: of a confirmed violation the mildest of its values, if they differ."""
 
 
 class TraceColumn(Answer):

@@ -133,7 +133,7 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
         excluded=sample.excluded,
         statement=say(
             *("full grid of ", count(points), " points on every axis, ", count(len(rows.status)), " in all: ", found),
-            *(", ", count(sample.violations), " violate the criterion", sample.failures()),
+            *(", ", count(sample.violations), sample.violate()),
             "; nothing is claimed between these points",
         ),
     )

@@ -94,7 +94,7 @@ def _stored(run: Run) -> Tree:
     """The claims that follow from the evaluations and findings alone."""
     searched = [k for k in run.searches if not math.isnan(run.best[k])]
     method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
-    worst = {"cost": run.lowest, "margin": run.lowest - run.threshold, "method": method}
+    worst = {"cost": run.stated, "margin": run.stated - run.threshold, "method": method}
     total = {"stored": len(run.status), "succeeded": len(run.costs), "violating": sum(run.below), "lowest": run.lowest}
     stages = zip(run.plan, run.best, run.ended, strict=True)
     expected: Tree = {
@@ -110,7 +110,7 @@ def _stored(run: Run) -> Tree:
     if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]):
         expected["evaluations"]["flaky"] = run.flaky
     if "run" in run.claims:  # the columns of the database's table of runs
-        expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.lowest}
+        expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.stated}
         expected["run"] |= {"evaluations": len(run.status), "failed_evaluations": run.total["failed"]}
         expected["run"] |= {"worst_method": method, "upper_bound": run.bound}
     return expected
@@ -294,8 +294,8 @@ def _numbers(run: Run) -> Tree:
     numbers: Tree = {
         "threshold": None if verdict == "inconclusive" else run.threshold,
         "evaluations": len(run.costs if verdict == "cleared" else run.raw),
-        "worst": run.lowest,
-        "margin": run.lowest - run.threshold,
+        "worst": run.stated,
+        "margin": run.stated - run.threshold,
         "excluded": run.total["excluded"] or None if verdict == "cleared" else None,
         "violating": sum(run.below) or None,
     }

@@ -62,8 +62,25 @@ class Run:
         self.others = self.means()
         self.findings = [self.finding(k, given) for k, given in enumerate(self.claims["findings"], 1)]
         violating = [f for f in self.findings if f["validation"]["violates"]]
-        self.confirmed = any(f["margin"] <= 0.0 or "repeats" in f["validation"] for f in violating)
+        again = self._again()
+        violating = [f for f in violating if "repeats" in f["validation"] or (f["margin"] <= 0.0 and again)]
+        self.confirmed = bool(violating)
+        self.stated = min(map(self._granted, violating), default=self.lowest)
         self.bound: Any = MISSING
+
+    def _again(self) -> bool:
+        """Whether a stored violation violates again, as taken from the record."""
+        last = next(reversed(self.claims.get("results") or [None]), None) or {}
+        counts = last.get("violations") or {}
+        return not counts.get("checked") or counts.get("confirmed", 0) > 0
+
+    def _granted(self, finding: Tree) -> float:
+        """The mildest value of a violation whose values differ beyond tolerance, else its own."""
+        case, label = finding["validation"], finding["label"]
+        given = next(f["validation"] for f in self.claims["findings"] if f["label"] == label)
+        if case["agrees"] or "repeats" in case:
+            return float(finding["cost"])
+        return float(max(finding["cost"], *(given[k]["cost"] for k in self.others)))
 
     def means(self) -> tuple[str, ...]:
         """The independent means by which a case is confirmed."""

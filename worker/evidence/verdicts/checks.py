@@ -72,9 +72,12 @@ def _no_violation(problem: Problem, evidence: Evidence) -> Check:
     counts = evidence.violations.statement
     if worst.margin > 0:
         return Check(code=code, ok=False, statement=counts)
-    confirmed = "confirmed" if worst.violates else "did not confirm"
-    by = number(-worst.margin, unit, "violated_by")
-    statement = say(finding(worst.label), " violates the criterion by ", by, f"; validation {confirmed} it; ", counts)
+    stated = violation or worst
+    confirmed = "confirmed" if violation is not None else "did not confirm"
+    if violation is None and worst.violates:
+        confirmed = "contradicts itself on"
+    by = number(problem.threshold - stated.granted, unit, "violated_by")
+    statement = say(finding(stated.label), " violates the criterion by ", by, f"; validation {confirmed} it; ", counts)
     return Check(code=code, ok=False, statement=statement)
 
 

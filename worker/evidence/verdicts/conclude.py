@@ -32,7 +32,7 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
         checks=found,
         statistics=stated,
         nominal=NominalCost(cost=evidence.nominal.cost, margin=evidence.nominal.margin),
-        worst=_worst(evidence),
+        worst=_worst(evidence, problem.threshold),
         evaluations=Counts(
             stored=evidence.evaluations,
             succeeded=evidence.succeeded,
@@ -49,13 +49,14 @@ def conclude(problem: Problem, evidence: Evidence, versions: Versions) -> Verdic
     )
 
 
-def _worst(evidence: Evidence) -> Worst | None:
-    finding = evidence.finding
+def _worst(evidence: Evidence, threshold: float) -> Worst | None:
+    finding = evidence.violation or evidence.finding
     if finding is None:
         return None
     return Worst(
-        cost=finding.cost,
-        margin=finding.margin,
+        cost=finding.granted,
+        margin=finding.granted - threshold,
+        evaluated=finding.cost,
         parameters=finding.parameters,
         method=method_of(evidence.searches),
         finding=finding.label,

@@ -50,8 +50,16 @@ class Evidence:
 
     @property
     def violation(self) -> Finding | None:
-        """The worst finding that violates and was confirmed: every integration of it violates."""
-        return min((f for f in self.findings if f.violates), key=lambda f: f.cost, default=None)
+        """The worst finding that violates and was confirmed, by what every integration of it grants.
+
+        None if every stored violation was evaluated again and none violates there: then what confirms it contradicts
+        itself. Of a simulator that does not repeat, another call may well give another value.
+        """
+        found = [f for f in self.findings if f.violates]
+        counts = self.validation.violations
+        again = counts is None or not counts.checked or counts.confirmed > 0
+        called = any(f.validation is not None and f.validation.repeats is not None for f in found)
+        return min(found, key=lambda f: f.granted, default=None) if again or called else None
 
     @property
     def encounter(self) -> Encounter:

@@ -14,6 +14,8 @@ from campaigns.results.verdict import Check, Statistics
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence
 
+VIOLATE = " samples violate the criterion"
+
 
 def statistics(evidence: Evidence) -> Statistics | None:
     """The statement of the sample, as the verdict stores it; None without one."""
@@ -103,8 +105,9 @@ def _excluded(evidence: Evidence) -> list[Check]:
 def _advice(sample: Sample) -> Spans:
     """Advice on a bound above the ceiling: more samples help only if few of them violate."""
     if sample.violations > rules.CEILING.value * sample.samples:
-        drawn = count(sample.samples, "samples")
-        return say(count(sample.violations, "violations"), " of its ", drawn, " samples violate the criterion")
+        drawn, lost = count(sample.samples, "samples"), count(sample.failed, "draws_failed")
+        how = say(" samples violate the criterion or failed (", lost, " failed)") if sample.failed else VIOLATE
+        return say(count(sample.violations, "violations"), " of its ", drawn, how)
     return say("draw more than ", count(sample.samples, "samples"), " samples")
 
 

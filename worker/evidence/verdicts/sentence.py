@@ -38,7 +38,8 @@ def sentence(
     quantity, limit = symbol(problem.quantity), number(problem.threshold, problem.unit, "threshold")
     if found is None:
         return say(f"No {terms(problem.system).words.one} could be evaluated: ", checks[0].statement, ".")
-    worst = _worst(problem, found)
+    stated = evidence.violation or found
+    worst = _worst(problem, stated, "found" if stated is found else "confirmed")
     each = calls.each(problem)
     how = say(count(evidence.evaluations, "evaluations"), f" evaluations{each}, searched by ", _searched(evidence))
     lost = _without_value(evidence)
@@ -53,11 +54,11 @@ def sentence(
         excluded = say(" ", count(evidence.excluded, "excluded"), " more were excluded.") if evidence.excluded else ()
         caveat = terms(problem.system).caveat
         caveat = f" {caveat}" if caveat else ""
-        stated = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
+        intended = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
         return say(
             *(quantity, " stayed above ", limit, " in all ", succeeded, f" evaluations{each}, searched by "),
             *(_searched(evidence), ".", excluded, " ", worst, _chance(statistics) or _outside(problem)),
-            *stated,
+            *intended,
             f"{caveat} A search can miss a worse case.",
         )
     why = joined("; ", [_reason(c) for c in checks if not c.ok])
@@ -79,9 +80,11 @@ def _reason(check: Check) -> Spans:
     return check.statement if check.code == CheckCode.NO_VIOLATION else unnamed(check.statement)
 
 
-def _worst(problem: Problem, found: Finding) -> Spans:
-    cost, margin = number(found.cost, problem.unit, "worst"), signed(found.margin, problem.unit, "margin")
-    has = say("The worst case found has ", symbol(problem.quantity), " = ", cost)
+def _worst(problem: Problem, found: Finding, which: str) -> Spans:
+    margin = signed(found.granted - problem.threshold, problem.unit, "margin")
+    cost = number(found.granted, problem.unit, "worst")
+    by = "" if found.granted == found.cost else " by every evaluation of it"
+    has = say(f"The worst case {which} has ", symbol(problem.quantity), " = ", cost, by)
     return say(has, ", a margin of ", margin, _noise(found.realisation), ".")
 
 
@@ -92,9 +95,9 @@ def _shown(problem: Problem, found: Finding, violation: Finding) -> Spans:
         return say(none, finding(violation.label), " independent of the search do; it was found")
     if violation is found:
         return say("It was confirmed by validation and found")
-    cost = number(violation.cost, problem.unit, "validated")
-    milder = say(finding(violation.label), ", which has ", cost, _noise(violation.realisation))
-    return say("Validation did not confirm it, but confirmed ", milder, "; both were found")
+    lower = say(finding(found.label), ", evaluated as ", number(found.cost, problem.unit, "lowest"))
+    why = "grants less by its other evaluations" if found.violates else "was not confirmed"
+    return say("It is ", finding(violation.label), "; ", lower, _noise(found.realisation), f", {why}; both were found")
 
 
 def _searched(evidence: Evidence) -> Spans:

@@ -101,7 +101,7 @@ def test_a_failed_flight_is_a_violation_and_the_lowest_value() -> None:
     assert told.bound == flown[told.order - 1 - failed]
     assert drawn.distribution is not None
     assert drawn.distribution.shares[0] == pytest.approx((failed + 1) / 1000)
-    assert f"({failed} of them because they failed)" in found.text
+    assert f"violate the criterion or failed ({failed} failed)" in found.text
 
 
 def test_a_quantile_among_failed_flights_has_no_bound() -> None:

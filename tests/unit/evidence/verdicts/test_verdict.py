@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from hypothesis import given as given_
+from hypothesis import settings
+from hypothesis import strategies as st
 
 from campaigns.codes import CheckCode
 from campaigns.results.finding import Repeated
@@ -58,7 +61,7 @@ def test_a_verdict_contains_nominal_worst_case_provenance_and_statistics() -> No
     conclusion = concluded()
     assert conclusion.nominal == NominalCost(cost=NOMINAL, margin=NOMINAL - 0.5)
     assert conclusion.worst == Worst(
-        cost=WORST, margin=WORST - 0.5, parameters={"vehicle.m": 6.0}, method="direct", finding="F1"
+        cost=WORST, margin=WORST - 0.5, evaluated=WORST, parameters={"vehicle.m": 6.0}, method="direct", finding="F1"
     )
     assert conclusion.provenance == Provenance(clearance="test", digest=campaign().digest, seed=1)
     assert (conclusion.quantity, conclusion.unit) == ("d_min", "m")
@@ -86,6 +89,44 @@ def test_a_violation_that_does_not_repeat_is_reported_as_such() -> None:
     assert "apart" not in concluded(**violation(finding=changed(found, validation=agreeing))).reason
 
 
+COST = st.floats(-0.5, 0.7)
+
+
+@settings(max_examples=60, deadline=None)
+@given_(st.lists(st.tuples(COST, COST, COST, st.booleans()), min_size=1, max_size=4))
+def test_what_is_stated_of_a_violation_is_granted_by_every_integration(
+    cases: list[tuple[float, float, float, bool]],
+) -> None:
+    found = []
+    for i, (cost, half, other, apart) in enumerate(sorted(cases), 1):
+        values = (cost, half, other) if apart else (cost, cost, cost)
+        violates, clear = all(v <= 0.5 for v in values), all(v > 0.5 for v in values)
+        one = finding(cost, label=f"F{i}")
+        assert one.validation is not None
+        assert one.validation.half_step is not None
+        assert one.validation.integrator is not None
+        found.append(changed(one, validation=changed(
+            one.validation, violates=violates, agrees=not apart and (violates or clear), ok=violates or not apart,
+            half_step=changed(one.validation.half_step, cost=values[1]),
+            integrator=changed(one.validation.integrator, cost=values[2]),
+        )))  # fmt: skip
+    conclusion = concluded(**violation(finding=found[0], others=found[1:]))
+    confirmed = [max(v) if apart else v[0] for *v, apart in cases if (max(v) if apart else v[0]) <= 0.5]
+    assert (conclusion.verdict == "violated") == bool(confirmed)
+    if confirmed:
+        assert conclusion.worst is not None
+        assert conclusion.worst.cost == conclusion.values["worst"] == min(confirmed)
+        assert conclusion.worst.margin == conclusion.values["margin"] <= 0
+
+
+@pytest.mark.parametrize(("again", "verdict"), [(0, "inconclusive"), (1, "violated"), (76, "violated")])
+def test_a_violation_that_no_stored_violation_repeats_is_inconclusive(again: int, verdict: str) -> None:
+    counts = changed(validation().violations, stored=76, checked=76, confirmed=again)
+    conclusion = concluded(**violation(violating=76, validation=validation(violations=counts)))
+    assert conclusion.verdict == verdict
+    assert conclusion.worst is not None
+
+
 def test_a_finding_on_the_threshold_violates() -> None:
     assert concluded(**violation(finding=finding(0.5))).verdict == "violated"
 
@@ -104,7 +145,7 @@ def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
     given = violation(finding=finding(0.49, False), others=[milder], validation=validation(ok=False, text=text))
     conclusion = concluded(**given)
     assert conclusion.verdict == "violated"
-    assert "Validation did not confirm it, but confirmed F2, which has 0.495 m; both were found" in conclusion.reason
+    assert "It is F2; F1, evaluated as 0.49 m, was not confirmed; both were found" in conclusion.reason
     harmless = finding(0.6, label="F2")
     assert concluded(**given | {"others": [harmless]}).verdict == "inconclusive"
 

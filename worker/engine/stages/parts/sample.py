@@ -118,7 +118,7 @@ class Sample:
             deviation=float(costs.std(ddof=1)) if len(costs) > 1 else None,
             histogram=Histogram(edges=edges.tolist(), counts=counts.tolist()),
             statement=say(
-                *(self._seen(), " violate the criterion", self.failures(), ": P(violation) is at most "),
+                *(self._seen(), self.violate(), ": P(violation) is at most "),
                 *(percent(upper, name="upper_bound"), " with ", percent(self.confidence, 6, "confidence")),
                 *(" confidence", self._beyond(), self._conditions()),
             ),
@@ -128,8 +128,8 @@ class Sample:
         """The statement without a bound, and the reason for that."""
         estimate = say(" (an estimate of ", percent(self.violations / self.size), ")") if self.size else ()
         statement = say(
-            *(count(self.violations, "violations"), " of ", count(self.size, "samples"), f" {points} violate the "),
-            *("criterion", self.failures(), estimate, f": {why}", self._conditions()),
+            *(count(self.violations, "violations"), " of ", count(self.size, "samples"), f" {points}"),
+            *(self.violate(), estimate, f": {why}", self._conditions()),
         )
         return self.statement().model_copy(update={"upper_bound": None, "statement": statement})
 
@@ -193,9 +193,11 @@ class Sample:
             ") start at or below it and were excluded",
         )
 
-    def failures(self) -> Spans:
-        """A clause on failed evaluations, if there are any."""
-        return say(" (", count(self.failed, "draws_failed"), " of them because they failed)") if self.failed else ()
+    def violate(self) -> Spans:
+        """The verb of the violations, which says how many of them failed, if any."""
+        if not self.failed:
+            return say(" violate the criterion")
+        return say(" violate the criterion or failed (", count(self.failed, "draws_failed"), " failed)")
 
     def _beyond(self) -> Spans:
         if not self.outside:

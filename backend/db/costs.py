@@ -60,7 +60,7 @@ def _first(
 
 def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurement]:
     """The measurements by runs of the simulator with this declaration, the newest first."""
-    nominal = sa.and_(Stage.run_id == Run.id, Stage.kind == "nominal", Stage.state == StageState.DONE)
+    nominal = sa.and_(Stage.run_id == Run.id, Stage.position == 0, Stage.state == StageState.DONE)
     asked = (
         sa.select(Run.id, Run.started, Run.flown, Stage.result)
         .join(Stage, nominal)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, computed_field, model_validator
 
@@ -53,26 +53,6 @@ class Result(Documented):
     """Part of what a run found. Unknown fields are ignored: a later version may have stored more."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", json_schema_serialization_defaults_required=True)
-
-
-class StageResult(Result):
-    """What all results of stages have in common; which types there are is in `campaigns.stages.found`."""
-
-    followed: ClassVar[bool] = False
-    """Whether validation descends from each of its evaluations, not from the lowest ones only."""
-
-    stage: str
-    """The kind of the stage."""
-
-    @property
-    def drawn(self) -> int:
-        """How many of its first evaluations drew their own noise."""
-        return 0
-
-    @property
-    def seeds(self) -> list[int] | None:
-        """The noise seeds of these evaluations, in their order; None if they follow from the campaign's seed."""
-        return None
 
 
 class Described(Result):

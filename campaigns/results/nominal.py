@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from campaigns.results.base import Described, StageResult, Status, Untraced, Values
+from campaigns.results.base import Described, Status, Untraced, Values
+from campaigns.results.stage import StageResult
 
 
 def _absent(given: object) -> bool:

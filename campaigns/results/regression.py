@@ -1,6 +1,6 @@
 """The comparison of a run with its baseline: every finding of either, and what follows from the campaign's policy.
 
-What a finding of the baseline costs on this model is measured (`campaigns.results.baseline`); whether a finding of this
+What a finding of the baseline costs on this model is measured (`campaigns.results.stage`); whether a finding of this
 run is the same is decided by basin, not by label. Margins are to the threshold of this run.
 """
 

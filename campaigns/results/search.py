@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Described, MethodKind, Result, StageResult, Stop, Values, Worse
+from campaigns.results.base import Described, MethodKind, Result, Stop, Values, Worse
 from campaigns.results.sample import Sample
+from campaigns.results.stage import StageResult
 
 
 class Best(Result):
@@ -93,3 +94,7 @@ class SearchResult(StageResult):
     """The Pareto front, thinned; null with one criterion."""
     front_size: int | None = None
     """How many evaluations the front has."""
+
+    @property
+    def ended(self) -> Stop | None:
+        return self.stop

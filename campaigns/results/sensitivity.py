@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Described, Result, StageResult, Status, Values
+from campaigns.results.base import Described, Result, Status, Values
+from campaigns.results.stage import StageResult
 
 
 class Curve(Result):

@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from campaigns.results.base import Described, MethodKind, Result, StageResult, Status, Stop, Untraced, Values
+from campaigns.results.base import Described, MethodKind, Result, Status, Stop, Untraced, Values
 from campaigns.results.finding import ClosestApproach, Validation
+from campaigns.results.stage import StageResult
 
 
 class Gathered(Described):

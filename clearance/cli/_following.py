@@ -186,7 +186,10 @@ def _line(found: Run, figures: bool) -> str:
     if not figures:
         return f"{found.id} {name}"
     best = "" if stage.best is None else f", best {stage.best:.6g} {found.unit}"
-    planned = "about" if stage.kind == "validate" else "at most"
+    from campaigns.stages.found import declared
+
+    known = declared().get(stage.kind)  # a service of another version may have further ones
+    planned = "about" if known is not None and known.of_findings else "at most"
     return f"{found.id} {name}, {stage.evaluations:,} of {planned} {stage.planned:,} evaluations{best}"
 
 

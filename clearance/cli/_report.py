@@ -15,7 +15,7 @@ from campaigns import Campaign
 from campaigns.claims.numbers import count, number, signed
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
-from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
+from campaigns.results import NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
@@ -106,8 +106,8 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
 
 
 def _ended(result: StageResult | None) -> str:
-    if isinstance(result, SearchResult | CertifyResult) and result.stop is not None:
-        return result.stop.text
+    if result is not None and result.ended is not None:
+        return result.ended.text
     if isinstance(result, NominalResult):
         return "" if result.measured is None else result.measured.text
     return result.text if isinstance(result, ValidateResult) else ""

@@ -101,6 +101,7 @@ def _by_service(file: Path, service: str, token_file: str, patience: float) -> N
 
 
 def _print_usable(campaign: Campaign, where: str) -> None:
+    from campaigns.stages.found import declared
     from campaigns.stages.plan import plan
 
     stages = plan(campaign)
@@ -108,5 +109,5 @@ def _print_usable(campaign: Campaign, where: str) -> None:
     typer.echo(f"{len(campaign.uncertain)} uncertain parameters, about {sum(s.planned for s in stages)} evaluations:")
     for stage in stages:
         # How many validation takes depends on the worst cases found: the plan has an estimate.
-        number = f"about {stage.planned}" if stage.kind == "validate" else f"{stage.planned}"
+        number = f"about {stage.planned}" if declared()[stage.kind].of_findings else f"{stage.planned}"
         typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {number}")

@@ -11,6 +11,7 @@ import sqlalchemy as sa
 from backend.db import queue
 from backend.db.engine import connect, migrate, now, read, write
 from backend.db.store import PATIENCE, RunStore
+from campaigns.stages.found import declared
 from clearance.function.result import Held
 from clearance.local.results import write_evidence, write_results
 from clearance.local.summary import summary
@@ -67,7 +68,7 @@ def _page(engine: sa.Engine, held: Held) -> str:
         if columns is not None:
             stored.append(position, 0, columns)
         assert record.result is not None
-        findings = store.findings if record.plan.kind == "validate" else ()
+        findings = store.findings if declared()[record.plan.kind].of_findings else ()
         stored.finish(position, record.result, record.seconds, findings)
     stored.conclude(store.verdict)
     with read(engine) as reader:

@@ -163,20 +163,23 @@ def spot_checks(**changes: Any) -> SpotChecks:
 
 def evidence(basins: dict[str, str | None] | None = None, **changes: Any) -> Evidence:
     """Evidence for cleared, with changes; basins: the finding whose basin contains a method's best, if not F1."""
-    given = Evidence(
-        nominal=nominal(),
-        searches=[search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())],
-        validation=validation(),
+    first = [changes.pop("nominal", None) or nominal(), changes.pop("baseline", None)]
+    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())]
+    searches = changes.pop("searches", searches)
+    rows = [_row(at, s, (basins or {}).get(s.method, "F1")) for at, s in enumerate(searches, 2)]
+    validated = changed(changes.pop("validation", None) or validation(), comparison=rows)
+    results = [*first, *searches, changes.pop("certificate", None), validated]
+    made = Evidence(
+        results=[result for result in results if result is not None],
         finding=finding(),
         evaluations=3343,
         failed=0,
         excluded=0,
     )
-    made = replace(given, **changes)
+    made = replace(made, **changes)
     if made.finding is not None and "lowest" not in changes:
         made = replace(made, lowest=min(f.cost for f in made.findings))
-    rows = [_row(at, s, (basins or {}).get(s.method, "F1")) for at, s in enumerate(made.searches, 2)]
-    return replace(made, validation=changed(made.validation, comparison=rows))
+    return made
 
 
 def _row(position: int, search: SearchResult, basin: str | None) -> Compared:

@@ -14,7 +14,8 @@ from campaigns.claims.numbers import number
 from campaigns.claims.say import Part, count, joined, say
 from campaigns.claims.spans import Spans
 from campaigns.results.base import OK, STATUS
-from campaigns.results.baseline import BaselineResult, Reevaluated
+from campaigns.results.stage import Reevaluated
+from campaigns.stages.baseline import BaselineResult
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import Asking, Context, Seeded, drive
 from worker.engine.stages.parts.outcome import Outcome, Stage

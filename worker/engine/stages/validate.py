@@ -15,9 +15,9 @@ import numpy as np
 from campaigns.claims.say import say
 from campaigns.results import Finding, SensitivityResult, ValidateResult
 from campaigns.results.base import OK
-from campaigns.results.baseline import BaselineResult, Reevaluated
 from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.sensitivity import Curve
+from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import Gathered
 from worker.engine.stages.parts import boundary, findings, incumbents, noise, offered, seeds
 from worker.engine.stages.parts.base import Context, Driven, all_columns, drive
@@ -73,9 +73,9 @@ def _since(
     context: Context, named: Sequence[Finding], found: findings.Found, labels: Sequence[str]
 ) -> list[str | None]:
     """The finding whose basin contains each case of the baseline; labels: those of the basins."""
-    results = [result for result in context.results.values() if isinstance(result, BaselineResult)]
     distance = context.campaign.stages.findings.distance
-    return [_matching(case, named, found, labels, distance) for result in results for case in result.cases]
+    cases = [case for result in context.results.values() for case in result.reevaluated]
+    return [_matching(case, named, found, labels, distance) for case in cases]
 
 
 def _matching(

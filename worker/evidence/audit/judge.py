@@ -23,7 +23,7 @@ from campaigns.results.verdict import SCOPE
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING, Record, UnreadableError
-from worker.evidence.audit.regression import evaluated, regression
+from worker.evidence.audit.regression import evaluated, position, regression
 
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
@@ -133,9 +133,8 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
         rows[-1]["findings"] = [label for label in given["findings"] if label in known]
     checks = _checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
-    for k, planned in enumerate(run.plan):
-        if planned.kind == "baseline":
-            results[k] = evaluated(run, k)
+    if run.campaign.baseline is not None:
+        results[position(run)] = evaluated(run)
     if run.calls.measures:
         results[0] = {"measured": run.calls.measured}
     if run.calls.noisy:

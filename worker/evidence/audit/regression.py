@@ -13,11 +13,16 @@ from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 
 
-def evaluated(run: Run, position: int) -> Tree:
-    """The result of the baseline stage, from its evaluations."""
-    _, costs, status = run.rows(position)
+def position(run: Run) -> int:
+    """Where the plan has the stage that evaluates the findings of the baseline."""
+    return [planned.kind for planned in run.plan].index("baseline")
+
+
+def evaluated(run: Run) -> Tree:
+    """The result of that stage, from its evaluations."""
+    _, costs, status = run.rows(position(run))
     cases = []
-    for given in run.claims["results"][position]["cases"]:
+    for given in run.claims["results"][position(run)]["cases"]:
         k = given["index"]
         known = k is not None and status[k] == OK
         cases.append({"label": given["label"], "cost": float(costs[k]) if known else math.nan})
@@ -38,15 +43,11 @@ def regression(run: Run) -> Tree:
     left_out |= {case.label for case in baseline.cases} - {given["before"] for given in stated["cases"]}
     return {
         "run": baseline.run,
-        "position": _position(run),
+        "position": position(run),
         "cases": [*rows, *({"before": label} for label in sorted(left_out))],  # another count
         "ok": not any(failing),
         "accepted": "violation" not in policy.fail_on and known,
     }
-
-
-def _position(run: Run) -> int:
-    return [planned.kind for planned in run.plan].index("baseline")
 
 
 def _case(run: Run, given: Tree) -> Tree:
@@ -60,7 +61,7 @@ def _case(run: Run, given: Tree) -> Tree:
     beside = {row["before"] for row in run.claims["regression"]["cases"] if row["now"] == given["now"]}
     if any(other.cost < case.cost for other in baseline.cases if other.label in beside):
         found = None  # another finding of the baseline represents this basin
-    _, costs, status = run.rows(_position(run))
+    _, costs, status = run.rows(position(run))
     before, k = case.cost - run.threshold, given["evaluation"]
     if k is None or status[k] != OK:
         return _row("not compared", before, math.nan, math.nan, math.nan, False)

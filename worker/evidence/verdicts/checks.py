@@ -50,8 +50,9 @@ def _ended(problem: Problem, evidence: Evidence) -> Check:
         return Check(code=CheckCode.SEARCH, ok=False, statement=statement)
     stopped = [(s, s.stop) for s in evidence.searches if s.stop is not None]
     ways = joined(", ", [say(method(s.method, s.title), " ", unnamed(stop.statement)) for s, stop in stopped])
-    ended = "every search ended: " if evidence.complete else "not every search ended: "
-    return Check(code=CheckCode.SEARCH, ok=evidence.complete, statement=say(ended, ways))
+    every = len(stopped) == len(evidence.searches)
+    ended = "every search ended: " if every else "not every search ended: "
+    return Check(code=CheckCode.SEARCH, ok=every, statement=say(ended, ways))
 
 
 def _no_violation(problem: Problem, evidence: Evidence) -> Check:

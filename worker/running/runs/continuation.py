@@ -18,6 +18,7 @@ from campaigns.asked.spec import MAX_EVALUATIONS, Search
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
+from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions, differences, differing, other_code
 from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
@@ -99,7 +100,7 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
         (p.kind, p.method) for p in plan(old)
     ] != stages:
         raise CannotContinue("its stages were planned by another version of Clearance; run the campaign again")
-    found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if kind != "validate"}
+    found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if not declared()[kind].of_findings}
     return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
 
 

@@ -19,6 +19,7 @@ from campaigns.results import Finding
 from campaigns.results.base import OK
 from campaigns.results.draws import of_draws
 from campaigns.results.nominal import Measured
+from campaigns.stages.found import declared
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.store import Columns, StagePlan
@@ -148,7 +149,7 @@ def _case(recorded: Recorded, problem: Problem, name: str) -> Case:
     vector = problem.vectors(columns.points[index : index + 1])[0]
     status, costs = int(columns.status[index]), np.array(columns.costs[index], dtype=np.float64)
     name = f"evaluation {index} of {plan.method or plan.kind}"
-    return Case(name, vector, costs, status, seed, plan.kind == "certify")
+    return Case(name, vector, costs, status, seed, declared()[plan.kind].independent)
 
 
 def _position(recorded: Recorded, stage: str) -> int:

@@ -18,7 +18,7 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results import NominalResult
 from campaigns.results.base import EXCLUDED
-from campaigns.results.baseline import BaselineResult
+from campaigns.stages.baseline import BaselineResult
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from clearance.testing.problems import Problem
 from clearance.testing.searching import Function, batch

@@ -151,7 +151,8 @@ def test_a_search_without_any_flight() -> None:
 
 
 def test_a_search_that_did_not_end() -> None:
-    assert barred("search", complete=False).startswith("not every search ended: DIRECT used its budget")
+    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, stop=None, sample=sample())]
+    assert barred("search", searches=searches).startswith("not every search ended: DIRECT used its budget")
 
 
 def test_failed_evaluations_bar_cleared() -> None:

@@ -11,9 +11,9 @@ from backend.db import measurements, workers
 from backend.db.tables import Run, Stage
 from campaigns.asked.proposal import Cost
 from campaigns.catalogue import SimulatorEntry
-from campaigns.results import NominalResult
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.runs import StageState, run_name
+from campaigns.stages.found import stage_result
 from campaigns.versions import Versions
 
 RECENT_RUNS = 50
@@ -69,7 +69,7 @@ def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurem
         .limit(RECENT_RUNS)
     )
     for run_id, started, flown, result in reader.execute(asked):
-        measured = NominalResult.model_validate(result).measured
+        measured = stage_result(result).repeatability
         cost = None if measured is None else _cost(measured, run_name(run_id), started)
         if cost is not None:
             yield _Measurement(started or 0.0, Versions.of(flown).simulator, cost)

@@ -9,7 +9,7 @@ from backend.reports.held import Held
 from campaigns.claims import numbers
 from campaigns.results import CertifyResult, SearchResult, SensitivityResult
 from campaigns.results.sample import Sample
-from campaigns.results.sensitivity import Curve
+from campaigns.results.slices import Curve
 
 MOST_CURVES = 12
 

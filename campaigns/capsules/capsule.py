@@ -20,7 +20,7 @@ from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.results import Finding, TraceHead
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.results.trace import TraceColumn
 from campaigns.versions import Versions
 

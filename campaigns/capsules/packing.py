@@ -27,7 +27,7 @@ from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import digest_of as described_digest
 from campaigns.results import Finding
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.version import VERSION
 from campaigns.versions import Versions
 

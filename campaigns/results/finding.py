@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from campaigns.results.base import Described, Result, Values
-from campaigns.results.sensitivity import Slices
+from campaigns.results.slices import Slices
 from campaigns.results.trace import Closest
 
 

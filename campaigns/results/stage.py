@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 from campaigns.results.base import Result, Status, Stop, Values
+from campaigns.results.measured import Measured
+from campaigns.results.slices import Curve
 
 
 class Reevaluated(Result):
@@ -56,6 +58,16 @@ class StageResult(Result):
         """The findings of the baseline as it evaluated them, in the order of the campaign: validation looks for them
         among the findings of this run, and the verdict has the changes."""
         return ()
+
+    @property
+    def slices(self) -> Sequence[Curve]:
+        """Its slices through the nominal point, which show the influence of each parameter."""
+        return ()
+
+    @property
+    def repeatability(self) -> Measured | None:
+        """Whether the results of the simulator repeat, if it measured that."""
+        return None
 
     @property
     def ended(self) -> Stop | None:

@@ -18,7 +18,7 @@ from clearance.cli._where import DATA, Database, opened
 if TYPE_CHECKING:
     from campaigns import Campaign
     from campaigns.catalogue import SimulatorEntry
-    from campaigns.results.nominal import Measured
+    from campaigns.results.measured import Measured
     from worker.engine.stages.parts.store import Columns
 
 MOST_UNCERTAIN = 64

@@ -10,7 +10,7 @@ import pytest
 from campaigns.asked.load import load_document
 from campaigns.results import NominalResult, ValidateResult, Verdict
 from campaigns.results.base import FAILED, FLAKY, OK, TIMEOUT
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
 from tests.simulators.noisy import REPEATS, campaign, ran
 from worker.running.runs.runner import CampaignUnusable, Cancelled, execute

@@ -85,8 +85,8 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
 /** The best value of each method of a run. */
 function bestsOf({ run }: Compared): Map<string, number> {
   const found = new Map<string, number>()
-  for (const { kind, method, best } of run.stages)
-    if (kind === 'search' && method && best !== null) found.set(method, Math.min(best, found.get(method) ?? Infinity))
+  for (const { method, best } of run.stages)
+    if (method && best !== null) found.set(method, Math.min(best, found.get(method) ?? Infinity))
   return found
 }
 

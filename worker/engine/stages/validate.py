@@ -13,10 +13,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from campaigns.claims.say import say
-from campaigns.results import Finding, SensitivityResult, ValidateResult
+from campaigns.results import Finding, ValidateResult
 from campaigns.results.base import OK
 from campaigns.results.finding import ClosestApproach, FoundBy, Validation
-from campaigns.results.sensitivity import Curve
+from campaigns.results.slices import Curve
 from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import Gathered
 from worker.engine.stages.parts import boundary, findings, incumbents, noise, offered, seeds
@@ -216,8 +216,7 @@ def _stored(context: Context, at: offered.Stored, case: Validation) -> Finding:
 def _curves(context: Context, named: Sequence[Finding]) -> Iterator[Curve]:
     """All slices: through the nominal point, if sensitivity was requested, and through the findings."""
     for result in context.results.values():
-        if isinstance(result, SensitivityResult):
-            yield from result.curves
+        yield from result.slices
     for finding in named:
         if finding.slices is not None:
             yield from finding.slices.curves

@@ -16,7 +16,7 @@ from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding
 from campaigns.results.finding import Validation
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence

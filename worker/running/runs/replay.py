@@ -18,7 +18,7 @@ from campaigns.claims.numbers import count
 from campaigns.results import Finding
 from campaigns.results.base import OK
 from campaigns.results.draws import of_draws
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.stages.found import declared
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from campaigns import Campaign
-from campaigns.results import ValidateResult, Verdict
+from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
 from worker.engine.problem.evaluate import InProcess
@@ -71,9 +71,7 @@ def _carry_out(context: Context, position: int, record: StageRecord) -> None:
     context.store.begin(position)
     began = time.perf_counter()
     outcome = stages()[record.plan.kind].run(context, position)
-    result = outcome.result
-    if isinstance(result, ValidateResult):
-        result = worded(context.problem, result, outcome.findings)
+    result = worded(context.problem, outcome.result, outcome.findings)
     context.results[position] = result
     seconds = record.seconds + time.perf_counter() - began
     context.store.finish(position, result, seconds, outcome.findings, outcome.traces)

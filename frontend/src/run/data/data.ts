@@ -190,7 +190,7 @@ export function searchesOf({
   catalogue,
 }: Pick<RunData, 'run' | 'stages' | 'evaluations' | 'catalogue'>): SearchStage[] {
   return run.stages
-    .filter((stage) => stage.kind === 'search')
+    .filter((stage) => stage.method !== null)
     .map((stage) => {
       const detail = stages.find((s) => s.position === stage.position)
       const result = resultOf(detail, 'search')
@@ -245,7 +245,7 @@ export interface Best {
 export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'>): Best | null {
   let best: Best | null = null
   for (const series of evaluations?.stages ?? []) {
-    if (series.kind !== 'search') continue
+    if (series.method === null) continue
     series.cost.forEach((cost, i) => {
       if (cost === null || (best && cost >= best.cost)) return
       const parameters = Object.fromEntries(Object.entries(series.parameters).map(([path, v]) => [path, v[i] ?? 0]))
@@ -265,7 +265,7 @@ export const valuesOf = (trace: TraceInfo | undefined): Record<string, number | 
 export function leaderOf(run: RunDetail): StageProgress | null {
   let leader: StageProgress | null = null
   for (const stage of run.stages)
-    if (stage.kind === 'search' && stage.best !== null && (leader?.best == null || stage.best < leader.best))
+    if (stage.method !== null && stage.best !== null && (leader?.best == null || stage.best < leader.best))
       leader = stage
   return leader
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from worker.engine.stages.parts.noise import call_seconds, start_seconds
 from worker.engine.stages.parts.store import Columns
 

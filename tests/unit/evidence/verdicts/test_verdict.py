@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from campaigns.results.finding import Repeated
-from campaigns.results.sensitivity import Curve
+from campaigns.results.slices import Curve
 from campaigns.results.validate import Spread
 from campaigns.results.verdict import NominalCost, Provenance, Worst
 from tests.given.case_campaigns import campaign

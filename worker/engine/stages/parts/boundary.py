@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from campaigns.claims.say import count, number, percent, say
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.finding import Boundary, Ray
-from campaigns.results.sensitivity import Slices
+from campaigns.results.slices import Slices
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
 from worker.engine.stages.parts import slices

@@ -6,9 +6,8 @@ import numpy as np
 
 from campaigns.claims.say import count, number, say
 from campaigns.claims.spans import Spans
-from campaigns.results import NominalResult
 from campaigns.results.base import EXCLUDED, FLAKY, OK
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.stages.nominal import POINTS, TIMES
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import Asking, Context, Through
@@ -27,7 +26,7 @@ def noisy(context: Context) -> bool:
     if simulator is None:
         return False
     nominal = context.results.get(0)
-    measured = nominal.measured if isinstance(nominal, NominalResult) else None
+    measured = None if nominal is None else nominal.repeatability
     repeats = context.problem.system.repeatable and (measured is None or measured.repeats)
     return simulator.calls > 1 or not repeats
 

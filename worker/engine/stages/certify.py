@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from campaigns.asked.stages import Certify
-from campaigns.claims.say import count, number, say, symbol
+from campaigns.claims.stages import ends
+from campaigns.claims.stages import sample as sentences
 from campaigns.limits import DRAWS
 from campaigns.results import CertifyResult
 from campaigns.results.base import EXCLUDED
@@ -58,8 +59,7 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
     quantile = sample.quantile(asked.quantile, problem.quantity, problem.unit)
     drawing = sample.statement()
-    short = say("; only ", count(sample.size), " of ", count(asked.samples), " samples were not excluded")
-    statement = say(drawing.statement, "; ", quantile.statement, short if sample.size < asked.samples else ())
+    statement = sentences.certified(drawing.statement, quantile.statement, sample.size, asked.samples)
     tally = driven.tally
     result = CertifyResult(
         sample=drawing.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
@@ -90,13 +90,12 @@ def _search(
         drawn.draws += draws
         drawn.evaluated += int(np.count_nonzero(batch.status != EXCLUDED))
     if asked.grid is None:
-        return Ended("drawn", "drew {flights} samples", flights=drawn.evaluated)
+        return Ended("drawn", ends.SAMPLE, flights=drawn.evaluated)
     points = asked.grid.points
     total = points**problem.dimension
     for first in range(0, total, BLOCK):
         yield _of_grid(np.arange(first, min(first + BLOCK, total)), points, problem.dimension)
-    ended = "drew {flights} samples and evaluated a grid of {grid}"
-    return Ended("drawn", ended, flights=drawn.evaluated, grid=total)
+    return Ended("drawn", ends.GRID, flights=drawn.evaluated, grid=total)
 
 
 def _of_grid(index: Any, points: int, dimension: int) -> Floats:
@@ -115,14 +114,12 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
     problem = context.problem
     rows = _rows(columns, first, len(columns.status))
     sample = Sample.of(rows, problem, context.campaign.confidence)
-    lowest = None
+    lowest = stated = None
     if len(sample.costs):
         row = int(np.nanargmin(rows.costs[:, 0]))
         cost = float(rows.costs[row, 0])
         lowest = GridPoint(cost=cost, margin=cost - problem.threshold, parameters=problem.named(rows.points[row]))
-    found = say("none of them could be evaluated")
-    if lowest is not None:
-        found = say("lowest ", symbol(problem.quantity), " ", number(lowest.cost, problem.unit))
+        stated = (problem.quantity, cost, problem.unit)
     return GridResult(
         points=points,
         total=len(rows.status),
@@ -131,11 +128,7 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
         violations=sample.violations,
         failed=sample.failed,
         excluded=sample.excluded,
-        statement=say(
-            *("full grid of ", count(points), " points on every axis, ", count(len(rows.status)), " in all: ", found),
-            *(", ", count(sample.violations), " violate the criterion", sample.failures()),
-            "; nothing is claimed between these points",
-        ),
+        statement=sentences.grid(points, len(rows.status), stated, sample.violations, sample.failed),
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Generator
 
 from campaigns.asked.stages import Sensitivity
+from campaigns.claims.stages import ends
 from campaigns.results import SensitivityResult
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages.parts import indices
@@ -38,7 +39,7 @@ def _search(context: Context, asked: Sensitivity, found: list[SensitivityResult]
         random = stream(seed, indices.SOBOL_STREAM)
         sobol = yield from indices.sobol(problem, asked.sobol, random, confidence)
     found.append(SensitivityResult(points=asked.points, curves=through, morris=morris, sobol=sobol))
-    return "evaluated every curve"
+    return ends.CURVES
 
 
 stage = Stage("sensitivity", run)

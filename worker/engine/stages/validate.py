@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from campaigns.claims.say import say
+from campaigns.claims.stages import ends
 from campaigns.results import Finding, ValidateResult
 from campaigns.results.base import OK
 from campaigns.results.finding import ClosestApproach, FoundBy, Validation
@@ -134,7 +134,6 @@ def _budget(context: Context) -> int:
 def _gathered(context: Context, driven: Driven, found: findings.Found, unfinished: bool) -> Gathered:
     asked = context.campaign.stages.findings
     complete = driven.stop == "rule" and not unfinished
-    beyond = "" if complete else ": some findings may be duplicates, or not fully polished"
     return Gathered(
         distance=asked.distance,
         barrier=asked.barrier,
@@ -143,7 +142,7 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
         left_out=found.left_out,
         rounds=found.rounds,
         complete=complete,
-        statement=say(driven.how.statement, beyond),
+        statement=ends.gathered(driven.how.statement, complete),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from campaigns.claims.stages import ends
 from worker.engine.search.base import Ended, Parallel, Search
 from worker.engine.stages.parts.context import (
     Asking,
@@ -54,9 +55,7 @@ def drive(
                 raise Cancelled
             batch, spent = driver.answer(points)
             if spent:
-                return driver.end(
-                    stop("budget", Ended("budget", "used its budget of {budget} evaluations", budget=budget))
-                )
+                return driver.end(stop("budget", Ended("budget", ends.BUDGET, budget=budget)))
             points = search.send(batch)
     except StopIteration as stopped:
         return driver.end(stop("rule", stopped.value))

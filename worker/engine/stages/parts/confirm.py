@@ -13,13 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.claims.stages import calls as sentences
 from campaigns.limits import ROUNDING, TOLERANCE_OF_MARGIN
 from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validation
 from worker.engine.stages.parts import noise, repeated
 from worker.engine.stages.parts.base import Cancelled, Context
 from worker.engine.systems.base import Comparison, Confirmed, Floats
-
-LOST = "the evaluation failed"
 
 
 @dataclass(frozen=True)
@@ -103,7 +102,7 @@ def _against(stored: float | None, found: Confirmed, threshold: float) -> Confir
 
     again = [c for c in found.comparisons if c.kind == "again"]
     rest = tuple(c for c in found.comparisons if c.kind != "again")
-    used = Comparison("again", "an evaluation in a used process", found.cost, "" if found.cost is not None else LOST)
+    used = Comparison("again", sentences.USED_PROCESS, found.cost, "" if found.cost is not None else sentences.FAILED)
     # With equal evidence the fresh one, which is the stronger.
     return Confirmed(stored, (max([*again, used], key=contrary), *rest), found.step)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from campaigns.claims.say import count, number, say
-from campaigns.claims.spans import Spans
+from campaigns.claims.stages import calls as sentences
+from campaigns.claims.stages import ends
 from campaigns.results.base import EXCLUDED, FLAKY, OK
 from campaigns.results.measured import Measured
 from campaigns.stages.nominal import POINTS, TIMES
@@ -51,7 +51,7 @@ def measuring(problem: Problem, chosen: Floats) -> Asking[str]:
     finally:
         if fresh is not problem.system:
             fresh.close()
-    return "evaluated the nominal case, and whether results repeat"
+    return ends.MEASURED
 
 
 def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
@@ -90,7 +90,7 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
         slots=None if call is None else slots,
         start_seconds=start_seconds(columns, chosen, slots, calls) if system.slots else None,
         recycle=system.recycle or None,
-        statement=_statement(chosen, status.size, failed, identical, declared, spread, problem.unit),
+        statement=sentences.measured(chosen, status.size, failed, identical, declared, spread, problem.unit),
     )
 
 
@@ -116,21 +116,6 @@ def start_seconds(columns: Columns, chosen: int, slots: int, calls: int) -> floa
         return None
     took = float(ended[-chosen:].max() - ended[:-chosen].max())
     return max(took / -(-chosen * calls // slots) - call, 0.0)
-
-
-def _statement(
-    chosen: int, evaluations: int, failed: int, identical: bool, declared: bool, spread: float | None, unit: str
-) -> Spans:
-    of = say(count(chosen, "points"), " points, ", count(evaluations, "evaluations"), " evaluations")
-    lost = say("; ", count(failed, "failed"), " of them failed") if failed else ()
-    if identical:
-        but = () if declared else "; the simulator declares that its results do not repeat"
-        return say("repeats bit by bit: ", of, lost, but)
-    if not spread:
-        return say("does not repeat: of evaluations of the same point some fail and some do not: ", of, lost)
-    return say(
-        "differs by up to ", number(spread, unit, "spread"), " between evaluations of the same point: ", of, lost
-    )
 
 
 def reasons(columns: Columns) -> list[str]:

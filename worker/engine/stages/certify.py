@@ -27,6 +27,7 @@ from worker.engine.stages.parts import noise
 from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, drive
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.sample import DRAWN, Noise, Sample
+from worker.engine.stages.parts.seeds import some
 from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import System, slotted
@@ -56,7 +57,7 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     assert driven.columns is not None
     own = problem.realisations.random
     kind = DRAWN if own else Noise.of_calls(context, single=True)
-    sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
+    sample = Sample.of(some(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
     quantile = sample.quantile(asked.quantile, problem.quantity, problem.unit)
     drawing = sample.statement()
     statement = sentences.certified(drawing.statement, quantile.statement, sample.size, asked.samples)
@@ -104,15 +105,10 @@ def _of_grid(index: Any, points: int, dimension: int) -> Floats:
     return np.asarray(indices / (points - 1))
 
 
-def _rows(columns: Columns, first: int, last: int) -> Columns:
-    rows = slice(first, last)
-    return Columns(columns.points[rows], columns.costs[rows], columns.status[rows], columns.seconds[rows], {})
-
-
 def _grid(context: Context, points: int, columns: Columns, first: int) -> GridResult:
     """The lowest point of the grid and its spacing; nothing is known between its points."""
     problem = context.problem
-    rows = _rows(columns, first, len(columns.status))
+    rows = some(columns, first)
     sample = Sample.of(rows, problem, context.campaign.confidence)
     lowest = stated = None
     if len(sample.costs):

@@ -27,6 +27,7 @@ from worker.engine.stages.parts.encounter import encounter
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.store import Trace
 from worker.engine.stages.parts.traced import traced
+from worker.engine.systems.base import Floats
 
 
 def run(context: Context, position: int) -> Outcome[ValidateResult]:
@@ -148,26 +149,31 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
 
 def _finding(context: Context, i: int, found: findings.Found, case: Validation) -> Finding:
     """The worst case in basin `i`, validated; it gets its label when all are sorted."""
-    problem, basin = context.problem, found.basins[i]
-    evidence, searched = found.of(basin), context.searched
+    basin, searched = found.basins[i], context.searched
+    evidence = found.of(basin)
     known = [
         FoundBy(position=at, method=searched[at].method, evaluations=needed)
         for at, columns in all_columns(context, list(searched))
         if (needed := findings.reached(context, columns, basin)) is not None
     ]
     slices, beyond = evidence.after or (None, None)
+    found_here = _described(context, basin.point, basin.cost, known, case)
+    validation = case.model_copy(update={"neighbours": evidence.neighbours})
+    return found_here.model_copy(update={"validation": validation, "slices": slices, "boundary": beyond})
+
+
+def _described(context: Context, point: Floats, cost: float, found: list[FoundBy], case: Validation) -> Finding:
+    problem = context.problem
     return Finding(
         label="",
-        cost=basin.cost,
-        margin=basin.cost - problem.threshold,
-        parameters=problem.named(basin.point),
-        point=[float(u) for u in basin.point],
-        methods=list(dict.fromkeys(k.method for k in known)),
-        found=known,
-        at_bounds=problem.at_bounds(basin.point),
-        validation=case.model_copy(update={"neighbours": evidence.neighbours}),
-        slices=slices,
-        boundary=beyond,
+        cost=cost,
+        margin=cost - problem.threshold,
+        parameters=problem.named(point),
+        point=[float(u) for u in point],
+        methods=list(dict.fromkeys(by.method for by in found)),
+        found=found,
+        at_bounds=problem.at_bounds(point),
+        validation=case,
     )
 
 
@@ -197,19 +203,9 @@ def _lowest_drawn(context: Context, positions: range) -> offered.Stored | None:
 
 def _stored(context: Context, at: offered.Stored, case: Validation) -> Finding:
     """A stored evaluation as a finding, exactly as it was evaluated."""
-    problem, search = context.problem, context.searched.get(at.position)
-    method = None if search is None else search.method
-    return Finding(
-        label="",
-        cost=at.cost,
-        margin=at.cost - problem.threshold,
-        parameters=problem.named(at.point),
-        point=[float(u) for u in at.point],
-        methods=[] if method is None else [method],
-        found=[] if method is None else [FoundBy(position=at.position, method=method, evaluations=at.index + 1)],
-        at_bounds=problem.at_bounds(at.point),
-        validation=case,
-    )
+    search = context.searched.get(at.position)
+    found = [] if search is None else [FoundBy(position=at.position, method=search.method, evaluations=at.index + 1)]
+    return _described(context, at.point, at.cost, found, case)
 
 
 def _curves(context: Context, named: Sequence[Finding]) -> Iterator[Curve]:

@@ -19,7 +19,7 @@ from campaigns.results.finding import Validation
 from campaigns.results.measured import Measured
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
-from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.evidence import Evidence, check
 
 
 def calls(problem: Problem, evidence: Evidence) -> list[Check]:
@@ -34,7 +34,7 @@ def calls(problem: Problem, evidence: Evidence) -> list[Check]:
         ok, statement = False, say("the simulator ", measured.statement, "; ", advice)
     else:
         ok, statement = _later(measured, problem, evidence)
-    return [*_retried(asked, evidence), Check(code=CheckCode.CALLS, ok=ok, statement=statement)]
+    return [*_retried(asked, evidence), check(CheckCode.CALLS, ok, statement)]
 
 
 def each(problem: Problem) -> str:
@@ -90,7 +90,7 @@ def _retried(asked: Simulator, evidence: Evidence) -> list[Check]:
             *(count(evidence.flaky, "flaky"), " of ", count(evidence.evaluations, "evaluations"), " evaluations "),
             "succeeded only when a call that had failed was tried again; find out why calls fail",
         )
-    return [Check(code=CheckCode.RETRIES, ok=not evidence.flaky, statement=statement)]
+    return [check(CheckCode.RETRIES, not evidence.flaky, statement)]
 
 
 def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Spans]:

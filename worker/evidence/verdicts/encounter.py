@@ -17,7 +17,7 @@ from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts.agreement import varies
-from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.evidence import Evidence, check
 
 INTENDED = ", which the author states is intended: "
 
@@ -42,7 +42,7 @@ def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
         reason = intended.get(code.replace(" ", "_"))
         if not ok and reason is not None:
             ok, statement = True, say(_without_advice(statement), INTENDED, reason)
-        found.append(Check(code=code, ok=ok, statement=statement))
+        found.append(check(code, ok, statement))
     return found
 
 

@@ -8,11 +8,14 @@ from functools import cached_property
 from typing import TypeVar
 
 from campaigns import rules
+from campaigns.claims.say import Part, say
+from campaigns.codes import CheckCode
 from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, StageResult, ValidateResult
 from campaigns.results.sample import Sample
 from campaigns.results.validate import Encounter, Gathered, SpotChecks, Violations
+from campaigns.results.verdict import Check
 
-Part = TypeVar("Part")
+P = TypeVar("P")
 R = TypeVar("R", bound=StageResult)
 
 
@@ -101,7 +104,12 @@ class Evidence:
         return [result for result in self.results if isinstance(result, kind)]
 
 
-def _stored(part: Part | None) -> Part:
+def check(code: CheckCode | str, ok: bool, *statement: Part) -> Check:
+    """One check with its sentence."""
+    return Check(code=code, ok=ok, statement=say(*statement))
+
+
+def _stored(part: P | None) -> P:
     """A part of the validate stage's result; only runs of earlier versions lack one, and these get no new verdict."""
     if part is None:
         raise ValueError("the validate stage was carried out by an earlier version: run the campaign again")

@@ -16,13 +16,14 @@ from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
-from worker.engine.search.base import Batch, Search, Space
+from worker.engine.search.base import Batch, Search
 from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.boundary import Around, after
 from worker.engine.stages.parts.store import Columns
+from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 
 EACH, ALL = 12, 60
@@ -122,7 +123,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
     yield from _drawn(context, position, found)
     if not found.candidates:
         return ends.NOTHING
-    random = _space(context).random
+    random = stream(context.campaign.seed, FINDINGS_STREAM)
     yield from _distinguished(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
     yield from _evidence(context, found, random)
     while found.rounds < ROUNDS and (lower := _lower(context, position, found)) is not None:
@@ -234,12 +235,6 @@ def _ranked(columns: Columns) -> Floats:
 def _rules(context: Context, worst: float) -> Rules:
     asked = context.campaign.stages.findings
     return Rules(asked.distance, asked.barrier * scale(context, worst), asked.at_most)
-
-
-def _space(context: Context) -> Space:
-    n = context.problem.dimension
-    random = np.random.default_rng(np.random.SeedSequence(context.campaign.seed, spawn_key=(FINDINGS_STREAM,)))
-    return Space(n, 0, random, np.empty((0, n)), context.problem.quantile, lambda minimum: None)
 
 
 def _keep_the_worst(context: Context, found: Found) -> None:

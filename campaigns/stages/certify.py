@@ -9,11 +9,11 @@ from campaigns.stages.declared import Declared
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
     # Excluded draws, which are repeated, are not included.
-    asked = campaign.stages.certify
-    if asked is None:
+    certify = campaign.stages.certify
+    if certify is None:
         return []
-    grid = 0 if asked.grid is None else asked.grid.points ** len(campaign.uncertain)
-    return [(None, asked.samples + grid)]
+    grid = 0 if certify.grid is None else certify.grid.points ** len(campaign.uncertain)
+    return [(None, certify.samples + grid)]
 
 
 def _drawn(campaign: Campaign, evaluations: int) -> int:

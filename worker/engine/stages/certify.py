@@ -46,25 +46,25 @@ class _Drawn:
 
 def run(context: Context, position: int) -> Outcome[CertifyResult]:
     """Draw and simulate the sample, then the grid."""
-    problem, asked = context.problem, context.campaign.stages.certify
-    assert asked is not None
+    problem, request = context.problem, context.campaign.stages.certify
+    assert request is not None
     drawn = _Drawn()
-    grid = 0 if asked.grid is None else asked.grid.points**problem.dimension
+    grid = 0 if request.grid is None else request.grid.points**problem.dimension
     random = stream(context.campaign.seed, STREAM)
     single = slotted(problem.system).single() if noise.noisy(context) else None
-    searching = _search(problem, asked, random, drawn, single)
-    driven = drive(context, position, searching, DRAWS * asked.samples + grid + 1)
+    searching = _search(problem, request, random, drawn, single)
+    driven = drive(context, position, searching, DRAWS * request.samples + grid + 1)
     assert driven.columns is not None
     own = problem.realisations.random
     kind = DRAWN if own else Noise.of_calls(context, single=True)
     sample = Sample.of(some(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
-    quantile = sample.quantile(asked.quantile, problem.quantity, problem.unit)
+    quantile = sample.quantile(request.quantile, problem.quantity, problem.unit)
     drawing = sample.statement()
-    statement = sentences.certified(drawing.statement, quantile.statement, sample.size, asked.samples)
+    statement = sentences.certified(drawing.statement, quantile.statement, sample.size, request.samples)
     tally = driven.tally
     result = CertifyResult(
         sample=drawing.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
-        grid=_grid(context, asked.grid.points, driven.columns, drawn.draws) if asked.grid is not None else None,
+        grid=_grid(context, request.grid.points, driven.columns, drawn.draws) if request.grid is not None else None,
         drawn_realisations=drawn.draws if own else 0,
         evaluations=tally.evaluations,
         failed=tally.failed,
@@ -77,11 +77,11 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
 
 
 def _search(
-    problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn, single: System | None
+    problem: Problem, request: Certify, random: np.random.Generator, drawn: _Drawn, single: System | None
 ) -> Asking[str]:
-    most = DRAWS * asked.samples
-    while drawn.evaluated < asked.samples and drawn.draws < most:
-        draws = min(BLOCK, asked.samples - drawn.evaluated, most - drawn.draws)
+    most = DRAWS * request.samples
+    while drawn.evaluated < request.samples and drawn.draws < most:
+        draws = min(BLOCK, request.samples - drawn.evaluated, most - drawn.draws)
         drawn_points = problem.quantile(random.random((draws, problem.dimension)))
         own = of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
         if single is not None:
@@ -90,9 +90,9 @@ def _search(
             batch = yield drawn_points if own is None else Seeded(drawn_points, own)
         drawn.draws += draws
         drawn.evaluated += int(np.count_nonzero(batch.status != EXCLUDED))
-    if asked.grid is None:
+    if request.grid is None:
         return Ended("drawn", ends.SAMPLE, flights=drawn.evaluated)
-    points = asked.grid.points
+    points = request.grid.points
     total = points**problem.dimension
     for first in range(0, total, BLOCK):
         yield _of_grid(np.arange(first, min(first + BLOCK, total)), points, problem.dimension)

@@ -35,8 +35,8 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     found = findings.Found()
     driven = drive(context, position, findings.search(context, position, found), _budget(context), repeats=True)
     unfinished = findings.settle(context, position, found)
-    asked = [Case("nominal", context.problem.nominal_point, context.nominal_cost)]
-    nominal, *confirmed = cases(context, [*asked, *(Case("", b.point, b.cost) for b in found.basins)])
+    first = Case("nominal", context.problem.nominal_point, context.nominal_cost)
+    nominal, *confirmed = cases(context, [first, *(Case("", b.point, b.cost) for b in found.basins)])
     polished = [_finding(context, i, found, case) for i, case in enumerate(confirmed)]
     everything = range(position + 1)
     violations, also = offered.violations(context, everything)
@@ -133,12 +133,12 @@ def _budget(context: Context) -> int:
 
 
 def _gathered(context: Context, driven: Driven, found: findings.Found, unfinished: bool) -> Gathered:
-    asked = context.campaign.stages.findings
+    request = context.campaign.stages.findings
     complete = driven.stop == "rule" and not unfinished
     return Gathered(
-        distance=asked.distance,
-        barrier=asked.barrier,
-        at_most=asked.at_most,
+        distance=request.distance,
+        barrier=request.barrier,
+        at_most=request.at_most,
         candidates=len(found.candidates),
         left_out=found.left_out,
         rounds=found.rounds,

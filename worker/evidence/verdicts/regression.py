@@ -138,14 +138,14 @@ def _all_known(violating: list[FindingChange]) -> bool:
 
 
 def _fails(policy: Policy, case: FindingChange) -> bool:
-    asked = policy.fail_on
+    fail_on = policy.fail_on
     if case.standing is Standing.NOT_COMPARED:  # other bounds or names must not hide a violation that was known
         known = case.margin_before is not None and case.margin_before <= 0
-        return "not_compared" in asked or ("violation" in asked and known)
+        return "not_compared" in fail_on or ("violation" in fail_on and known)
     return (
-        ("new_violation" in asked and case.newly_violating)
-        or ("new" in asked and case.standing is Standing.NEW)
-        or ("worse" in asked and case.standing is Standing.WORSE)
+        ("new_violation" in fail_on and case.newly_violating)
+        or ("new" in fail_on and case.standing is Standing.NEW)
+        or ("worse" in fail_on and case.standing is Standing.WORSE)
     )
 
 

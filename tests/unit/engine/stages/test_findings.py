@@ -10,7 +10,6 @@ from campaigns.results import Finding, NominalResult
 from campaigns.results.finding import FoundBy
 from clearance.testing.searching import Function, batch
 from tests.given.case_campaigns import case1, searching
-from worker.engine.search.base import Space
 from worker.engine.stages import search
 from worker.engine.stages.parts import findings
 from worker.engine.stages.parts.base import Context, Driven, drive
@@ -235,9 +234,8 @@ def test_it_repeats_bit_by_bit() -> None:
     assert np.array_equal(one.points, other.points)
 
 
-def test_the_space_of_findings_has_its_own_random_numbers() -> None:
+def test_findings_have_their_own_random_numbers() -> None:
     made = context(searching({"method": "direct", "evaluations": 1}), two_failures)
-    spaces: list[Space] = [findings._space(made), findings._space(made)]
-    drawn = [s.random.random(4) for s in spaces]
+    drawn = [stream(made.campaign.seed, findings.FINDINGS_STREAM).random(4) for _ in range(2)]
     assert np.array_equal(*drawn)
     assert not np.array_equal(drawn[0], stream(made.campaign.seed, 0).random(4))

@@ -183,7 +183,7 @@ def test_what_is_not_stored_is_not_auditable_and_never_agrees(tmp_path: Path) ->
     unknown = [i for i in items if i.agrees is None]
     assert follows, "the finding itself holds what its validation was"
     assert {"results", "checks.motion"} <= {i.name for i in unknown}
-    assert all(MISSING in (i.given, i.recomputed) for i in unknown)
+    assert all(MISSING in (i.stated, i.recomputed) for i in unknown)
     assert sentence.endswith(f"; {len(unknown)} of {len(items)} items could not be audited")
 
 

@@ -40,7 +40,7 @@ class Driver:
         self.tally = Tally()
         self.known: dict[bytes, tuple[Floats, int]] | None = {} if repeats else None
         self.through: System | None = None
-        self.held: list[Columns] = []
+        self.evaluated: list[Columns] = []
         self.unsaved: list[Columns] = []
         self.stored = context.store.evaluations(position)
         earlier = self.stored.seconds if self.stored is not None else np.empty(0)
@@ -79,7 +79,7 @@ class Driver:
             raise ReplayMismatch(self.position, self.tally.evaluations)
         self.flush()
         self.tally.seconds = self._seconds()
-        columns = join(self.held)
+        columns = join(self.evaluated)
         if columns is not None:
             self.context.columns[self.position] = columns
         return Driven(self.tally, columns, how)
@@ -160,7 +160,7 @@ class Driver:
 
     def _count(self, columns: Columns) -> None:
         tally, first = self.tally, self.tally.evaluations
-        self.held.append(columns)
+        self.evaluated.append(columns)
         tally.evaluations += len(columns.status)
         tally.failed += int(np.count_nonzero((columns.status != OK) & (columns.status != EXCLUDED)))
         tally.excluded += int(np.count_nonzero(columns.status == EXCLUDED))

@@ -233,8 +233,8 @@ def _ranked(columns: Columns) -> Floats:
 
 
 def _rules(context: Context, worst: float) -> Rules:
-    asked = context.campaign.stages.findings
-    return Rules(asked.distance, asked.barrier * scale(context, worst), asked.at_most)
+    request = context.campaign.stages.findings
+    return Rules(request.distance, request.barrier * scale(context, worst), request.at_most)
 
 
 def _keep_the_worst(context: Context, found: Found) -> None:
@@ -248,10 +248,10 @@ def _keep_the_worst(context: Context, found: Found) -> None:
 
 def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.Generator) -> Part:
     """Evaluate a few hundred neighbours of a worst case, which moves to the lowest of them."""
-    asked = context.campaign.stages.validate_
-    if asked.neighbours == 0:
+    request = context.campaign.stages.validate_
+    if request.neighbours == 0:
         return
-    offsets = random.uniform(-asked.reach, asked.reach, (asked.neighbours, len(basin.point)))
+    offsets = random.uniform(-request.reach, request.reach, (request.neighbours, len(basin.point)))
     points = np.clip(basin.point + offsets, 0.0, 1.0)
     batch: Batch = yield points
     ranked = batch.ranked()

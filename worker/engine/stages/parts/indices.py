@@ -27,20 +27,20 @@ MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
 
 
 def morris(
-    problem: Problem, asked: Morris, random: np.random.Generator, confidence: float
+    problem: Problem, request: Morris, random: np.random.Generator, confidence: float
 ) -> Generator[Floats, Batch, MorrisStudy]:
     """mu, mu* and sigma of each parameter's effect, per whole range, in the criterion's unit."""
     from SALib.analyze import morris as analysis
     from SALib.sample import morris as sampling
 
     box = _box(problem)
-    points = np.asarray(sampling.sample(box, asked.trajectories, num_levels=asked.levels, seed=random))
+    points = np.asarray(sampling.sample(box, request.trajectories, num_levels=request.levels, seed=random))
     batch = yield points
 
     def study(rows: list[MorrisRow] | None, statement: Spans) -> MorrisStudy:
         counts = _counts(batch, confidence)
         return MorrisStudy(
-            **counts, trajectories=asked.trajectories, levels=asked.levels, indices=rows, statement=statement
+            **counts, trajectories=request.trajectories, levels=request.levels, indices=rows, statement=statement
         )
 
     reason = _unusable(batch)
@@ -48,7 +48,7 @@ def morris(
         return study(None, reason)
     values = batch.costs[:, 0]
     found = analysis.analyze(
-        box, points, values, conf_level=confidence, num_levels=asked.levels, seed=int(random.integers(2**31))
+        box, points, values, conf_level=confidence, num_levels=request.levels, seed=int(random.integers(2**31))
     )
     columns = {"mu": "mu", "mu_star": "mu_star", "mu_star_confidence": "mu_star_conf", "sigma": "sigma"}
     rows = [MorrisRow(path=path, **values) for path, values in _rows(problem, found, columns)]
@@ -56,7 +56,7 @@ def morris(
 
 
 def sobol(
-    problem: Problem, asked: SobolIndices, random: np.random.Generator, confidence: float
+    problem: Problem, request: SobolIndices, random: np.random.Generator, confidence: float
 ) -> Generator[Floats, Batch, SobolStudy]:
     """First-order and total fractions of the variance, under the distributions, with the half width of their interval.
 
@@ -66,11 +66,11 @@ def sobol(
     from SALib.sample import sobol as sampling
 
     box = _box(problem)
-    uniform = np.asarray(sampling.sample(box, asked.samples, calc_second_order=False, seed=random))
+    uniform = np.asarray(sampling.sample(box, request.samples, calc_second_order=False, seed=random))
     batch = yield problem.distributions.marginals(uniform)
 
     def study(rows: list[SobolRow] | None, statement: Spans) -> SobolStudy:
-        return SobolStudy(**_counts(batch, confidence), samples=asked.samples, indices=rows, statement=statement)
+        return SobolStudy(**_counts(batch, confidence), samples=request.samples, indices=rows, statement=statement)
 
     values = batch.costs[:, 0]
     reason = _unusable(batch)

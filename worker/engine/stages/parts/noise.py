@@ -72,9 +72,9 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
     failed = int(np.count_nonzero((status != OK) & (status != EXCLUDED)))
     last = len(columns.seconds) - chosen - 1
     seconds = None if last < 1 else float(columns.seconds[: last + 1].max() - columns.seconds[0]) / last
-    system, asked = slotted(problem.system), problem.campaign.simulator
+    system, simulator = slotted(problem.system), problem.campaign.simulator
     slots = max(system.slots, 1)
-    calls = 1 if asked is None else asked.calls
+    calls = 1 if simulator is None else simulator.calls
     call = call_seconds(columns, chosen, slots, calls)
     return Measured(
         points=chosen,

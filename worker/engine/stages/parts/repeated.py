@@ -17,14 +17,14 @@ from worker.engine.stages.parts import claims
 from worker.engine.stages.parts.base import Cancelled, Context
 from worker.engine.systems.base import Floats, slotted
 
-Asked = tuple[str, Floats, float | None]
+Subject = tuple[str, Floats, float | None]
 """A name, a point (n,), and the stored cost, if any."""
 
 
-def cases(context: Context, asked: Sequence[Asked], calls: int | None = None) -> list[Validation]:
+def cases(context: Context, subjects: Sequence[Subject], calls: int | None = None) -> list[Validation]:
     """Every case by this many independent calls, or as many as the campaign states. Raises `Cancelled`."""
     many = context.campaign.stages.validate_.repeats if calls is None else calls
-    return [_case(context, *each, _called(context, each[1], many)) for each in asked]
+    return [_case(context, *each, _called(context, each[1], many)) for each in subjects]
 
 
 def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold: float, confidence: float) -> Calls:

@@ -129,7 +129,7 @@ class Sample:
         least = claims.needed(within, self.confidence) if within > 0.0 else None
         value = float(self.costs[r - 1 - self.failed]) if r > self.failed else None
         statement = self.counts.quantile(share, quantity, unit, r, least, value)
-        confidence = claims.held(r, self.size, within) if r else None
+        confidence = claims.confidence_of(r, self.size, within) if r else None
         return QuantileBound(
             share=share, order=r or None, bound=value, needed=least, confidence=confidence, statement=statement
         )

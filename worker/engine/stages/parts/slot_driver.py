@@ -35,9 +35,9 @@ class SlotDriver(Driver):
         if isinstance(request, Several):
             return self._first_of(request)
         if isinstance(request, Through):
-            asked, spent = self._ask(request.points, None, request.system)
-            self._until_ended(asked)
-            return self.slots.batch(asked), spent
+            indices, spent = self._ask(request.points, None, request.system)
+            self._until_ended(indices)
+            return self.slots.batch(indices), spent
         points, seeds = request if isinstance(request, Seeded) else (request, None)
         indices, spent = self._indices(points, seeds)
         self._until_ended(indices)
@@ -78,10 +78,10 @@ class SlotDriver(Driver):
         new = list(range(len(points)))
         if self.places is not None:
             new = sorted({key: i for i, key in reversed([*enumerate(keys)]) if key not in places}.values())
-        asked, spent = self._ask(points[new], None if seeds is None else seeds[new])
+        fresh, spent = self._ask(points[new], None if seeds is None else seeds[new])
         if self.places is None:
-            return asked, spent
-        places.update(zip((keys[i] for i in new), asked, strict=False))
+            return fresh, spent
+        places.update(zip((keys[i] for i in new), fresh, strict=False))
         return [places[key] for key in keys if key in places], spent
 
     def _ask(self, points: Floats, seeds: Seeds | None, through: System | None = None) -> tuple[list[int], bool]:
@@ -89,10 +89,10 @@ class SlotDriver(Driver):
         room = self.budget - len(self.slots.rows)
         spent = len(points) >= room and len(points) > 0
         try:
-            asked = self.slots.ask(points[:room], None if seeds is None else seeds[:room], through)
+            indices = self.slots.ask(points[:room], None if seeds is None else seeds[:room], through)
         except OtherPoint as other:
             raise ReplayMismatch(self.position, other.index) from None
-        return list(asked), spent
+        return list(indices), spent
 
     def _until_ended(self, indices: Sequence[int]) -> None:
         for index in indices:

@@ -10,29 +10,22 @@ from worker.engine.stages.parts.context import (
     Context,
     Driven,
     ReplayMismatch,
-    Request,
-    Result,
     Seeded,
     Tally,
     Through,
 )
-from worker.engine.stages.parts.driver import FLUSH_ROWS, FLUSH_SECONDS, FULL_BLOCKS, Driver
+from worker.engine.stages.parts.driver import Driver
 from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.slot_driver import SlotDriver
 from worker.engine.stages.parts.store import Columns
 from worker.engine.systems.base import Floats, slots
 
 __all__ = [
-    "FLUSH_ROWS",
-    "FLUSH_SECONDS",
-    "FULL_BLOCKS",
     "Asking",
     "Cancelled",
     "Context",
     "Driven",
     "ReplayMismatch",
-    "Request",
-    "Result",
     "Seeded",
     "Tally",
     "Through",

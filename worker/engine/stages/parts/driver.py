@@ -7,6 +7,7 @@ It stops at the budget, tracks the best point, and replays the stored evaluation
 from __future__ import annotations
 
 import time
+from collections.abc import Container
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,12 +61,9 @@ class Driver:
         points, seeds = request if isinstance(request, Seeded) else (request, None)
         if self.known is None:
             return self._fresh(points, seeds)
-        keys = [p.tobytes() for p in points]
-        if seeds is not None:
-            keys = [key + seed.tobytes() for key, seed in zip(keys, seeds, strict=True)]
-        distinct = list({key: i for i, key in reversed([*enumerate(keys)]) if key not in self.known}.values())
+        keys = keys_of(points, seeds)
+        distinct = unknown(keys, self.known)
         if distinct:
-            distinct.sort()
             batch, spent = self._fresh(points[distinct], None if seeds is None else seeds[distinct])
             for i, cost, status in zip(distinct, batch.costs, batch.status, strict=False):
                 self.known[keys[i]] = (cost, int(status))
@@ -173,6 +171,18 @@ class Driver:
 
     def _seconds(self) -> float:
         return self.offset + time.perf_counter() - self.began
+
+
+def keys_of(points: Floats, seeds: Seeds | None) -> list[bytes]:
+    """What distinguishes requests: the point, and its seed if it has one."""
+    if seeds is None:
+        return [point.tobytes() for point in points]
+    return [point.tobytes() + seed.tobytes() for point, seed in zip(points, seeds, strict=True)]
+
+
+def unknown(keys: list[bytes], known: Container[bytes]) -> list[int]:
+    """The first request of each point that is not known yet, in their order."""
+    return sorted({key: i for i, key in reversed([*enumerate(keys)]) if key not in known}.values())
 
 
 def _no_status() -> NDArray[np.uint8]:

@@ -27,7 +27,7 @@ def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = Non
     in a folder; or in a database, by its number."""
     items = audit(recorded(run, campaign, run_id), offered.AT_MOST, offered.SPOT_CHECKS)
     follows, statement = closing(items)
-    assert follows, statement + "".join(f"\n{i.name}: {i.stated} / {i.recomputed}" for i in items if i.agrees is False)
+    assert follows, statement + "".join(f"\n{i.name}: {i.given} / {i.recomputed}" for i in items if i.agrees is False)
     assert all(item.agrees for item in items), statement
     return items
 

@@ -86,7 +86,7 @@ def _print(items: list[Item]) -> None:
 
     table = Table("Item", "Given", "Recomputed", "")
     for item in items:
-        table.add_row(item.name, _shown(item.stated), _shown(item.recomputed), WORDS[item.agrees])
+        table.add_row(item.name, _shown(item.given), _shown(item.recomputed), WORDS[item.agrees])
     Console(width=None if sys.stdout.isatty() else 160, markup=False).print(table)
 
 

@@ -36,17 +36,17 @@ class Item(NamedTuple):
     """One claim: its path in the record, the value given there, and the recomputed one."""
 
     name: str
-    stated: Any
+    given: Any
     recomputed: Any
 
     @property
     def agrees(self) -> bool | None:
         """Whether stored and recomputed values agree; None if one of the two is unknown."""
-        if MISSING in (self.stated, self.recomputed):
+        if MISSING in (self.given, self.recomputed):
             return None
-        if isinstance(self.stated, int | float) and isinstance(self.recomputed, int | float):
-            return math.isclose(self.stated, self.recomputed, rel_tol=1e-9, abs_tol=1e-15)
-        return bool(self.stated == self.recomputed)
+        if isinstance(self.given, int | float) and isinstance(self.recomputed, int | float):
+            return math.isclose(self.given, self.recomputed, rel_tol=1e-9, abs_tol=1e-15)
+        return bool(self.given == self.recomputed)
 
 
 def audit(record: Record, at_most: int = limits.VIOLATIONS, spot_checks: int = limits.SPOT_CHECKS) -> list[Item]:

@@ -40,11 +40,11 @@ def test_what_a_sample_allows_to_claim() -> None:
     assert drawn.samples == found.evaluations == 3000
     assert drawn.violations == int((expected <= THRESHOLD).sum()) > 0
     assert drawn.upper_bound == bound(drawn.violations, 3000, 0.95)
-    told = quantile_of(drawn)
-    assert (told.share, told.order, told.needed) == (0.05, 131, 59)
-    assert told.bound == expected[130]
-    assert told.confidence is not None
-    assert told.confidence >= 0.95
+    stated = quantile_of(drawn)
+    assert (stated.share, stated.order, stated.needed) == (0.05, 131, 59)
+    assert stated.bound == expected[130]
+    assert stated.confidence is not None
+    assert stated.confidence >= 0.95
     assert f"at most 5 % of all cases have d_min below {expected[130]:.6g} m" in found.text
     assert "this is the 131st lowest of 3\u202f000" in found.text
     assert f"{drawn.violations} of 3\u202f000 samples drawn from the stated distributions violate" in found.text
@@ -65,15 +65,15 @@ def test_the_distribution_function_is_that_of_the_sample() -> None:
 
 
 def test_the_bounds_have_their_stated_coverage() -> None:
-    held = np.zeros(2)
+    successes = np.zeros(2)
     for seed in range(REPETITIONS):
         found = ran_quickly(seed)
         lowest = quantile_of(found).bound
         assert found.upper_bound is not None
         assert lowest is not None
-        held += [found.upper_bound >= PROBABILITY, lowest <= quantile(0.05)]
-    assert (held / REPETITIONS >= HELD).all()
-    assert (held / REPETITIONS <= 0.995).all()  # bounds that always hold would be of no use
+        successes += [found.upper_bound >= PROBABILITY, lowest <= quantile(0.05)]
+    assert (successes / REPETITIONS >= HELD).all()
+    assert (successes / REPETITIONS <= 0.995).all()  # bounds that always hold would be of no use
 
 
 BASE = asked({"certify": {"samples": 400}})
@@ -96,9 +96,9 @@ def test_a_failed_flight_is_a_violation_and_the_lowest_value() -> None:
     drawn = found.sample
     assert (drawn.samples, drawn.failed) == (1000, failed)
     assert drawn.violations == failed + int((flown <= THRESHOLD).sum())
-    told = quantile_of(drawn)
-    assert told.order is not None
-    assert told.bound == flown[told.order - 1 - failed]
+    stated = quantile_of(drawn)
+    assert stated.order is not None
+    assert stated.bound == flown[stated.order - 1 - failed]
     assert drawn.distribution is not None
     assert drawn.distribution.shares[0] == pytest.approx((failed + 1) / 1000)
     assert f"({failed} of them because they failed)" in found.text
@@ -143,9 +143,9 @@ def test_sampling_stops_where_the_precondition_hardly_ever_holds() -> None:
 
 def test_the_probability_beyond_the_bounds_is_added() -> None:
     normal = {"low": 4, "high": 6, "distribution": {"kind": "normal", "mean": 5, "deviation": 0.4}}
-    given: Any = {"uncertain__vehicle.m": normal}
+    changes: Any = {"uncertain__vehicle.m": normal}
     outside = 0.0124193  # beyond 2.5 deviations
-    campaign_of = asked({"certify": {"samples": 1000}}, **given)
+    campaign_of = asked({"certify": {"samples": 1000}}, **changes)
     found = certify.run(context(campaign_of, problem=Problem(campaign_of)), 0).result
     drawn = found.sample
     assert drawn.outside == pytest.approx(outside, abs=1e-6)
@@ -227,10 +227,12 @@ def test_it_is_planned_between_search_and_validation() -> None:
     assert "certify" not in [p.kind for p in plan(campaign(stages__certify=None))]
 
 
-@pytest.mark.parametrize("given", [{"samples": 0}, {"quantile": 0}, {"quantile": 1}, {"grid": {"points": 1}}, {"n": 5}])
-def test_settings_that_make_no_sense(given: dict[str, Any]) -> None:
+@pytest.mark.parametrize(
+    "settings", [{"samples": 0}, {"quantile": 0}, {"quantile": 1}, {"grid": {"points": 1}}, {"n": 5}]
+)
+def test_settings_that_make_no_sense(settings: dict[str, Any]) -> None:
     with pytest.raises(CampaignError, match=r"stages\.certify\."):
-        asked({"certify": given})
+        asked({"certify": settings})
 
 
 def test_no_sample_at_all() -> None:

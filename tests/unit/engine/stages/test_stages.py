@@ -35,10 +35,10 @@ def ran() -> tuple[MemoryStore, Verdict]:
     return run(searching(*SEARCHES))
 
 
-def run(asked: Campaign) -> tuple[MemoryStore, Verdict]:
+def run(campaign: Campaign) -> tuple[MemoryStore, Verdict]:
     store = MemoryStore()
-    conclusion = execute(asked, store, threads=1)
-    audited(store, asked)
+    conclusion = execute(campaign, store, threads=1)
+    audited(store, campaign)
     return store, conclusion
 
 
@@ -141,8 +141,8 @@ def test_the_sample_of_a_random_search() -> None:
 def test_excluded_flights_are_no_samples_and_violations_are_counted() -> None:
     uncertain = {"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}}
     changes = {"scenario__start": {"x": 3.0, "y": 3.0}, "scenario__horizon": 1.0, "criterion__threshold": 0.6}
-    asked = searching({"method": "monte_carlo", "evaluations": 400}, uncertain=uncertain, **changes)
-    store, _ = run(asked)
+    sampling = searching({"method": "monte_carlo", "evaluations": 400}, uncertain=uncertain, **changes)
+    store, _ = run(sampling)
     found = result_of(store, 2, SearchResult)
     columns = store.evaluations(2)
     assert columns is not None
@@ -171,13 +171,13 @@ def test_failed_flights_count_as_violations() -> None:
 
 
 def test_a_run_in_which_every_flight_fails_has_no_verdict() -> None:
-    asked = searching(
+    request = searching(
         {"method": "direct", "evaluations": 50},
         {"method": "sqp", "evaluations": 50},
         {"method": "monte_carlo", "evaluations": 20},
         scenario__vehicle__parameters__J=0.001, uncertain={"vehicle.m": {"plus_minus": "20%"}},
     )  # fmt: skip
-    store, conclusion = run(asked)
+    store, conclusion = run(request)
     assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
     assert conclusion.nominal == NominalCost(cost=None, margin=None)
     assert (

@@ -183,7 +183,7 @@ def test_what_is_not_stored_is_not_auditable_and_never_agrees(tmp_path: Path) ->
     unknown = [i for i in items if i.agrees is None]
     assert follows, "the finding itself holds what its validation was"
     assert {"results", "checks.motion"} <= {i.name for i in unknown}
-    assert all(MISSING in (i.stated, i.recomputed) for i in unknown)
+    assert all(MISSING in (i.given, i.recomputed) for i in unknown)
     assert sentence.endswith(f"; {len(unknown)} of {len(items)} items could not be audited")
 
 
@@ -193,10 +193,10 @@ def test_a_cleared_verdict_whose_evidence_is_not_stored_cannot_be_recomputed(
     folder = written(tmp_path / "out", "cleared")
     (folder / "evidence.json").unlink()
     assert invoke(["audit", str(folder), "--json"]) == VIOLATED == 1
-    told = json.loads(capsys.readouterr().out)
-    assert not told["follows"]
-    assert told["sentence"].startswith("it is not known whether the verdict follows; ")
-    assert {i["agrees"] for i in told["items"]} == {True, None}
+    answer = json.loads(capsys.readouterr().out)
+    assert not answer["follows"]
+    assert answer["sentence"].startswith("it is not known whether the verdict follows; ")
+    assert {i["agrees"] for i in answer["items"]} == {True, None}
 
 
 def test_the_command_prints_the_given_and_the_recomputed_verdict(

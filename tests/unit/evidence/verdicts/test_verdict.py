@@ -100,12 +100,12 @@ def test_violated_needs_validation() -> None:
 def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
     text = "the step-halving check or DOP853 disagrees by more than the tolerance for F1"
     milder = finding(0.495, label="F2")
-    given = violation(finding=finding(0.49, False), others=[milder], validation=validation(ok=False, text=text))
-    conclusion = concluded(**given)
+    changes = violation(finding=finding(0.49, False), others=[milder], validation=validation(ok=False, text=text))
+    conclusion = concluded(**changes)
     assert conclusion.verdict == "violated"
     assert "Validation did not confirm it, but confirmed F2, which has 0.495 m; both were found" in conclusion.reason
     harmless = finding(0.6, label="F2")
-    assert concluded(**given | {"others": [harmless]}).verdict == "inconclusive"
+    assert concluded(**changes | {"others": [harmless]}).verdict == "inconclusive"
 
 
 @pytest.mark.parametrize(
@@ -322,10 +322,10 @@ def test_what_it_bounds_is_in_the_sentence() -> None:
 
 
 def test_the_target_is_compared_with_the_certify_stage() -> None:
-    asked = campaign(target_probability=0.0015)
-    assert barred("target", asked) == "the bound of 0.299 % does not meet the target of 0.15 %"
-    assert concluded(asked, certificate=certificate()).verdict == "cleared"
-    statement = barred("target", asked, certificate=certificate(3))
+    required = campaign(target_probability=0.0015)
+    assert barred("target", required) == "the bound of 0.299 % does not meet the target of 0.15 %"
+    assert concluded(required, certificate=certificate()).verdict == "cleared"
+    statement = barred("target", required, certificate=certificate(3))
     assert statement == "the bound of 0.258 % does not meet the target of 0.15 %"
 
 

@@ -66,11 +66,11 @@ def test_a_method_that_hardly_evaluated_anything_did_not_search(method: str) -> 
     least = {"direct": 50, "sqp": 6}[method]
     others = {"direct": search("ga"), "sqp": search("direct")}
 
-    def given(evaluations: int) -> dict[str, Any]:
+    def searched(evaluations: int) -> dict[str, Any]:
         return {"searches": [others[method], search(method, evaluations=evaluations)]}
 
-    assert concluded(**given(least)).verdict == "cleared"
-    statement = barred("agreement", **given(least - 1))
+    assert concluded(**searched(least)).verdict == "cleared"
+    statement = barred("agreement", **searched(least - 1))
     assert "only DIRECT reached" in statement if method == "sqp" else f"at least {least} are required" in statement
 
 
@@ -81,8 +81,8 @@ def test_a_local_search_that_spent_its_budget_confirms_nothing() -> None:
 def test_methods_that_found_nothing_below_nominal_do_not_agree() -> None:
     searches = [search("direct", NOMINAL), search("ga", NOMINAL)]
     spread = Spread(evaluations=3343, lowest=NOMINAL, highest=1.3)
-    given = validation(encounter=encountered(spread=spread))
-    statement = barred("agreement", searches=searches, finding=finding(NOMINAL), validation=given)
+    validated = validation(encounter=encountered(spread=spread))
+    statement = barred("agreement", searches=searches, finding=finding(NOMINAL), validation=validated)
     assert statement.startswith("no method found a value below the nominal case")
 
 
@@ -111,7 +111,7 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
 
 
 @pytest.mark.parametrize(
-    ("given", "name", "statement"),
+    ("changes", "name", "statement"),
     [
         (nearest(time=15.0, at="end"), "closest approach", "of F1 is at the end of the horizon"),
         (nearest(time=0.0, at="start"), "closest approach", "of F1 is at the start"),
@@ -125,10 +125,10 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
         (met(unseen=unseen(None, "a stall")), "avoidance", "without it the nominal case fails (a stall)"),
     ],
 )  # fmt: skip
-def test_an_encounter_that_did_not_occur_bars_cleared(given: dict[str, Any], name: str, statement: str) -> None:
-    assert statement in barred(name, **given)
+def test_an_encounter_that_did_not_occur_bars_cleared(changes: dict[str, Any], name: str, statement: str) -> None:
+    assert statement in barred(name, **changes)
     intended = campaign(encounter={"intended": {name.replace(" ", "_"): "a baseline"}})
-    conclusion = concluded(intended, **given)
+    conclusion = concluded(intended, **changes)
     assert conclusion.verdict == "cleared"
     assert "which the author states is intended: a baseline." in conclusion.reason
 
@@ -200,7 +200,7 @@ def test_a_violation_whose_integrations_differ_states_by_how_much() -> None:
 def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:
     text = "135 stored evaluations violate the criterion; all of them were simulated again, and 120 violate there too"
     own = finding(0.49, validation=case(cost=0.49, realisation=77))
-    given = validation(violations=Violations(stored=135, checked=135, confirmed=120, text=text))
-    statement = concluded(**violation(finding=own, violating=135, validation=given)).reason
+    validated = validation(violations=Violations(stored=135, checked=135, confirmed=120, text=text))
+    statement = concluded(**violation(finding=own, violating=135, validation=validated)).reason
     assert f" {text}." in statement
     assert "with the noise realisation of seed 77" in statement

@@ -164,7 +164,7 @@ def spot_checks(**changes: Any) -> SpotChecks:
 
 def evidence(basins: dict[str, str | None] | None = None, **changes: Any) -> Evidence:
     """Evidence for cleared, with changes; basins: the finding whose basin contains a method's best, if not F1."""
-    given = Evidence(
+    cleared = Evidence(
         nominal=nominal(),
         searches=[search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())],
         validation=validation(),
@@ -173,7 +173,7 @@ def evidence(basins: dict[str, str | None] | None = None, **changes: Any) -> Evi
         failed=0,
         excluded=0,
     )
-    made = replace(given, **changes)
+    made = replace(cleared, **changes)
     if made.finding is not None and "lowest" not in changes:
         made = replace(made, lowest=min(f.cost for f in made.findings))
     rows = [_row(at, s, (basins or {}).get(s.method, "F1")) for at, s in enumerate(made.searches, 2)]
@@ -201,15 +201,15 @@ def _row(position: int, search: SearchResult, basin: str | None) -> Compared:
 VERSIONS = Versions(clearance="test")
 
 
-def concluded(asked: Campaign | None = None, **changes: Any) -> Verdict:
+def concluded(campaign: Campaign | None = None, **changes: Any) -> Verdict:
     """The verdict over this evidence."""
-    problem = case1() if asked is None else Problem(asked)
+    problem = case1() if campaign is None else Problem(campaign)
     return conclude(problem, evidence(**changes), VERSIONS)
 
 
-def barred(code: str, asked: Campaign | None = None, **changes: Any) -> Check:
+def barred(code: str, campaign: Campaign | None = None, **changes: Any) -> Check:
     """The one check that does not hold; the verdict must be inconclusive and give its sentence."""
-    conclusion = concluded(asked, **changes)
+    conclusion = concluded(campaign, **changes)
     (check,) = (c for c in conclusion.checks if not c.ok)
     assert check.code == code
     assert conclusion.verdict == "inconclusive"

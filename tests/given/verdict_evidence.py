@@ -13,6 +13,7 @@ from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost, 
 from campaigns.results.sample import QuantileBound, Sample
 from campaigns.results.search import Best
 from campaigns.results.validate import Compared, Encounter, Gathered, SpotChecks, Spread, Unseen, Violations
+from campaigns.results.verdict import Check
 from campaigns.versions import Versions
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import case1
@@ -203,26 +204,26 @@ def _row(position: int, search: SearchResult, basin: str | None) -> Compared:
 VERSIONS = Versions(clearance="test")
 
 
-def concluded(asked: Campaign | None = None, **changes: Any) -> Verdict:
+def concluded(campaign: Campaign | None = None, **changes: Any) -> Verdict:
     """The verdict over this evidence."""
-    problem = case1() if asked is None else Problem(asked)
+    problem = case1() if campaign is None else Problem(campaign)
     return conclude(problem, evidence(**changes), VERSIONS)
 
 
-def barred(name: str, asked: Campaign | None = None, **changes: Any) -> str:
-    """The sentence of the one check that does not hold; the verdict must be inconclusive and give it."""
-    conclusion = concluded(asked, **changes)
-    wrong = [c for c in conclusion.checks if not c.ok]
-    assert [c.name for c in wrong] == [name]
+def barred(code: str, campaign: Campaign | None = None, **changes: Any) -> Check:
+    """The one check that does not hold; the verdict must be inconclusive and give its sentence."""
+    conclusion = concluded(campaign, **changes)
+    (check,) = (c for c in conclusion.checks if not c.ok)
+    assert check.code == code
     assert conclusion.verdict == "inconclusive"
-    assert conclusion.reason.startswith(f"Nothing may be claimed: {wrong[0].text}. ")
-    return wrong[0].text
+    assert conclusion.reason.startswith(f"Nothing may be claimed: {check.text}. ")
+    return check
 
 
-def said_by(name: str, conclusion: Verdict) -> str:
-    """The sentence of one check."""
-    (text,) = (c.text for c in conclusion.checks if c.name == name)
-    return text
+def check_of(code: str, conclusion: Verdict) -> Check:
+    """One check of a verdict."""
+    (check,) = (c for c in conclusion.checks if c.code == code)
+    return check
 
 
 def violation(**changes: Any) -> dict[str, Any]:

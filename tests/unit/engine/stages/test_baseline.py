@@ -315,7 +315,7 @@ def test_drawn_noise_is_simulated_with_the_seed_of_the_baseline(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """The seed is part of the case: it is stored with it, evaluated first, and replayed."""
-    file = write(tmp_path / "noisy.json", scenario__faults=NOISE)
+    file = write(tmp_path / "noisy.json", **NOISE)
     document = json.loads(file.read_text())
     cases = [
         {"label": "F1", "parameters": CORNER, "cost": 0.9},

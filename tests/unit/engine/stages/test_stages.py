@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
-from campaigns.codes import StopCode
+from campaigns.codes import CheckCode, StopCode
 from campaigns.results import NominalResult, SearchResult, SensitivityResult, ValidateResult, Verdict
 from campaigns.results.base import Result
 from campaigns.results.verdict import NominalCost
 from tests.audited import audited
 from tests.given.case_campaigns import campaign, case1, searching
+from tests.given.verdict_evidence import check_of
 from worker.engine.reference import Reference
 from worker.engine.stages.parts.streams import stream
 from worker.running.runs.runner import execute
@@ -106,7 +107,7 @@ def test_a_search_reports_its_best_point_in_the_units_of_the_parameters() -> Non
     assert (found.method, found.title, found.kind, found.sample) == ("direct", "DIRECT", "global", None)
     assert found.stop is not None
     assert (found.stop.kind, found.stop.code) == ("budget", StopCode.BUDGET)
-    assert (found.stop.text, found.stop.values) == ("used its budget of 200 evaluations", {"budget": 200})
+    assert found.stop.values == {"budget": 200}
 
 
 def test_a_local_search_reports_its_minima() -> None:
@@ -180,9 +181,11 @@ def test_a_run_in_which_every_flight_fails_has_no_verdict() -> None:
     store, conclusion = run(request)
     assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
     assert conclusion.nominal == NominalCost(cost=None, margin=None)
-    assert (
-        "the nominal case was not evaluated: the vehicle left the model's envelope at t = 0.005 s" in conclusion.reason
-    )
+    nominal = check_of(CheckCode.NOMINAL, conclusion)
+    assert not nominal.ok
+    assert f": {store.traces['nominal'].meta.reason}" in nominal.text
+    assert "at t = 0.005 s" in nominal.text
+    assert nominal.text in conclusion.reason
     assert store.findings == []
     assert list(store.traces) == ["nominal"]
     assert store.traces["nominal"].meta.status == "failed"

@@ -244,12 +244,6 @@ def extend(options: Options, more: int) -> Options:
     return replace(options, iterations=min(options.iterations + more, MOST), smallest=0.0)
 
 
-def rectangles(dimension: int, options: Options) -> tuple[Boxes, Search]:
-    """A search and the division of the box that it leaves."""
-    boxes = Boxes(dimension)
-    return boxes, divided(boxes, options)
-
-
 method = Method(
     name="direct",
     title="DIRECT",

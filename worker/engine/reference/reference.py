@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -14,6 +13,7 @@ import numpy as np
 from worker.engine.reference.instants import Stretches, Timetable
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
+from worker.engine.systems.closed_loop.confirm import Flight
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.threads import usual_threads
 
@@ -21,14 +21,6 @@ NAME = "DOP853"
 
 _SYSTEMS: WeakKeyDictionary[Loop, Any] = WeakKeyDictionary()
 """Compiled systems and the integrator by loop, for as long as the loop exists."""
-
-
-@dataclass(frozen=True)
-class Flight:
-    """The criterion's value, or None and the reason; `reason` also states a coarse tolerance."""
-
-    cost: float | None
-    reason: str = ""
 
 
 class Reference:

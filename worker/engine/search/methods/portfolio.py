@@ -108,11 +108,8 @@ def _in_batches(space: Space, members: list[Member], record: Record, fair: int) 
         for member in turn:
             space.attribute(member.method.name, len(member.requested))
         batch = yield np.concatenate([member.requested for member in turn])
-        at = 0
-        for member in turn:
-            rows = slice(at, at + len(member.requested))
-            at = rows.stop
-            member.tell(Batch(batch.costs[rows], batch.status[rows]), record)
+        for member, own in zip(turn, batch.split([len(member.requested) for member in turn]), strict=True):
+            member.tell(own, record)
 
 
 def _in_slots(space: Space, members: list[Member], record: Record, fair: int) -> Parallel:

@@ -24,7 +24,6 @@ from worker.engine.search.base import (
     Parallel,
     Search,
     Space,
-    independently,
     side_by_side,
 )
 from worker.engine.search.parts.descent import Settings, descend
@@ -53,7 +52,7 @@ def search(space: Space, options: Options) -> Parallel:
         sampler = qmc.Sobol(space.dimension, rng=space.random)
         starts = sampler.random_base2(int(np.ceil(np.log2(options.starts))))[: options.starts]
     descents = [_descend(space, options, start) for start in starts]
-    endings = yield from independently(descents) if space.slots else side_by_side(descents)
+    endings = yield from side_by_side(descents, in_slots=bool(space.slots))
     if len(starts) == 1:
         return endings[0]
     ends = {f"end{i}": end for i, end in enumerate(sorted(set(endings)))}

@@ -107,7 +107,7 @@ def _call(context, system, what, t, b, at, to, y, p):  # type: ignore[no-untyped
 
     def codegen(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         system, what, t, b, at, to, y, p = arguments
-        table, channels, given = (
+        table, channels, parameters = (
             context.make_array(signature.args[k])(context, builder, value) for k, value in ((3, b), (6, y), (7, p))
         )
         width = builder.extract_value(table.shape, 1)
@@ -116,6 +116,6 @@ def _call(context, system, what, t, b, at, to, y, p):  # type: ignore[no-untyped
         pointer = double.as_pointer()
         kind = ir.FunctionType(double, [number, double, pointer, pointer, pointer, pointer]).as_pointer()
         function = builder.inttoptr(system, kind)
-        return builder.call(function, [what, t, *rows, channels.data, given.data])
+        return builder.call(function, [what, t, *rows, channels.data, parameters.data])
 
     return signature, codegen

@@ -101,9 +101,9 @@ class Reference:
         system, fly = self._system
         first, last = loop.channels.of["criterion"]
         states, channels = np.zeros((ROWS, loop.n_state)), np.zeros((CHANNEL_ROWS, last - first))
-        given = np.array((*p, *(0.0,) * (compiled.draws(loop) + loop.n_held)))
+        parameters = np.array((*p, *(0.0,) * (compiled.draws(loop) + loop.n_held)))
         where = stretches.instants, stretches.asks, stretches.before, stretches.patience
-        fly(system.address, *where, states, channels, given, np.zeros(4), found)
+        fly(system.address, *where, states, channels, parameters, np.zeros(4), found)
 
     def _judged(self, found: Floats) -> Flight:
         """The output of `flight.fly` as a `Flight`."""

@@ -58,14 +58,14 @@ def _descend(space: Space, population: int, deviation: float, most: float = np.i
         while best.evaluations < most:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                asked = running.ask()
-            points = np.clip(np.array(asked), 0.0, 1.0)
+                generation = running.ask()
+            points = np.clip(np.array(generation), 0.0, 1.0)
             batch = yield points.copy()
             values = batch.ranked()
             best.see(points, values)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                running.tell(asked, last(values).tolist())
+                running.tell(generation, last(values).tolist())
                 stopped = running.stop()
             if stopped:
                 text = ending(stopped)

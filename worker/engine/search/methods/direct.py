@@ -58,8 +58,8 @@ class Boxes:
         last = self.count + len(value)
         while last > len(self.value):
             for name in ("centre", "depth", "level", "value", "lost", "near"):
-                held = getattr(self, name)
-                setattr(self, name, np.concatenate([held, np.empty_like(held)]))
+                column = getattr(self, name)
+                setattr(self, name, np.concatenate([column, np.empty_like(column)]))
         self.centre[self.count : last] = centre
         self.depth[self.count : last] = depth
         self.level[self.count : last] = depth.sum(axis=1)

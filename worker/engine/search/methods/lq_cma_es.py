@@ -124,11 +124,11 @@ def _descend(
         running = strategy(start, deviation, population, space.random, options.step)
         while True:
             with _quiet():
-                asked = running.ask()
+                generation = running.ask()
             known = len(tested.points)
-            values = yield from _generation(np.clip(np.array(asked), 0.0, 1.0), tested, options.at_once, best)
+            values = yield from _generation(np.clip(np.array(generation), 0.0, 1.0), tested, options.at_once, best)
             with _quiet():
-                running.tell(asked, last(values).tolist())
+                running.tell(generation, last(values).tolist())
                 stopped = running.stop()
             explored.add(tested.points[known:], tested.values[known:])
             progress.add(best.evaluations, best.cost)

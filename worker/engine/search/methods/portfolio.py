@@ -160,7 +160,7 @@ class Member:
             starts = start[None, :]
         self.lowest = np.inf
         self.past.clear()
-        given = replace(
+        space = replace(
             self.space,
             budget=EPOCH,
             random=np.random.default_rng(self.space.random.integers(2**63)),
@@ -168,7 +168,7 @@ class Member:
             attribute=lambda member, points: None,
             slots=0,
         )
-        self.search = self.method.search(given, self.part.options)
+        self.search = self.method.search(space, self.part.options)
         return self._advance(None, record)
 
     def tell(self, batch: Batch, record: Record) -> None:

@@ -37,8 +37,8 @@ class Simulated(Slotted):
             for p in entry.parameters
         )
         self.nominal = np.array([p.nominal for p in self.parameters])
-        asked = next(r for r in entry.results if r.name == opening.result)
-        self.results = (Result(asked.name, asked.title, asked.quantity, asked.unit, asked.worse),)
+        deciding = next(r for r in entry.results if r.name == opening.result)
+        self.results = (Result(deciding.name, deciding.title, deciding.quantity, deciding.unit, deciding.worse),)
 
     def _vector(self, values: Mapping[str, float]) -> Floats:
         """The nominal vector with these values by path; raises KeyError."""

@@ -153,7 +153,7 @@ class DaskPool(Slots):
             self._again(batch)
             if client is not None and self._connection.connected is not client:
                 return  # whatever the error, the connection was lost
-            self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.given}: {_statement(error)}"))
+            self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.address}: {_statement(error)}"))
         else:
             self._deliver(batch, done)
 

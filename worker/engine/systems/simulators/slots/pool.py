@@ -215,8 +215,9 @@ class SlotPool(Slots):
             return self._unasked
         if len(messages) <= len(slot.waiting):
             return ""
-        asked = len(slot.waiting)
-        return f"it wrote {len(messages)} JSON objects in answer to {asked} {'request' if asked == 1 else 'requests'}"
+        expected = len(slot.waiting)
+        requests = "request" if expected == 1 else "requests"
+        return f"it wrote {len(messages)} JSON objects in answer to {expected} {requests}"
 
     def _fail_next(self) -> None:
         """A surplus answer is noticed only while no request waits: the next request fails, so that it is reported."""

@@ -16,7 +16,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Criterion, Parameter
 from worker.engine.kernels.maths import kernel
 from worker.engine.physics.space import dot3
-from worker.engine.physics.vectors import seen_from
+from worker.engine.physics.vectors import centre, difference, spatial
 
 
 class Separation(NamedTuple):
@@ -25,7 +25,7 @@ class Separation(NamedTuple):
 
 @kernel
 def sample(t: float, q: Any, v: Any, x: Any, u: Any, body: Any, p: Separation) -> tuple[float]:
-    away, _ = seen_from(q, body)
+    away = spatial(difference(q, centre(body, q)))
     return (dot3(away, away),)
 
 

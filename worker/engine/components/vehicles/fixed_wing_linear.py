@@ -68,7 +68,7 @@ class Held(NamedTuple):
 Constants = extended("Constants", Trimmed, Held)
 
 
-def solve(values: Mapping[str, float]) -> Trimmed:
+def solve(values: Mapping[str, float]) -> Any:
     """Both trims and the derivatives at the nominal parameters; NoTrim if there is no trim at one of the speeds."""
     body, speed = trim.airframe(values), values["vehicle.reference_speed"]
     about = trim.trimmed(body, speed)
@@ -80,7 +80,7 @@ def solve(values: Mapping[str, float]) -> Trimmed:
 
 
 @kernel
-def derive(p: Any, at: Trimmed) -> tuple[float, ...]:
+def derive(p: Any, at: Any) -> tuple[float, ...]:
     lighter = at.m / p.m
     return (
         *at[0:11],

@@ -51,9 +51,7 @@ def search(space: Space, options: Options) -> Search:
 def _descend(space: Space, population: int, deviation: float, most: float = np.inf) -> Generator[Floats, Batch, int]:
     """One run of the strategy from a random point; returns its evaluations."""
     start = space.random.random(space.dimension)
-    best = Lowest(start)
-    text = "the search ended"
-    try:
+    with Lowest(space, start) as best:
         running = strategy(start, deviation, population, space.random)
         while best.evaluations < most:
             with warnings.catch_warnings():
@@ -68,13 +66,11 @@ def _descend(space: Space, population: int, deviation: float, most: float = np.i
                 running.tell(generation, last(values).tolist())
                 stopped = running.stop()
             if stopped:
-                text = ending(stopped)
+                best.text = ending(stopped)
                 break
         else:
-            text = "its share of the evaluations is used up"
-        return best.evaluations
-    finally:
-        best.report(space, text)
+            best.text = "its share of the evaluations is used up"
+    return best.evaluations
 
 
 method = Method(

@@ -54,13 +54,9 @@ def search(space: Space, options: Options) -> Search:
 
 
 def _gather(space: Space, options: Options) -> Search:
-    best = Lowest()
-    text = "the search ended"
-    try:
-        text = yield from called_back(lambda ask: _run(ask, space, options, best))
-        return text
-    finally:
-        best.report(space, text)
+    with Lowest(space) as best:
+        best.text = yield from called_back(lambda ask: _run(ask, space, options, best))
+    return best.text
 
 
 def _run(ask: Ask, space: Space, options: Options, best: Lowest) -> str:

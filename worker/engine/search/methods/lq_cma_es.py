@@ -117,9 +117,8 @@ def _descend(
     space: Space, start: Floats, deviation: float, population: int, options: Options, explored: Explored
 ) -> Generator[Floats, Batch, None]:
     """One run of the strategy from a point, with a model of its own."""
-    best, progress = Lowest(start), Progress(LATELY * space.dimension)
-    text = "the search ended"
-    try:
+    progress = Progress(LATELY * space.dimension)
+    with Lowest(space, start) as best:
         tested = _model(start, deviation, population, options, explored)
         running = strategy(start, deviation, population, space.random, options.step)
         while True:
@@ -135,15 +134,13 @@ def _descend(
             narrow = options.initial > 0 and float(np.max(running.stds)) < NARROW
             ended = ending(stopped) if stopped else _ended(progress, explored) if narrow else None
             if ended is not None:
-                text = ended
-                return
+                best.text = ended
+                break
             with _quiet():
                 lowest = tested.lowest()
                 if lowest is not None:
                     running.inject([lowest])
-    finally:
-        explored.visit(start if best.point is None else best.point)
-        best.report(space, text)
+    explored.visit(start if best.point is None else best.point)
 
 
 def _model(start: Floats, deviation: float, population: int, options: Options, explored: Explored) -> Tested:

@@ -28,14 +28,10 @@ OWN = Ended("library", "the library's own rule stopped the search")
 
 def optimised(space: Space, build: Callable[[], Any]) -> Search:
     """Run the optimiser returned by `build` on the unit cube until it ends; reports its lowest point."""
-    best = Lowest()
-    text = "the search ended"
     seed = int(space.random.integers(1, 2**31))
-    try:
-        text = yield from called_back_in_thread(lambda ask: _run(ask, space.dimension, build, best, seed))
-        return text
-    finally:
-        best.report(space, text)
+    with Lowest(space) as best:
+        best.text = yield from called_back_in_thread(lambda ask: _run(ask, space.dimension, build, best, seed))
+    return best.text
 
 
 def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed: int) -> str:

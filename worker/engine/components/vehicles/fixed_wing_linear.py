@@ -76,7 +76,7 @@ def solve(values: Mapping[str, float]) -> Any:
     table = trim.derivatives(body, speed, about)
     entries = [float(table["XYZLMN".index(axis), trim.STATES.index(state)]) for axis, state in DERIVATIVES]
     start = trim.trimmed(body, values["start.speed"])
-    return Trimmed(*start, body.m, body.C_mde, body.C_dt, u_0, w_0, *about, *entries)
+    return Trimmed._make((*start, body.m, body.C_mde, body.C_dt, u_0, w_0, *about, *entries))
 
 
 @kernel

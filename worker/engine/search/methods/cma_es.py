@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from worker.engine.search.base import Batch, Floats, Method, MethodLook, Search, Space
-from worker.engine.search.parts.lowest import Lowest
+from worker.engine.search.parts.lowest import Reported
 from worker.engine.search.parts.pycma import ending, last, strategy
 
 
@@ -51,7 +51,7 @@ def search(space: Space, options: Options) -> Search:
 def _descend(space: Space, population: int, deviation: float, most: float = np.inf) -> Generator[Floats, Batch, int]:
     """One run of the strategy from a random point; returns its evaluations."""
     start = space.random.random(space.dimension)
-    with Lowest(space, start) as best:
+    with Reported(space, start) as best:
         running = strategy(start, deviation, population, space.random)
         while best.evaluations < most:
             with warnings.catch_warnings():

@@ -31,7 +31,7 @@ from pydantic import Field
 
 from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
 from worker.engine.search.parts.explored import Explored
-from worker.engine.search.parts.lowest import Lowest
+from worker.engine.search.parts.lowest import Lowest, Reported
 from worker.engine.search.parts.one_thread import one_thread
 from worker.engine.search.parts.progress import Progress
 from worker.engine.search.parts.pycma import STOPS, ending, last, strategy
@@ -118,7 +118,7 @@ def _descend(
 ) -> Generator[Floats, Batch, None]:
     """One run of the strategy from a point, with a model of its own."""
     progress = Progress(LATELY * space.dimension)
-    with Lowest(space, start) as best:
+    with Reported(space, start) as best:
         tested = _model(start, deviation, population, options, explored)
         running = strategy(start, deviation, population, space.random, options.step)
         while True:

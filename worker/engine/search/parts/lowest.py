@@ -8,13 +8,9 @@ from worker.engine.search.base import Floats, Minimum, Space
 
 
 class Lowest:
-    """The lowest point so far, its cost (infinity: none), and the number of evaluations.
+    """The lowest point so far, its cost (infinity: none), and the number of evaluations."""
 
-    As a context manager it reports the point, if there is one, as a minimum; `text` then says how the search ended.
-    """
-
-    def __init__(self, space: Space, start: Floats | None = None) -> None:
-        self.space, self.start, self.text = space, start, "the search ended"
+    def __init__(self) -> None:
         self.point: Floats | None = None
         self.cost = np.inf
         self.evaluations = 0
@@ -26,7 +22,15 @@ class Lowest:
         if values[low] < self.cost:
             self.cost, self.point = float(values[low]), points[low].copy()
 
-    def __enter__(self) -> Lowest:
+
+class Reported(Lowest):
+    """A context whose lowest point, if there is one, is reported as a minimum at its end; `text`: how it ended."""
+
+    def __init__(self, space: Space, start: Floats | None = None) -> None:
+        super().__init__()
+        self.space, self.start, self.text = space, start, "the search ended"
+
+    def __enter__(self) -> Reported:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -102,7 +102,6 @@ def _library(function: Any) -> Any:
 
 @intrinsic
 def _call(context, system, what, t, b, at, to, y, p):  # type: ignore[no-untyped-def]
-    """`stepper.call` for a system given by address."""
     signature = types.float64(system, types.int64, t, b, types.int64, types.int64, y, p)
 
     def codegen(context, builder, signature, arguments):  # type: ignore[no-untyped-def]

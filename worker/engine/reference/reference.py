@@ -106,7 +106,6 @@ class Reference:
         fly(system.address, *where, states, channels, parameters, np.zeros(4), found)
 
     def _judged(self, found: Floats) -> Flight:
-        """The output of `flight.fly` as a `Flight`."""
         from worker.engine.reference import flight  # imported late: a campaign's process must start fast
 
         cost, code, when, since, why, noticed = (float(v) for v in found)

@@ -98,7 +98,6 @@ def initial(s: Scenario) -> None:
 
 
 def _woken(s: Scenario, f: Function, prefixes: list[str]) -> str:
-    """The expression for the initial states of these components."""
     return " + ".join(f.call(prefix, s.component[prefix].wake) for prefix in prefixes if s.component[prefix].states)
 
 

@@ -15,17 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from campaigns.effort import Descents
-from worker.engine.search.base import (
-    Ended,
-    Floats,
-    Method,
-    MethodLook,
-    Minimum,
-    Parallel,
-    Search,
-    Space,
-    side_by_side,
-)
+from worker.engine.search.base import Ended, Floats, Method, MethodLook, Minimum, Parallel, Search, Space, side_by_side
 from worker.engine.search.parts.descent import Settings, descend
 
 

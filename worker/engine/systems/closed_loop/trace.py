@@ -109,8 +109,6 @@ def _known(cost: float) -> float | None:
 
 
 class _Seen:
-    """The observed columns of one simulation, by kind."""
-
     def __init__(self, flights: Flights, columns: Floats, vector: Floats) -> None:
         self.flights, self.columns, self.vector = flights, columns, vector
         obstacles = flights.parts.obstacles

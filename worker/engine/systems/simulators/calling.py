@@ -191,7 +191,6 @@ def _inner(call: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _only(value: Any) -> Any:
-    """The one element of an array (1,)."""
     shape = getattr(value, "shape", None)
     if shape != (1,):
         shown = described(value) if shape is None else f"an array of shape {tuple(shape)}"

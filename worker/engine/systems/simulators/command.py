@@ -100,7 +100,6 @@ class CommandSimulator(Spread):
         return self.described.descriptor.drawn if isinstance(self.described, DescribedProgram) else None
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
-        """The result that decides, or why there is none."""
         if outcome.kind != "ok":
             return math.nan, outcome.sentence
         return number(_results(outcome.answer), self.results[0].name)

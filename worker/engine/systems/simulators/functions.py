@@ -54,7 +54,6 @@ class _OfFunction(Simulated):
         return self.files_digest
 
     def _batch(self, values: ArrayLike, failed: Reasons) -> tuple[Batch, Reasons]:
-        """Values (m,) as a batch."""
         costs = np.array(values, dtype=np.float64)[:, None]
         status = np.full(len(costs), OK, dtype=np.uint8)
         if failed:
@@ -204,7 +203,6 @@ class Isolated(_OfFunction, Spread):
         return Program(command, "framed", named, str(work / "{slot}"))
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
-        """The result that decides, or why there is none."""
         if outcome.kind != "ok":
             return np.nan, outcome.sentence
         answer = outcome.answer["results"]

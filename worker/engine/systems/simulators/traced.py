@@ -53,7 +53,6 @@ def read(name: str, columns: Mapping[str, Column], answer: Any, of: TraceHead) -
 
 
 def _rows(columns: Mapping[str, Column], lists: Mapping[str, Any]) -> int:
-    """The number of rows, the same in all columns."""
     for column in columns:
         if not isinstance(lists[column], (list, tuple)):
             raise NoTrace(f"the column {column} of its trace is {lists[column]!r:.60}, not a list of numbers")

@@ -118,7 +118,6 @@ def read(folder: Path, document: dict[str, object]) -> DescribedFmu:
 
 
 def _recorded(descriptor: FmuDescriptor, found: Model) -> Iterator[tuple[str, Variable]]:
-    """The variables of a trace by column."""
     for name, stated in descriptor.trace.items():
         if name == TIME:
             raise Unusable("trace.time: the time of the communication points is added by itself; remove it")
@@ -175,7 +174,6 @@ def _all(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
 
 
 def _named(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
-    """The parameters that the descriptor lists."""
     taken: dict[int, str] = {}
     for name, stated in (descriptor.parameters or {}).items():
         variable = _meant(name, stated, found, descriptor.fmu)

@@ -323,7 +323,6 @@ class SlotPool(Slots):
 
 
 def _is_answer(message: object) -> bool:
-    """Whether an object has what an answer has."""
     return isinstance(message, dict) and ("results" in message or "error" in message)
 
 

@@ -18,7 +18,6 @@ _TOO_MANY = re.compile(
     r"(\w+)(?:\.__init__|\.__new__)?\(\) takes (?:from \d+ to )?(\d+) positional arguments? but (\d+)"
 )
 _UNPACK = re.compile(r"(?:not enough values to unpack|too many values to unpack) \((expected.*)\)")
-_ATTRIBUTE = re.compile(r"'?(?:type object )?'?([\w.]+)'? (?:object )?has no attribute '(\w+)'")
 
 
 def mistake(error: BaseException, file: Path, doing: str) -> Mistake:

@@ -176,15 +176,6 @@ def check(source: Source) -> None:
         )
 
 
-def named(source: Source) -> tuple[str, str] | None:
-    """The kind and the name of the component as they are written, such as ("Vehicle", "my_robot"); None if unclear."""
-    call, name = source.declaration, source.argument("name")
-    if not isinstance(call, ast.Call) or not isinstance(name, ast.Constant) or not isinstance(name.value, str):
-        return None
-    kind = _last_name(call.func)
-    return (kind, name.value) if kind in KINDS else None
-
-
 def _check_fields(cls: ast.ClassDef) -> None:
     """Fields of a NamedTuple without an annotation, which Python takes for something else."""
     if not any(_last_name(base) == "NamedTuple" for base in cls.bases):

@@ -37,8 +37,6 @@ from worker.engine.stages.parts.store import Store
 
 Execute = Callable[[Campaign, Store], Any]
 
-RUNNER = "worker.running.runs.runner:execute"
-
 
 def main() -> None:
     """Read database and runner from the input, publish the catalogue, then execute claims until the input ends.

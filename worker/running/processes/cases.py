@@ -14,16 +14,9 @@ The simulator evaluates in one slot, which ends when nothing was requested for a
 
 from __future__ import annotations
 
-from worker.running.runs import sources  # first: it records the files before they are loaded
+from worker.running.processes import answering  # first: it records the files before they are loaded
 
 # isort: split
-from worker.running.processes import blas as blas  # before numpy is loaded
-
-# isort: split
-from campaigns import heap  # next: loading is not interrupted
-
-# isort: split
-import json
 import os
 import select
 import shutil
@@ -33,12 +26,14 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from campaigns import Campaign, CampaignError, thin
+from campaigns import Campaign, thin
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
+from campaigns.documents import JsonObject
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from campaigns.stored.replies import CaseReply
@@ -48,9 +43,9 @@ from worker.engine.systems.simulators.pooled import Pooled
 from worker.running.catalogue import installed
 from worker.running.opening import opened
 from worker.running.processes import memory
-from worker.running.processes.live import finite, plain, send
+from worker.running.processes.answering import finite, plain, within
 
-heap.loaded()
+answering.loaded()
 
 IDLE = 60.0
 """Time without a request after which the processes of the simulators end [s]."""
@@ -78,21 +73,14 @@ Systems = dict[str, Opened]
 
 def main() -> None:
     """Answer requests until the input ends."""
-    # Standard output is redirected, so that output of a function does not mix with the answers.
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
+    answers = answering.private_output()
     memory.bound()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that what the simulators started ends too
     place = _place()
     tempfile.tempdir = str(place)
     systems: Systems = {}
     try:
-        send(answers, {"ready": True})
-        for line in _lines(systems):
-            if sources.stale():
-                send(answers, {"stale": True})
-                return
-            send(answers, answer(line, systems))
+        answering.serve(answers, _lines(systems), lambda line: answer(line, systems))
     finally:
         # When this closes its output, the thread that started it may end, which sends another one.
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
@@ -110,30 +98,18 @@ def _place() -> Path:
 
 
 def answer(line: str | bytes, systems: Systems) -> dict[str, object]:
-    """The response to one request; an invalid request gets a response with an error message."""
-    number = None
-    try:
-        request = json.loads(line)
-        if not isinstance(request["id"], int | str):
-            raise TypeError("id must be a whole number or text")
-        number = request["id"]
-        campaign = load_document(request["campaign"], "the campaign of a case")
-        if request.get("kind") == "installed":
-            there = campaign.digest in systems
-            return {"id": number, "missing": "" if there else missing(campaign, request["simulator"])}
-        case = _opened(campaign, request["simulator"], systems)
-        values = {path: _value(case.system, path, value) for path, value in request.get("parameters", {}).items()}
-        return {"id": number, **_evaluated(case, values, min(request.get("rows", 0), MOST_ROWS))}
-    except (CampaignError, CampaignUnusable) as error:
-        return {"id": number, "error": str(error)}
-    except MemoryError:
-        close(systems)
-        return {"id": number, "error": memory.sentence()}
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        return {"id": number, "error": f"invalid request: {type(error).__name__}: {error}"}
-    except Exception as error:
-        close(systems)
-        return {"id": number, "error": f"the evaluation failed: {type(error).__name__}: {error}"}
+    """The response to one request."""
+    respond = partial(_response, systems=systems)
+    return answering.answered(line, respond, "the evaluation", lambda error: close(systems))
+
+
+def _response(request: JsonObject, systems: Systems) -> Mapping[str, object]:
+    campaign = load_document(request["campaign"], "the campaign of a case")
+    if request.get("kind") == "installed":
+        return {"missing": "" if campaign.digest in systems else missing(campaign, request["simulator"])}
+    case = _opened(campaign, request["simulator"], systems)
+    values = {path: _value(case.system, path, value) for path, value in request.get("parameters", {}).items()}
+    return _evaluated(case, values, min(request.get("rows", 0), MOST_ROWS))
 
 
 def close(systems: Systems) -> None:
@@ -263,11 +239,7 @@ def _value(system: System, path: str, value: Any) -> float:
     limits = next((p for p in system.parameters if p.path == path), None)
     if limits is None:
         raise ValueError(f"the simulator has no parameter {path!r}")
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{path} must be a number, given {value!r}")
-    if not limits.low <= value <= limits.high:
-        raise ValueError(f"{path} must be within {limits.low:g} to {limits.high:g} {limits.unit}, given {value!r}")
-    return float(value)
+    return within(path, value, limits.low, limits.high, limits.unit)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from campaigns.capsules.capsule import FORMAT, Capsule, Floats, Origin, Trajecto
 from campaigns.capsules.sources import LARGEST as LARGEST_SOURCE
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
-from campaigns.checked.snapshot import digest_of as described_digest
+from campaigns.documents import digest_of as described_digest
 from campaigns.results import Finding
 from campaigns.results.nominal import Measured
 from campaigns.version import VERSION

@@ -6,15 +6,14 @@ reports the differences from the present catalogue.
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, SimulatorEntry
 from campaigns.checked.check import parameters, parts
 from campaigns.documents import JsonObject
+from campaigns.documents import digest_of as digest_of
 
 _WORDS = {
     "title": "title",
@@ -55,12 +54,6 @@ def snapshot(campaign: Campaign, catalogue: Catalogue) -> Catalogue:
         methods=[m for m in catalogue.methods if m.name in asked],
         simulators=[s for s in catalogue.simulators if campaign.simulator and s.name == campaign.simulator.name],
     )
-
-
-def digest_of(document: Mapping[str, Any]) -> str:
-    """SHA-256 over the canonical JSON form of a snapshot's document, 64 hexadecimal digits."""
-    canonical = json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()
 
 
 def changes(then: Catalogue, now: Catalogue) -> list[str]:

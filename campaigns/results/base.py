@@ -15,17 +15,13 @@ from campaigns.claims import earlier, spans
 from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
 from campaigns.codes import StopCode
-from campaigns.documented import Documented
+from campaigns.documented import UNLESS_EMPTY, Documented
 
 Values = dict[str, float]
 """Values by the path of a parameter, in its unit."""
 
 
-def _nothing(given: object) -> bool:
-    return not given
-
-
-Untraced = Annotated[dict[str, str], Field(exclude_if=_nothing)]
+Untraced = Annotated[dict[str, str], UNLESS_EMPTY]
 """Of a simulator that gives traces: why there is none of a case, by its name; omitted if it is empty."""
 
 

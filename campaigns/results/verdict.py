@@ -10,6 +10,7 @@ from pydantic import Field, computed_field, model_validator
 
 from campaigns.claims.spans import Spans, values, words
 from campaigns.codes import CheckCode
+from campaigns.documented import UNLESS_EMPTY
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
 from campaigns.results.regression import OptionalRegression
 from campaigns.results.sample import Noise, QuantileBound
@@ -91,7 +92,7 @@ class Counts(Result):
     excluded: int
     violating: int = 0
     lowest: float | None = None
-    flaky: Annotated[int, Field(exclude_if=lambda given: not given)] = 0
+    flaky: Annotated[int, UNLESS_EMPTY] = 0
     """Succeeded only when a call of a simulator that had failed was tried again; omitted if there are none."""
 
 

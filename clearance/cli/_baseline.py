@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clearance.cli import WrongInputError
-from clearance.cli._where import existing_url_of
+from clearance.cli._where import existing_url_of, reading
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -21,7 +21,7 @@ def compared(campaign: Campaign, given: str, data: Path, database: str) -> tuple
     given: a folder of `clearance run --out`, R-0001, or label:KEY=VALUE. If no run has the label, the campaign is
     unchanged, and the sentence states so.
     """
-    from backend.db.engine import connect, migrate, read
+    from backend.db.engine import migrate
     from campaigns.results.baselines import CannotCompare, with_baseline
     from clearance.cli.replay import of_folder
 
@@ -34,12 +34,8 @@ def compared(campaign: Campaign, given: str, data: Path, database: str) -> tuple
 
         url = existing_url_of(data, database)
         migrate(url)
-        engine = connect(url)
-        try:
-            with read(engine) as reader:
-                found = baselines.resolved(reader, campaign, given)
-        finally:
-            engine.dispose()
+        with reading(url) as reader:
+            found = baselines.resolved(reader, campaign, given)
         return found.campaign, found.sentence
     except CannotCompare as error:
         raise WrongInputError(f"{error}") from None

@@ -37,6 +37,7 @@ def runs(
     import itertools
     import json
 
+    from clearance.cli._following import aligned
     from clearance.cli._service import opened
 
     several = {"label": label, "state": state, "verdict": verdict, "campaign": campaign, "owner": owner, "tag": tag}
@@ -49,7 +50,7 @@ def runs(
     elif not listed:
         typer.echo("No runs", err=True)
     else:
-        typer.echo("\n".join(_aligned([_row(run) for run in listed])))
+        typer.echo("\n".join(aligned([_row(run) for run in listed])))
 
 
 def _row(run: Run) -> list[str]:
@@ -65,8 +66,3 @@ def _row(run: Run) -> list[str]:
         plain(run.name),
         labels,
     ]
-
-
-def _aligned(rows: list[list[str]]) -> list[str]:
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]

@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from clearance.cli import _evaluator as evaluators
-from clearance.cli._where import DATA, Data, Database, url_of
+from clearance.cli._where import DATA, Data, Database, reading, url_of
 
 
 def worker(
@@ -54,8 +54,6 @@ def worker(
 
 def _alive(data: Path, database: str) -> bool:
     from backend.db import workers
-    from backend.db.engine import connect, read
 
-    engine = connect(url_of(data, database))
-    with read(engine) as connection:
+    with reading(url_of(data, database)) as connection:
         return workers.alive(connection, socket.gethostname())

@@ -21,8 +21,8 @@ baseline is worse; not_compared: a finding of the baseline could not be evaluate
 DEFAULT: list[FailOn] = ["violation", "new_violation"]
 
 
-def _distinct(given: list[FailOn]) -> list[FailOn]:
-    return list(dict.fromkeys(given))
+def _distinct(changes: list[FailOn]) -> list[FailOn]:
+    return list(dict.fromkeys(changes))
 
 
 class Policy(Strict):

@@ -33,15 +33,15 @@ def _id(text: str) -> str:
     return text
 
 
-def _named(given: Any) -> Any:
+def _named(reference: Any) -> Any:
     """`REQ-1` is short for `{id: REQ-1}`."""
-    return {"id": given} if isinstance(given, str) else given
+    return {"id": reference} if isinstance(reference, str) else reference
 
 
-def _once(given: list[RequirementRef]) -> list[RequirementRef]:
-    if twice := repeated(one.id for one in given):
+def _once(references: list[RequirementRef]) -> list[RequirementRef]:
+    if twice := repeated(one.id for one in references):
         raise ValueError(f"{twice} is given twice; name a requirement once")
-    return given
+    return references
 
 
 RequirementId = Annotated[str, Field(min_length=1, max_length=LONGEST_ID), AfterValidator(_id)]
@@ -67,9 +67,9 @@ def question(document: Mapping[str, Any]) -> str:
 
     Without the threshold as well: a value that violates a threshold violates every higher one.
     """
-    asked = {key: document[key] for key in _ASKED if document.get(key)}
-    asked["criterion"] = {k: v for k, v in (document.get("criterion") or {}).items() if k not in _STATED}
-    return digest_of(asked)
+    content = {key: document[key] for key in _ASKED if document.get(key)}
+    content["criterion"] = {k: v for k, v in (document.get("criterion") or {}).items() if k not in _STATED}
+    return digest_of(content)
 
 
 def definition(document: Mapping[str, Any]) -> str:

@@ -116,13 +116,13 @@ class Criterion(Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _of_a_simulator(cls, given: Any) -> Any:
+    def _of_a_simulator(cls, document: Any) -> Any:
         """A result takes the place of the component."""
-        if isinstance(given, Mapping) and given.get("result") is not None:
-            if given.get("component"):
+        if isinstance(document, Mapping) and document.get("result") is not None:
+            if document.get("component"):
                 raise ValueError("give either component (of a scenario) or result (of a simulator), not both")
-            return {**given, "component": ""}
-        return given
+            return {**document, "component": ""}
+        return document
 
 
 class Encounter(Strict):
@@ -180,11 +180,11 @@ class Campaign(Strict):
     """If given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
     from the first plain random search."""
     confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = limits.CONFIDENCE
-    encounter: Annotated[Encounter, Field(exclude_if=lambda given: not given.intended)] = Encounter()
+    encounter: Annotated[Encounter, Field(exclude_if=lambda value: not value.intended)] = Encounter()
     """Omitted from the canonical form if empty, so campaigns without it keep their digests."""
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []
-    regression: Annotated[Policy, Field(exclude_if=lambda given: given.usual, json_schema_extra=no_default)] = Policy()
+    regression: Annotated[Policy, Field(exclude_if=lambda value: value.usual, json_schema_extra=no_default)] = Policy()
     """Omitted from the canonical form if usual, so campaigns without it keep their digests."""
     baseline: Annotated[Baseline | None, UNSTATED] = None
     """Added by a launch with a baseline; its findings are evaluated after the nominal case."""

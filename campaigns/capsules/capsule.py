@@ -85,7 +85,7 @@ class Capsule(Part):
     """SHA-256 of this document without this key, as canonical JSON."""
 
     @property
-    def asked(self) -> Campaign:
+    def specification(self) -> Campaign:
         """The campaign; raises `CampaignError`."""
         return load_document(self.campaign, "the campaign of the capsule")
 

@@ -220,7 +220,7 @@ def _printable(value: object) -> None:
 def _consistent(capsule: Capsule) -> None:
     """What the document states of itself is true: its digests, and that the finding is one of the campaign."""
     try:
-        campaign = capsule.asked
+        campaign = capsule.specification
     except CampaignError as error:
         raise CapsuleError(f"its campaign cannot be read: {error}") from None
     if campaign.digest != capsule.campaign_digest:

@@ -47,11 +47,11 @@ _GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}
 def snapshot(campaign: Campaign, catalogue: Catalogue) -> Catalogue:
     """The entries that the campaign uses, in the catalogue's order; entries missing from the catalogue are omitted."""
     used = {(role, part.component) for _, _, role, part in parts(campaign)}
-    asked = {search.method for search in campaign.stages.search}
+    searched = {search.method for search in campaign.stages.search}
     return Catalogue(
         version=catalogue.version,
         components=[c for c in catalogue.components if (c.role, c.name) in used],
-        methods=[m for m in catalogue.methods if m.name in asked],
+        methods=[m for m in catalogue.methods if m.name in searched],
         simulators=[s for s in catalogue.simulators if campaign.simulator and s.name == campaign.simulator.name],
     )
 

@@ -46,10 +46,10 @@ def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parameter
 
 
 def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> Iterator[Problem]:
-    given = uncertain.distribution
-    middle = {"mode": given.mode} if isinstance(given, Triangular) else {}
-    if isinstance(given, Normal | TruncatedNormal):
-        middle = {"mean": given.mean}
+    distribution = uncertain.distribution
+    middle = {"mode": distribution.mode} if isinstance(distribution, Triangular) else {}
+    if isinstance(distribution, Normal | TruncatedNormal):
+        middle = {"mean": distribution.mean}
     for name, value in middle.items():
         if not texts.within(value, low, high):
             yield Problem(f"{field}.distribution.{name}", texts.given(value), f"must be within {low:g} to {high:g}")

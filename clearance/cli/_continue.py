@@ -75,11 +75,11 @@ class _Earlier:
 def execute_continued(run: str, budget: str, data: Path, database: str, execute: Execute) -> Continued:
     """Extend a run with `execute(campaign, store, cancelled)`; raises `WrongInputError` if that is impossible."""
     try:
-        asked = Budget.read(budget)
+        wanted = Budget.read(budget)
         run_id = stored_run(run)
         if run_id is not None:
-            return _of_database(run_id, asked, existing_url_of(data, database), execute)
-        return _of_folder(Path(run), asked, execute)
+            return _of_database(run_id, wanted, existing_url_of(data, database), execute)
+        return _of_folder(Path(run), wanted, execute)
     except (CannotContinue, ReplayMismatch) as error:
         raise WrongInputError(f"{run} cannot be extended: {error}") from None
 

@@ -36,14 +36,14 @@ def follow_to_the_end(
     run: str,
     out: Path | None,
     as_json: bool,
-    given: Launch,
+    launch: Launch,
     reused: str | None = None,
     cancel: bool = False,
     source: Source | None = None,
 ) -> int:
     """Show a run until it has ended, save its files; returns the exit code.
 
-    given: the files of a CI job; reused: why the run is an earlier one; cancel: an interrupt cancels the run; source:
+    launch: the files of a CI job; reused: why the run is an earlier one; cancel: an interrupt cancels the run; source:
     the campaign file.
     """
     from clearance.client import UnreachableError
@@ -59,8 +59,8 @@ def follow_to_the_end(
     ended = _as_ended(service, found, reused)
     # Before the files, which the service may be unable to deliver.
     typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_ended(service, found, ended)))
-    if given.wanted:
-        write_files(_complete(service, ended, given, out, source), given)
+    if launch.wanted:
+        write_files(_complete(service, ended, launch, out, source), launch)
     if out is not None:
         save(service, run, out, FILES)
         typer.echo(f"Files in {out}", err=True)
@@ -135,13 +135,13 @@ def superseded(found: Run) -> str:
     return f"{found.superseded_by} superseded it in the group {found.group}"
 
 
-def _complete(service: Client, ended: EndedRun, given: Launch, out: Path | None, source: Source | None) -> EndedRun:
+def _complete(service: Client, ended: EndedRun, launch: Launch, out: Path | None, source: Source | None) -> EndedRun:
     """The run with what only its files state: findings, the campaign's text, the picture of the worst case."""
     cases = tuple(Case(f.label, f.cost, f.margin, f.parameters) for f in service.findings(ended.run))
-    if given.sarif is not None and source is None:
+    if launch.sarif is not None and source is None:
         address = f"{service.address}/api/v1/runs/{ended.run}/campaign.yaml"
         source = Source(address, service.campaign_text(ended.run))
-    picture = "" if given.summary is None or not cases else _picture(service, ended.run, given.summary, out)
+    picture = "" if launch.summary is None or not cases else _picture(service, ended.run, launch.summary, out)
     return replace(ended, findings=cases, source=source, picture=picture)
 
 

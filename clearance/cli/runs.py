@@ -41,7 +41,7 @@ def runs(
     from clearance.cli._service import opened
 
     several = {"label": label, "state": state, "verdict": verdict, "campaign": campaign, "owner": owner, "tag": tag}
-    filters: dict[str, Any] = {name: tuple(given or ()) for name, given in several.items()}
+    filters: dict[str, Any] = {name: tuple(values or ()) for name, values in several.items()}
     with opened(service, token_file, patience) as client:
         found = client.runs(words, **filters)
         listed = list(itertools.islice(found, limit))

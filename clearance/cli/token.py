@@ -34,8 +34,8 @@ def create(
     """Create a token and print it: the only time it is shown. Send it as `Authorization: Bearer TOKEN`."""
     with opened(data, database, create=True) as connection:
         token = access.create_token(connection, name, owner, scope, None if days is None else days * 86400.0)
-        told = {"owner": owner, "scope": scope, "days": days}
-        audit.note_command(connection, operator(), "token.created", name, told)
+        details = {"owner": owner, "scope": scope, "days": days}
+        audit.note_command(connection, operator(), "token.created", name, details)
     typer.echo(f"Token {name!r}, shown only once:", err=True)
     typer.echo(token)
 

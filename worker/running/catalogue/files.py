@@ -146,14 +146,14 @@ def _described(file: str, digest: str) -> tuple[PythonFunction, ...] | str:
     return tuple(found)
 
 
-def _restored(given: JsonObject) -> Declaration:
+def _restored(document: JsonObject) -> Declaration:
     return Declaration(
-        given["name"],
-        given["title"],
-        given["text"],
-        {name: Parameter(**p) for name, p in given["parameters"].items()},
-        {name: Output(**r) for name, r in given["results"].items()},
-        Settings(**given["settings"]),
-        {name: Column(**c) for name, c in given["trace"].items()},
-        given["scene"],
+        document["name"],
+        document["title"],
+        document["text"],
+        {name: Parameter(**p) for name, p in document["parameters"].items()},
+        {name: Output(**r) for name, r in document["results"].items()},
+        Settings(**document["settings"]),
+        {name: Column(**c) for name, c in document["trace"].items()},
+        document["scene"],
     )

@@ -260,8 +260,8 @@ def _declaration(file: Path) -> ast.Call | None:
 
 def _name(file: Path) -> ast.Constant | None:
     call = _declaration(file)
-    given = [] if call is None else [k.value for k in call.keywords if k.arg == "name"]
-    return next((value for value in given if isinstance(value, ast.Constant)), None)
+    values = [] if call is None else [k.value for k in call.keywords if k.arg == "name"]
+    return next((value for value in values if isinstance(value, ast.Constant)), None)
 
 
 def declared_as(file: Path) -> tuple[str, str] | None:

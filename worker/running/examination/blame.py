@@ -108,8 +108,8 @@ def _called(text: str) -> str:
     return f"TypeError: {text}"
 
 
-def _field(kind: str, given: str) -> str:
+def _field(kind: str, name: str) -> str:
     from worker.engine.kernels import component
 
     fields = getattr(getattr(component, kind, None), "__dataclass_fields__", None)
-    return meant(given, fields) if fields else "correct the name"
+    return meant(name, fields) if fields else "correct the name"

@@ -121,7 +121,7 @@ def close(systems: Systems) -> None:
 
 def _lines(systems: Systems) -> Iterator[bytes]:
     """The lines of the input; without one for a while, the processes of the simulators end."""
-    reading, held = sys.stdin.fileno(), b""
+    reading, pending = sys.stdin.fileno(), b""
     while True:
         if not select.select([reading], [], [], IDLE if systems else None)[0]:
             close(systems)
@@ -129,7 +129,7 @@ def _lines(systems: Systems) -> Iterator[bytes]:
         received = os.read(reading, 65536)
         if not received:
             return
-        *lines, held = (held + received).split(b"\n")
+        *lines, pending = (pending + received).split(b"\n")
         yield from lines
 
 
@@ -211,7 +211,7 @@ def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     vector = system.nominal.copy()
     for path, value in values.items():
         vector[system.names[path]] = value
-    given = {p.path: float(v) for p, v in zip(system.parameters, vector, strict=False)}
+    parameters = {p.path: float(v) for p, v in zip(system.parameters, vector, strict=False)}
     try:
         trace = system.trace("case", values)
         if trace is not None:
@@ -219,7 +219,7 @@ def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     except NoTrace as error:
         if isinstance(error, NoResult) and error.timeout:
             # A failure may be one of the trace alone, which is found out by evaluating without it.
-            head = TraceHead(parameters=given, status=Status.TIMEOUT, reason=error.reason)
+            head = TraceHead(parameters=parameters, status=Status.TIMEOUT, reason=error.reason)
             return time.monotonic() - began, _Found(head)
         why = str(error)
     began = time.monotonic()
@@ -228,9 +228,9 @@ def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     good = int(batch.status[0]) == OK
     cost = float(batch.costs[0, 0]) if good else None
     result = system.results[0]
-    own = cost if cost is None or result.worse == "low" else 0.0 - cost
+    own = {result.name: cost if cost is None or result.worse == "low" else 0.0 - cost}
     status = STATUS[int(batch.status[0])]
-    head = TraceHead(parameters=given, status=status, reason=reasons.get(0, ""), cost=cost, values={result.name: own})
+    head = TraceHead(parameters=parameters, status=status, reason=reasons.get(0, ""), cost=cost, values=own)
     return seconds, _Found(head, untraced=why if good else "")
 
 

@@ -60,12 +60,14 @@ def changes(then: Catalogue, now: Catalogue) -> list[str]:
     """The differences between another catalogue and a snapshot's entries, as clauses; the version is not compared."""
     found: list[str] = []
     for component in then.components:
-        called = f"the {component.role} {component.name}"
-        found += _component(called, component, now.component(component.role, component.name))
+        called, here = f"the {component.role} {component.name}", now.component(component.role, component.name)
+        found += [_gone(called)] if here is None else _component(called, component, here)
     for method in then.methods:
-        found += _method(f"the method {method.name}", method, now.method(method.name))
+        called, same = f"the method {method.name}", now.method(method.name)
+        found += [_gone(called)] if same is None else _method(called, method, same)
     for simulator in then.simulators:
-        found += _simulator(f"the simulator {simulator.name}", simulator, now.simulator(simulator.name))
+        called, own = f"the simulator {simulator.name}", now.simulator(simulator.name)
+        found += [_gone(called)] if own is None else _simulator(called, simulator, own)
     return found
 
 
@@ -87,10 +89,7 @@ def values_changed(campaign: Campaign, then: Catalogue, now: Catalogue) -> list[
     return found
 
 
-def _component(called: str, then: ComponentEntry, now: ComponentEntry | None) -> Iterator[str]:
-    if now is None:
-        yield _gone(called)
-        return
+def _component(called: str, then: ComponentEntry, now: ComponentEntry) -> Iterator[str]:
     yield from _fields(called, then, now, ("parameters", "starts", "goals", "role", "name", "look"))
     for group in _GROUPS:
         yield from _parameters(called, then, now, group)
@@ -124,10 +123,7 @@ def _parameter(called: str, then: ParameterEntry, now: ParameterEntry) -> Iterat
             yield f"the {field} of {called} was “{was}”, here it is “{is_}”"
 
 
-def _method(called: str, then: MethodEntry, now: MethodEntry | None) -> Iterator[str]:
-    if now is None:
-        yield _gone(called)
-        return
+def _method(called: str, then: MethodEntry, now: MethodEntry) -> Iterator[str]:
     yield from _fields(called, then, now, ("name", "options", "look", *_ADVICE))
     before, after = _options(then), _options(now)
     for name in {**before, **after}:
@@ -139,10 +135,7 @@ def _method(called: str, then: MethodEntry, now: MethodEntry | None) -> Iterator
             yield f"the option {name} of {called}: {what}"
 
 
-def _simulator(called: str, then: SimulatorEntry, now: SimulatorEntry | None) -> Iterator[str]:
-    if now is None:
-        yield _gone(called)
-        return
+def _simulator(called: str, then: SimulatorEntry, now: SimulatorEntry) -> Iterator[str]:
     if (then.title, then.text) != (now.title, now.text):
         yield f"the text of {called} is different here"
     if then.results != now.results:

@@ -29,15 +29,11 @@ class ReferenceCost(Result):
     """Why it has no cost."""
 
 
-class Repeated(Result):
+class Repeated(ReferenceCost):
     """The same case in a fresh evaluation."""
 
     name: str
     """How it was evaluated again."""
-    cost: float | None
-    difference: float | None
-    reason: str = ""
-    """Why it has no cost."""
 
 
 class Calls(Described):

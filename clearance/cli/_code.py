@@ -59,6 +59,14 @@ def read(file: Path, allowed: bool) -> Campaign:
     return campaign
 
 
+def report_unusable() -> None:
+    """Report the simulators that were skipped: one of them may be the one that the campaign names."""
+    from worker.running.catalogue.files import unusable_simulators
+
+    for problem in unusable_simulators():
+        typer.echo(f"a simulator is skipped: {problem}", err=True)
+
+
 def of_results(run: str, allowed: bool) -> None:
     """Install the command of a run that is to be extended, if its campaign file gave one and that is allowed.
 

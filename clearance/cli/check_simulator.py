@@ -82,14 +82,13 @@ def check_simulator(
 
 def _entry(name: str) -> SimulatorEntry:
     from campaigns.checked import texts
-    from worker.engine.systems.simulators.declared.descriptor import unusable
-    from worker.running.catalogue.files import unusable_files
+    from worker.running.catalogue.files import unusable_simulators
     from worker.running.catalogue.installed import catalogue
 
     known = catalogue()
     entry = known.simulator(name)
     if entry is None:
-        for problem in [*unusable(), *unusable_files()]:
+        for problem in unusable_simulators():
             typer.echo(problem, err=True)
         names = [s.name for s in known.simulators]
         raise WrongInputError(f"no simulator {name!r} in this installation; {texts.known(name, names)}")

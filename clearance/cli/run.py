@@ -21,7 +21,6 @@ from clearance.cli import _evaluator as evaluators
 from clearance.cli import _launch as launch
 from clearance.cli._ended import Case, EndedRun, Source, write_files
 from clearance.cli._out import writable
-from clearance.cli._skipped import report_unusable
 from clearance.cli._where import DATA, Data, Database
 from clearance.local import interrupt
 
@@ -168,7 +167,7 @@ def _fresh(file: Path, campaign: Campaign, execute: Execute) -> tuple[Campaign, 
 
     if problems := check(campaign, catalogue()):
         if any(problem.field == "simulator.name" for problem in problems):
-            report_unusable()
+            code.report_unusable()
         raise CampaignError(str(file), problems)
     store = MemoryStore()
     try:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, opened
 
 if TYPE_CHECKING:
     from clearance.client.answers import Run
@@ -38,7 +38,6 @@ def runs(
     import json
 
     from clearance.cli._following import aligned
-    from clearance.cli._service import opened
 
     several = {"label": label, "state": state, "verdict": verdict, "campaign": campaign, "owner": owner, "tag": tag}
     filters: dict[str, Any] = {name: tuple(values or ()) for name, values in several.items()}

@@ -14,8 +14,8 @@ import typer
 
 from clearance.cli import WrongInputError
 from clearance.cli import _launch as launch
-from clearance.cli._following import AsJson, Out
-from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+from clearance.cli._following import AsJson, Out, follow_to_the_end
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, opened
 
 if TYPE_CHECKING:
     from clearance.client.answers import Submitted
@@ -65,9 +65,7 @@ def submit(
     from campaigns.asked.load import load_text, read_text
     from clearance.cli._campaign import found
     from clearance.cli._ended import Source
-    from clearance.cli._following import follow_to_the_end
     from clearance.cli._out import writable
-    from clearance.cli._service import opened
     from clearance.cli._sweep import parsed
     from clearance.cli._sweep import sweep as launched
     from clearance.local.interrupt import terminated

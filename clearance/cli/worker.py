@@ -33,8 +33,7 @@ def worker(
     from backend.db.engine import migrate
     from backend.db.private import UMASK
     from worker.engine.kernels import jit
-    from worker.engine.systems.simulators.declared.descriptor import unusable
-    from worker.running.catalogue.files import unusable_files
+    from worker.running.catalogue.files import unusable_simulators
     from worker.running.processes.supervisor import Supervisor, default_name
 
     if check:
@@ -44,7 +43,7 @@ def worker(
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     os.umask(UMASK)
-    for problem in [*unusable(), *unusable_files()]:
+    for problem in unusable_simulators():
         logging.warning("a simulator is skipped: %s", problem)
     url = url_of(data, database)
     migrate(url)

@@ -11,7 +11,7 @@ import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from clearance.function.result import Result
 from worker.engine.systems.simulators.declared.function import (
@@ -26,9 +26,6 @@ from worker.engine.systems.simulators.declared.function import (
     finite,
     only_loaded,
 )
-
-if TYPE_CHECKING:
-    pass
 
 PER_PARAMETER = 500
 """Evaluations of each search, for each parameter."""

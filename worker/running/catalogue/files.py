@@ -16,7 +16,7 @@ from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.documents import JsonObject
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.described import Described
-from worker.engine.systems.simulators.declared.descriptor import folders, listed
+from worker.engine.systems.simulators.declared.descriptor import folders, listed, unusable
 from worker.engine.systems.simulators.declared.folder import digest_of_place
 from worker.engine.systems.simulators.declared.function import (
     DESCRIBING,
@@ -88,6 +88,11 @@ def listed_files() -> Iterator[PythonFunction | BadFile]:
                 yield from read_file(file)
             except BadFile as error:
                 yield error
+
+
+def unusable_simulators() -> list[str]:
+    """What is wrong with the descriptors and Python files in the operator's folders, a sentence each."""
+    return [*unusable(), *unusable_files()]
 
 
 def unusable_files() -> list[str]:

@@ -1,19 +1,7 @@
-"""What the processes that answer requests share: a line of JSON for each, and `stale` once the code has changed.
-
-They import this first: it records the files before they are loaded, and loading is not interrupted.
-"""
+"""What the processes that answer requests share: a line of JSON for each, and `stale` once the code has changed."""
 
 from __future__ import annotations
 
-from worker.running.runs import sources  # first: it records the files before they are loaded
-
-# isort: split
-from worker.running.processes import blas as blas  # before numpy is loaded
-
-# isort: split
-from campaigns import heap  # next: loading is not interrupted
-
-# isort: split
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -22,12 +10,9 @@ from typing import Any, TextIO
 import numpy as np
 
 from campaigns import CampaignError
-from campaigns.documents import JsonObject
 from worker.engine.systems.base import CampaignUnusable
 from worker.running.processes import memory
-
-loaded = heap.loaded
-"""To be called once all is loaded."""
+from worker.running.runs import sources
 
 
 def private_output() -> TextIO:
@@ -55,10 +40,10 @@ def serve(answers: TextIO, lines: Iterable[bytes], answer: Callable[[bytes], Map
 
 def answered(
     line: str | bytes,
-    respond: Callable[[JsonObject], Mapping[str, object]],
+    respond: Callable[[Mapping[str, Any]], Mapping[str, object]],
     what: str,
     lost: Callable[[Exception], None],
-) -> dict[str, object]:
+) -> Mapping[str, object]:
     """The response to one request; an invalid request gets a response with an error message.
 
     what: is done for a request; lost: called where it ran out of memory or raised an unexpected error.

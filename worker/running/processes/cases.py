@@ -14,7 +14,13 @@ The simulator evaluates in one slot, which ends when nothing was requested for a
 
 from __future__ import annotations
 
-from worker.running.processes import answering  # first: it records the files before they are loaded
+from worker.running.runs import sources as sources  # first: it records the files before they are loaded
+
+# isort: split
+from worker.running.processes import blas as blas  # before numpy is loaded
+
+# isort: split
+from campaigns import heap  # next: loading is not interrupted
 
 # isort: split
 import os
@@ -33,7 +39,6 @@ from typing import Any
 from campaigns import Campaign, thin
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
-from campaigns.documents import JsonObject
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from campaigns.stored.replies import CaseReply
@@ -42,10 +47,10 @@ from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.pooled import Pooled
 from worker.running.catalogue import installed
 from worker.running.opening import opened
-from worker.running.processes import memory
+from worker.running.processes import answering, memory
 from worker.running.processes.answering import finite, plain, within
 
-answering.loaded()
+heap.loaded()
 
 IDLE = 60.0
 """Time without a request after which the processes of the simulators end [s]."""
@@ -97,13 +102,13 @@ def _place() -> Path:
     return Path(tempfile.mkdtemp(prefix=f"{PLACE}{os.getpid()}-"))
 
 
-def answer(line: str | bytes, systems: Systems) -> dict[str, object]:
+def answer(line: str | bytes, systems: Systems) -> Mapping[str, object]:
     """The response to one request."""
     respond = partial(_response, systems=systems)
     return answering.answered(line, respond, "the evaluation", lambda error: close(systems))
 
 
-def _response(request: JsonObject, systems: Systems) -> Mapping[str, object]:
+def _response(request: Mapping[str, Any], systems: Systems) -> Mapping[str, object]:
     campaign = load_document(request["campaign"], "the campaign of a case")
     if request.get("kind") == "installed":
         return {"missing": "" if campaign.digest in systems else missing(campaign, request["simulator"])}

@@ -6,7 +6,13 @@ physics goes to standard error. Run as `python -m worker.running.processes.child
 
 from __future__ import annotations
 
-from worker.running.processes import answering  # first: it records the files before they are loaded
+from worker.running.runs import sources  # first: it records the files before they are loaded
+
+# isort: split
+from worker.running.processes import blas as blas  # before numpy is loaded
+
+# isort: split
+from campaigns import heap  # next: loading is not interrupted
 
 # isort: split
 import importlib
@@ -28,8 +34,7 @@ from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
-from worker.running.processes.answering import send
-from worker.running.runs import sources
+from worker.running.processes.answering import private_output, send
 
 Execute = Callable[[Campaign, Store], Any]
 
@@ -49,7 +54,7 @@ def main() -> None:
     from worker.running.runs import identity
 
     document, code = catalogue(), identity.installation()
-    answering.loaded()
+    heap.loaded()
     memory.bound()
     fresh = not sources.stale()
     if fresh:
@@ -139,7 +144,7 @@ def _private_streams() -> tuple[TextIO, TextIO]:
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.close(nothing)
-    return requests, answering.private_output()
+    return requests, private_output()
 
 
 if __name__ == "__main__":

@@ -12,7 +12,13 @@ Run as `python -m worker.running.processes.live`; it ends when its input is clos
 
 from __future__ import annotations
 
-from worker.running.processes import answering  # first: it records the files before they are loaded
+from worker.running.runs import sources as sources  # first: it records the files before they are loaded
+
+# isort: split
+from worker.running.processes import blas as blas  # before numpy is loaded
+
+# isort: split
+from campaigns import heap  # next: loading is not interrupted
 
 # isort: split
 import sys
@@ -24,16 +30,15 @@ import numpy as np
 
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import MAX_SEED
-from campaigns.documents import JsonObject
 from campaigns.stored.replies import FieldReply, FlightReply
 from worker.engine.systems.closed_loop.field import MOST, UNITS, field
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.trace import simulate, trace
 from worker.running.opening import opened
-from worker.running.processes import memory
+from worker.running.processes import answering, memory
 from worker.running.processes.answering import finite, plain, within
 
-answering.loaded()
+heap.loaded()
 
 PROBLEMS = 16
 """Number of problems in memory; the least recently used one is dropped."""
@@ -52,7 +57,7 @@ def main() -> None:
     answering.serve(answers, sys.stdin.buffer, lambda line: answer(line, problems))
 
 
-def answer(line: str | bytes, problems: Problems) -> dict[str, object]:
+def answer(line: str | bytes, problems: Problems) -> Mapping[str, object]:
     """The response to one request."""
 
     def lost(error: Exception) -> None:
@@ -62,7 +67,7 @@ def answer(line: str | bytes, problems: Problems) -> dict[str, object]:
     return answering.answered(line, lambda request: _response(request, problems), "the simulation", lost)
 
 
-def _response(request: JsonObject, problems: Problems) -> FieldReply | FlightReply:
+def _response(request: Mapping[str, Any], problems: Problems) -> FieldReply | FlightReply:
     flights = _realised(_flights(request["campaign"], problems), request)
     values = {path: _value(flights, path, value) for path, value in request.get("parameters", {}).items()}
     kind = request.get("kind", "flight")

@@ -4,14 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field
-
+from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described
-
-
-def absent(value: object) -> bool:
-    """Whether an optional field is omitted where it is stored."""
-    return value is None
 
 
 class Measured(Described):
@@ -36,15 +30,15 @@ class Measured(Described):
     """The standard deviation between evaluations of the same point, pooled over the points; null likewise."""
     seconds: float | None
     """Time per evaluation in used processes [s]: the rate at which they ended, however many ran side by side."""
-    call_seconds: Annotated[float | None, Field(exclude_if=absent)] = None
+    call_seconds: Annotated[float | None, UNLESS_NONE] = None
     """Time that one call took in a used process, with as many side by side as there are slots [s]; omitted where it
     was not measured."""
-    slots: Annotated[int | None, Field(exclude_if=absent)] = None
+    slots: Annotated[int | None, UNLESS_NONE] = None
     """Calls that ran side by side; omitted where `call_seconds` is."""
-    start_seconds: Annotated[float | None, Field(exclude_if=absent)] = None
+    start_seconds: Annotated[float | None, UNLESS_NONE] = None
     """Time that the start of a process adds to a call in it [s], measured in fresh processes; omitted where it was not
     measured, or where calls are made in the worker's own process."""
-    recycle: Annotated[int | None, Field(exclude_if=absent)] = None
+    recycle: Annotated[int | None, UNLESS_NONE] = None
     """Calls after which a process is replaced by a fresh one; omitted if it never is."""
 
     @property

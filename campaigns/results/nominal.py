@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
-
+from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Status, Untraced, Values
-from campaigns.results.measured import Measured, absent
+from campaigns.results.measured import Measured
 from campaigns.results.stage import StageResult
 
 
@@ -22,7 +21,7 @@ class NominalResult(StageResult):
     reason: str = ""
     """Why it has no cost."""
     parameters: Values = {}
-    measured: Annotated[Measured | None, Field(exclude_if=absent)] = None
+    measured: Annotated[Measured | None, UNLESS_NONE] = None
     """Of a simulator; omitted for a closed loop, which repeats by construction."""
     untraced: Untraced = {}
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Annotated
 
-from pydantic import Field
-
 from campaigns.asked.regression import FailOn
+from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Values
 
 
@@ -90,5 +89,5 @@ class Regression(Described):
         return {standing: number for standing, number in found.items() if number}
 
 
-OptionalRegression = Annotated[Regression | None, Field(exclude_if=lambda given: given is None)]
+OptionalRegression = Annotated[Regression | None, UNLESS_NONE]
 """Omitted without a baseline."""

@@ -5,16 +5,13 @@ from __future__ import annotations
 from typing import Literal
 
 from campaigns.results.base import Described, MethodKind, Result, Stop, Values, Worse
-from campaigns.results.sample import Sample
+from campaigns.results.sample import GridPoint, Sample
 from campaigns.results.stage import StageResult
 
 
-class Best(Result):
+class Best(GridPoint):
     """The lowest evaluation of a stage; `index` counts from 0 within it."""
 
-    cost: float
-    margin: float
-    parameters: Values
     index: int | None = None
 
 

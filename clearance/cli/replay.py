@@ -105,8 +105,8 @@ def of_folder(folder: Path) -> Recorded:
     try:
         campaign, store = read_folder(folder)
         stated = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-        held = folder / "evidence.json"
-        results = json.loads(held.read_text(encoding="utf-8"))["results"] if held.exists() else []
+        evidence = folder / "evidence.json"
+        results = json.loads(evidence.read_text(encoding="utf-8"))["results"] if evidence.exists() else []
         kinds = [stage.plan.kind for stage in store.stages]
         results, findings = earlier.brought_up(kinds, results, stated["findings"])
         typed = [Finding.model_validate(found) for found in findings]

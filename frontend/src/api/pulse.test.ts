@@ -41,12 +41,12 @@ it('reports a request without an answer after 3 s, and takes it back', async () 
   const [service, pulse] = made('hangs')
   const request = pulse.follow(new Promise(() => undefined))
   await vi.advanceTimersByTimeAsync(PATIENCE - 1)
-  expect(pulse.contact.state).toBe('well')
+  expect(pulse.contact.get().state).toBe('well')
   await vi.advanceTimersByTimeAsync(1)
-  expect(pulse.contact).toEqual({ state: 'silent', since: 1_000_000 })
+  expect(pulse.contact.get()).toEqual({ state: 'silent', since: 1_000_000 })
   service.wakes()
   await vi.advanceTimersByTimeAsync(0)
-  expect(pulse.contact.state).toBe('well')
+  expect(pulse.contact.get().state).toBe('well')
   void request
 })
 
@@ -56,7 +56,7 @@ it('says nothing of a request that takes long while the service answers others',
   for (let i = 0; i < 60; i++) {
     await vi.advanceTimersByTimeAsync(1000)
     pulse.tick()
-    expect(pulse.contact.state).toBe('well')
+    expect(pulse.contact.get().state).toBe('well')
   }
 })
 
@@ -66,7 +66,7 @@ it('asks on a quiet page, and goes on asking until there is an answer', async ()
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(pulse.contact.state).toBe('silent')
+  expect(pulse.contact.get().state).toBe('silent')
   for (let i = 0; i < 30; i++) {
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
@@ -74,7 +74,7 @@ it('asks on a quiet page, and goes on asking until there is an answer', async ()
   expect(service.asked).toBeGreaterThan(2)
   service.wakes()
   await vi.advanceTimersByTimeAsync(0)
-  expect(pulse.contact.state).toBe('well')
+  expect(pulse.contact.get().state).toBe('well')
 })
 
 it('distinguishes a service that is not there, with a pause between the questions', async () => {
@@ -83,14 +83,14 @@ it('distinguishes a service that is not there, with a pause between the question
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(pulse.contact.state).toBe('unreachable')
+  expect(pulse.contact.get().state).toBe('unreachable')
   expect(service.asked).toBeLessThan(7)
   service.state = 'answers'
   for (let i = 0; i < 3; i++) {
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(pulse.contact.state).toBe('well')
+  expect(pulse.contact.get().state).toBe('well')
 })
 
 it('asks nothing while answers come', async () => {

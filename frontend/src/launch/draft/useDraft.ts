@@ -1,5 +1,6 @@
 // The edited campaign. Its text is authoritative: an edit in the form changes the text in place, and the form shows the
 // text as parsed by the service.
+import { useDebouncedValue } from '@mantine/hooks'
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 import { checkCampaign } from '../../api/calls'
@@ -73,15 +74,6 @@ function useTools(): [Tools | null, Error | null] {
   return [found, failed]
 }
 
-function useSettled<T>(value: T): T {
-  const [settled, setSettled] = useState(value)
-  useEffect(() => {
-    const timer = setTimeout(() => setSettled(value), PAUSE)
-    return () => clearTimeout(timer)
-  }, [value])
-  return settled
-}
-
 type Edited = Version & Pick<State, 'behind' | 'readable' | 'source'>
 
 function edited(before: State, next: Edited, what: string): State {
@@ -108,7 +100,7 @@ export function useDraft(first: Beginning): Draft {
   const [state, setState] = useState<State>({ ...first, source: 'text', behind: null, edits: 0, history: NOTHING })
   const [loaded, failed] = useTools()
   const given = state.behind ? state.campaign : state.text
-  const settled = useSettled(given)
+  const [settled] = useDebouncedValue(given, PAUSE)
   const check = useQuery({
     queryKey: ['check', settled],
     queryFn: ({ signal }) => checkCampaign(settled, signal),

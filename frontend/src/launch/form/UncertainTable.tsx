@@ -1,11 +1,11 @@
 // The uncertain parameters: selection, bounds, distributions.
-import { Select } from '@mantine/core'
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { Campaign, Uncertain } from '../../api/campaign'
 import { Card } from '../../ui/Card'
 import { Correlations } from './Correlations'
 import { numberOf, type Parameter } from '../campaign/parameters'
+import { Adder } from '../fields/Field'
 import { FieldErrors } from '../fields/problems'
 import { UncertainRow } from './UncertainRow'
 import layout from '../../ui/layout.module.css'
@@ -107,20 +107,5 @@ function AddParameter({ free, onAdd }: { free: Parameter[]; onAdd: (path: string
       .filter((parameter) => parameter.group === group)
       .map((parameter) => ({ value: parameter.path, label: `${parameter.entry.text} (${parameter.path})` })),
   }))
-  return (
-    <Select
-      aria-label="Add parameter"
-      placeholder="Add parameter"
-      data={data}
-      value={null}
-      searchable
-      size="xs"
-      w={190}
-      comboboxProps={{ width: 360, position: 'bottom-end' }}
-      maxDropdownHeight={360}
-      nothingFoundMessage="No such parameter"
-      onChange={(path) => path && onAdd(path)}
-      key={free.length}
-    />
-  )
+  return <Adder key={free.length} what="parameter" wide={360} position="bottom-end" data={data} maxDropdownHeight={360} onChange={onAdd} />
 }

@@ -8,15 +8,15 @@ import { refreshRuns } from './lists'
 import { pulse } from './pulse'
 import { isLive } from './queries'
 import { at } from '../format/root'
-import { Store } from '../ui/store'
+import { storeOf } from '../ui/store'
 
 const FLUSH = 250
 
 type Status = 'closed' | 'connecting' | 'open'
 
-const status = new Store<Status>('closed')
+const status = storeOf<Status>('closed')
 /** How many parts of the page have a stream of their own: never more than one, besides while one replaces another. */
-const own = new Store(0)
+const own = storeOf(0)
 let streams = 0
 
 function set(next: Status): void {

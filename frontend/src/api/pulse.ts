@@ -1,7 +1,7 @@
 // Whether the service answers. Every answer and event is a sign of life; without one the service is asked, and after 3 s
 // without an answer all pages say so, until it answers again.
 import { at } from '../format/root'
-import { Store } from '../ui/store'
+import { storeOf } from '../ui/store'
 
 /** Time without an answer after which it is reported [ms]. */
 export const PATIENCE = 3000
@@ -21,7 +21,7 @@ const WELL: Contact = { state: 'well' }
 
 /** `ask` resolves with any answer of the service, and rejects if there is no connection or the signal aborts it. */
 export class Pulse {
-  readonly contact = new Store<Contact>(WELL)
+  readonly contact = storeOf<Contact>(WELL)
   private heard: number
   private asking = false
 

@@ -1,7 +1,7 @@
 // Whether this browser is signed in; any 401 means that it is not.
-import { Store } from '../ui/store'
+import { storeOf } from '../ui/store'
 
-const out = new Store(false)
+const out = storeOf(false)
 
 export const signedOut = (): void => out.set(true)
 

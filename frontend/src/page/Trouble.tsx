@@ -2,6 +2,7 @@
 import { clsx } from 'clsx'
 import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
+import type { ReactNode } from 'react'
 import { Refusal, statement } from '../api/problems'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
@@ -69,6 +70,19 @@ export function Trouble({ error, retry, onward = true, below = false }: TroubleP
       </div>
     </div>
   )
+}
+
+interface LoadedProps<T> {
+  query: { data: T | undefined; isError: boolean; error: Error | null; failureReason: Error | null; refetch: () => unknown }
+  what: string
+  children: (data: T) => ReactNode
+}
+
+/** The content of a page below its heading, once it has arrived; what was read once stays. */
+export function Loaded<T>({ query, what, children }: LoadedProps<T>) {
+  if (query.data !== undefined) return children(query.data)
+  if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} below />
+  return <Loading what={what} failed={query.failureReason} />
 }
 
 /** A part of a page that could not be loaded, within its card. */

@@ -6,7 +6,7 @@ import { getRun, listRuns } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { decimalsFor, signed } from '../format/numbers'
-import { Store } from '../ui/store'
+import { storeOf } from '../ui/store'
 import { lookOf, outcomeOf } from '../ui/VerdictBadge'
 
 export interface Wanted {
@@ -40,7 +40,7 @@ const stored = (): Wanted => {
   }
 }
 
-const wanted = new Store(stored())
+const wanted = storeOf(stored())
 
 function want(next: Wanted): void {
   wanted.set(next)

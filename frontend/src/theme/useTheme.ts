@@ -1,5 +1,5 @@
 // Light or dark: the stored choice, else the system's setting, for the page, its widgets and its canvases.
-import { Store } from '../ui/store'
+import { storeOf } from '../ui/store'
 
 export type Theme = 'light' | 'dark'
 
@@ -16,7 +16,7 @@ function stored(): Theme | null {
 
 const current = (): Theme => stored() ?? (system.matches ? 'dark' : 'light')
 
-const shown = new Store(current())
+const shown = storeOf(current())
 
 function apply(): void {
   const theme = current()

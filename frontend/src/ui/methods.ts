@@ -2,7 +2,7 @@
 // catalogue adds those of other packages. Each method has a CSS variable of its own. Start reading at `methodLook`.
 import type { Catalogue, MethodEntry } from '../client'
 import shipped from './shipped.json'
-import { Store } from './store'
+import { storeOf } from './store'
 
 export type Shape = NonNullable<MethodEntry['look']>['marker']
 
@@ -59,7 +59,7 @@ function paint(): void {
 
 const SHIPPED = shipped as readonly Declared[]
 let known: ReadonlyMap<string, MethodLook> = new Map(byName(SHIPPED))
-const lookup = new Store(lookupIn(known))
+const lookup = storeOf(lookupIn(known))
 paint()
 
 /**

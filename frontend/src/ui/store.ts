@@ -1,22 +1,26 @@
 // A value outside of React, whose changes the components that read it show.
 import { useSyncExternalStore } from 'react'
 
-export class Store<T> {
-  private readonly listeners = new Set<() => void>()
+export interface Store<T> {
+  get: () => T
+  set: (value: T) => void
+  useValue: () => T
+}
 
-  constructor(private value: T) {}
-
-  readonly get = (): T => this.value
-
-  set(value: T): void {
-    this.value = value
-    for (const listener of this.listeners) listener()
+export function storeOf<T>(first: T): Store<T> {
+  let value = first
+  const listeners = new Set<() => void>()
+  const get = () => value
+  const subscribe = (listener: () => void) => {
+    listeners.add(listener)
+    return () => listeners.delete(listener)
   }
-
-  readonly useValue = (): T => useSyncExternalStore(this.subscribe, this.get)
-
-  private readonly subscribe = (listener: () => void): (() => void) => {
-    this.listeners.add(listener)
-    return () => this.listeners.delete(listener)
+  return {
+    get,
+    set: (next) => {
+      value = next
+      for (const listener of listeners) listener()
+    },
+    useValue: () => useSyncExternalStore(subscribe, get),
   }
 }

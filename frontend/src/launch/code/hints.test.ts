@@ -9,7 +9,7 @@ import { fieldAt, placeOf, tolerant } from '../text/places'
 import { plain } from '../text/tree'
 import { choicesIn, completed } from './complete'
 import { hintOf, type Known } from './hints'
-import type { Rule } from './schema'
+import type { Rule } from '../text/schema'
 
 let catalogue: Catalogue
 let campaign: Campaign

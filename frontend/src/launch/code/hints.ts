@@ -7,7 +7,7 @@ import { type Parameter, parametersOf, type Role } from '../campaign/parameters'
 import { type Setting, SIMULATION, STAGES, VERDICT } from '../campaign/settings'
 import type { At } from '../text/tree'
 import { scalar } from '../text/words'
-import { type Rule, ruleAt, rulesOf } from './schema'
+import { type Rule, ruleAt, rulesOf } from '../text/schema'
 
 export interface Known {
   catalogue: Catalogue

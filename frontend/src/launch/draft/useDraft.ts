@@ -122,11 +122,11 @@ export function useDraft(first: Beginning): Draft {
     setState({ ...state, campaign: nearly ?? state.campaign, readable: nearly !== null, read: state.text })
   }
   const step = (go: typeof undo) =>
-    go(state.history, state.text) === null || state.behind
+    go(state.history, state) === null || state.behind
       ? null
       : () =>
           setState((before) => {
-            const [history, version] = go(before.history, before.text) ?? [before.history, before]
+            const [history, version] = go(before.history, before) ?? [before.history, before]
             return { ...before, ...version, ...FORM, history, edits: before.edits + 1 }
           })
   return {

@@ -10,22 +10,12 @@ import { AddButton, Choice, Labelled, RemoveButton } from '../fields/Field'
 import { NumberCell } from '../fields/NumberCell'
 import type { Parameter } from '../campaign/parameters'
 import { numberOf } from '../campaign/parameters'
+import type { Rule } from '../text/schema'
 import { FieldErrors } from '../fields/problems'
 import fieldsCss from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
 import styles from './form.module.css'
-
-interface Rule {
-  type?: string
-  enum?: Json[]
-  default?: Json
-  title?: string
-  description?: string
-  minimum?: number
-  maximum?: number
-  anyOf?: Rule[]
-}
 
 interface MethodOptionsProps {
   field: string

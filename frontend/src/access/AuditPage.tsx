@@ -133,13 +133,13 @@ const COLUMNS: readonly Column<AuditEntry>[] = [
     head: 'Detail',
     look: clsx('small sec', styles.detail),
     label: ({ detail }) => (Object.keys(detail).length > 0 ? 'Detail' : undefined),
-    cell: ({ detail }) => <Digests text={told(detail)} />,
+    cell: ({ detail }) => <Digests text={detailText(detail)} />,
   },
   { head: 'Hash', label: 'Hash', title: ({ hash }) => hash, cell: ({ hash }) => <span className="mono">{hash.slice(0, 8)}</span> },
 ]
 
 /** The details as `name: value`, in the order in which they were stored. */
-function told(detail: AuditEntry['detail']): string {
+function detailText(detail: AuditEntry['detail']): string {
   return Object.entries(detail)
     .map(([name, value]) => `${name}: ${typeof value === 'string' ? value : JSON.stringify(value)}`)
     .join(', ')

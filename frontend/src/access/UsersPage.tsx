@@ -102,7 +102,7 @@ function ChangeForm({ user, onDone }: { user: User; onDone: () => void }) {
   const [role, setRole] = useState<Role>(user.role)
   const refresh = () => cache.invalidateQueries({ queryKey: ['users'] })
   const change = useMutation({
-    mutationFn: (given: { role?: Role; disabled?: boolean }) => changeUser(user, given),
+    mutationFn: (changes: { role?: Role; disabled?: boolean }) => changeUser(user, changes),
     onSuccess: () => refresh().then(onDone),
     // Refused because another administrator has changed the user: show the current state.
     onError: refresh,

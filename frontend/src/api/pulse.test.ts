@@ -12,11 +12,11 @@ afterEach(() => {
 /** A service that hangs, refuses connections, or answers, as told. */
 class Service {
   state: 'hangs' | 'refuses' | 'answers' = 'answers'
-  asked = 0
+  requests = 0
   private waiting: (() => void)[] = []
 
   readonly ask = (signal: AbortSignal): Promise<void> => {
-    this.asked++
+    this.requests++
     if (this.state === 'refuses') return Promise.reject(new TypeError('Failed to fetch'))
     if (this.state === 'answers') return Promise.resolve()
     return new Promise((resolve, reject) => {
@@ -71,7 +71,7 @@ it('asks on a quiet page, and goes on asking until there is an answer', async ()
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(service.asked).toBeGreaterThan(2)
+  expect(service.requests).toBeGreaterThan(2)
   service.wakes()
   await vi.advanceTimersByTimeAsync(0)
   expect(pulse.contact.get().state).toBe('well')
@@ -84,7 +84,7 @@ it('distinguishes a service that is not there, with a pause between the question
     await vi.advanceTimersByTimeAsync(1000)
   }
   expect(pulse.contact.get().state).toBe('unreachable')
-  expect(service.asked).toBeLessThan(7)
+  expect(service.requests).toBeLessThan(7)
   service.state = 'answers'
   for (let i = 0; i < 3; i++) {
     pulse.tick()
@@ -100,5 +100,5 @@ it('asks nothing while answers come', async () => {
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(service.asked).toBe(0)
+  expect(service.requests).toBe(0)
 })

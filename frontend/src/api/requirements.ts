@@ -35,14 +35,14 @@ export const importsQuery = queryOptions({
   staleTime: 0,
 })
 
-export interface GivenFile {
+export interface RequirementImport {
   file: File
   idAttribute: string
   textAttribute: string
 }
 
 /** Sends a file as it is. */
-export const importFile = ({ file, idAttribute, textAttribute }: GivenFile): Promise<Imported> =>
+export const importFile = ({ file, idAttribute, textAttribute }: RequirementImport): Promise<Imported> =>
   answer(
     client.post({
       url: `${AT}/files`,

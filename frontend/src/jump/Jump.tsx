@@ -35,10 +35,10 @@ function Search({ onDone }: { onDone: () => void }) {
   const router = useRouter()
   const [text, setText] = useState('')
   const store = useCombobox({ opened: true, onDropdownClose: onDone })
-  const [asked] = useDebouncedValue(text.trim(), REST)
+  const [words] = useDebouncedValue(text.trim(), REST)
   const found = useQuery({
-    queryKey: ['jump', asked],
-    queryFn: () => calls.listRuns(asked ? { q: asked } : {}, null, RUNS),
+    queryKey: ['jump', words],
+    queryFn: () => calls.listRuns(words ? { q: words } : {}, null, RUNS),
     placeholderData: keepPreviousData,
   })
   const { data: library = [] } = useQuery(libraryQuery)

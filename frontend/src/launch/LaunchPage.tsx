@@ -61,20 +61,20 @@ export function LaunchPage() {
   const navigate = useNavigate()
   const [own, setOwn] = useState<Own | null>(null)
   const kept = own && own.draft === search.draft ? own : null
-  const asked = kept ? undefined : search.draft
+  const unopened = kept ? undefined : search.draft
   const catalogue = useQuery(catalogueQuery)
   const library = useQuery(libraryQuery)
   const earlier = useQuery({ ...runQuery(search.from ?? ''), enabled: Boolean(search.from) })
-  const draft = useQuery({ ...draftQuery(asked ?? ''), enabled: Boolean(asked) })
+  const draft = useQuery({ ...draftQuery(unopened ?? ''), enabled: Boolean(unopened) })
   const [shelf, setShelf] = useState<Shelf | null>(null)
   const campaigns = useMemo(() => ordered(library.data ?? []), [library.data])
   const chosen = search.from || search.draft ? null : (search.case ?? campaigns[0]?.id ?? null)
 
   const once = { staleTime: Number.POSITIVE_INFINITY, gcTime: 0 }
   const opened = useQuery({
-    queryKey: ['opened', asked, draft.data?.version],
+    queryKey: ['opened', unopened, draft.data?.version],
     queryFn: () => fromDraft(draft.data as Draft, asCampaign(campaigns[0]?.document)),
-    enabled: Boolean(asked) && draft.data?.id === asked && campaigns.length > 0 && Boolean(catalogue.data),
+    enabled: Boolean(unopened) && draft.data?.id === unopened && campaigns.length > 0 && Boolean(catalogue.data),
     ...once,
   })
   const again = useQuery({
@@ -85,11 +85,11 @@ export function LaunchPage() {
   })
   const start = useMemo(() => {
     if (kept) return kept.start
-    if (asked) return opened.data
+    if (unopened) return opened.data
     if (search.from) return again.data
     const item = library.data?.find((campaign) => campaign.id === chosen)
     return item && fromLibrary(item)
-  }, [kept, asked, opened.data, search.from, again.data, library.data, chosen])
+  }, [kept, unopened, opened.data, search.from, again.data, library.data, chosen])
 
   // What was read once stays when it cannot be read again: an editor must not vanish with what was typed.
   const asks = [library, catalogue, earlier, draft, opened, again]

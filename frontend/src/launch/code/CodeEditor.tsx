@@ -55,10 +55,10 @@ export default function CodeEditor(props: CodeEditorProps) {
     view.current.focus()
     host.current?.scrollIntoView({ block: 'nearest' })
   }
-  const asked = useRef<{ field: string } | null>(null)
+  const reached = useRef<{ field: string } | null>(null)
   useEffect(() => {
-    if (!jump || asked.current === jump || !view.current) return
-    asked.current = jump
+    if (!jump || reached.current === jump || !view.current) return
+    reached.current = jump
     go(...placeOf(tolerant(view.current.state.doc.toString()), jump.field))
   })
   return (
@@ -98,8 +98,8 @@ function useView(
       onUndo: () => now().onUndo(),
       onRedo: () => now().onRedo(),
       known: (text): Known => ({ ...now(), schema: schema(), document: plain(tolerant(text)) }),
-      loading: (asked) =>
-        schema() || (!asked && cache.getQueryState(schemaQuery.queryKey)?.status === 'error')
+      loading: (explicit) =>
+        schema() || (!explicit && cache.getQueryState(schemaQuery.queryKey)?.status === 'error')
           ? null
           : cache.fetchQuery(schemaQuery).catch(() => null),
     }

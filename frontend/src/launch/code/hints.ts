@@ -138,8 +138,8 @@ const propertiesOf = (method: MethodEntry | undefined): Record<string, Rule> =>
 
 /** The possible keys of a mapping, without existing ones. */
 export function keysAt(known: Known, at: At): Choice[] {
-  const given = new Set(Object.keys((read(known.document, at) as object | null) ?? {}))
-  return allKeys(known, at).filter(({ name }) => !given.has(name))
+  const present = new Set(Object.keys((read(known.document, at) as object | null) ?? {}))
+  return allKeys(known, at).filter(({ name }) => !present.has(name))
 }
 
 function allKeys(known: Known, at: At): Choice[] {

@@ -99,8 +99,8 @@ function takenOut(before: State, list: List | 'objectives', index: number): Edit
 export function useDraft(first: Beginning): Draft {
   const [state, setState] = useState<State>({ ...first, source: 'text', behind: null, edits: 0, history: NOTHING })
   const [loaded, failed] = useTools()
-  const given = state.behind ? state.campaign : state.text
-  const [settled] = useDebouncedValue(given, PAUSE)
+  const source = state.behind ? state.campaign : state.text
+  const [settled] = useDebouncedValue(source, PAUSE)
   const check = useQuery({
     queryKey: ['check', settled],
     queryFn: ({ signal }) => checkCampaign(settled, signal),
@@ -108,7 +108,7 @@ export function useDraft(first: Beginning): Draft {
     staleTime: 60_000,
     gcTime: 60_000,
   })
-  const fresh = settled === given && !check.isPlaceholderData
+  const fresh = settled === source && !check.isPlaceholderData
   const checked = check.data
   const unread = fresh && checked?.document === null && state.source === 'text' && state.edits > 0
   const { data: schema } = useQuery({ ...schemaQuery, enabled: unread })

@@ -100,8 +100,8 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
 function Parameters({ section, campaign, set }: { section: Section; campaign: Campaign; set: SetValue }) {
   const { title, part, parameters } = section
   const own = (parameter: Parameter) => parameter.group !== title || parameter.entry.name in (part.parameters ?? {})
-  const told = (p: Parameter) => own(p) || p.entry.default === null || p.path in campaign.uncertain
-  const rest = parameters.filter((parameter) => !told(parameter))
+  const isStated = (p: Parameter) => own(p) || p.entry.default === null || p.path in campaign.uncertain
+  const rest = parameters.filter((parameter) => !isStated(parameter))
   const folded = rest.length > FEW ? rest : []
   const shown = parameters.filter((parameter) => !folded.includes(parameter))
   const groups = [...new Set(shown.map((parameter) => parameter.group))]

@@ -33,7 +33,7 @@ interface AboutFormProps {
 
 export function AboutForm({ campaign, set }: AboutFormProps) {
   const published = campaign.published ?? []
-  const told = published.length === 0 ? 'none' : `${published.length} to compare with ours`
+  const digest = published.length === 0 ? 'none' : `${published.length} to compare with ours`
   return (
     <Card title="About this campaign" id="section-about">
       <Fold title="Name and notes" digest={campaign.name} fields={['name', 'summary', 'notes', 'tags']}>
@@ -55,7 +55,7 @@ export function AboutForm({ campaign, set }: AboutFormProps) {
           })}
         </div>
       </Fold>
-      <Fold title="Published values" digest={told} fields={['published']}>
+      <Fold title="Published values" digest={digest} fields={['published']}>
         <Values published={published} set={set} />
       </Fold>
     </Card>

@@ -95,7 +95,7 @@ function Option({ field, name, rule, value, onChange }: OptionProps) {
           value={typeof shown === 'number' || typeof shown === 'string' ? shown : null}
           optional
           placeholder={rule.default === null ? 'not set' : undefined}
-          onChange={(given) => onChange(given ?? undefined)}
+          onChange={(number) => onChange(number ?? undefined)}
         />
       )}
     </Labelled>

@@ -34,18 +34,18 @@ interface UncertainRowProps {
   parameter: Parameter | undefined
   /** Undefined if held at the nominal value. */
   uncertain: Uncertain | undefined
-  held: Uncertain | undefined
+  fixed: Uncertain | undefined
   onToggle: (on: boolean) => void
   set: (at: readonly (string | number)[], value: unknown) => void
 }
 
-export function UncertainRow({ path, name, parameter, uncertain, held, onToggle, set }: UncertainRowProps) {
+export function UncertainRow({ path, name, parameter, uncertain, fixed, onToggle, set }: UncertainRowProps) {
   const field = `uncertain.${path}`
   const own = useProblems(field, true)
   const nominalProblems = useProblems(parameter?.field ?? field)
   const problems = parameter ? [...own, ...nominalProblems] : own
   const on = uncertain !== undefined
-  const shown = uncertain ?? held ?? {}
+  const shown = uncertain ?? fixed ?? {}
   const nominal = parameter?.nominal ?? null
   const [low, high] = boundsOf(shown, nominal)
   const distribution = shown.distribution ?? { kind: 'uniform' }

@@ -20,17 +20,17 @@ interface UncertainTableProps {
 
 export function UncertainTable({ campaign, parameters, set }: UncertainTableProps) {
   // Deselected parameters keep their bounds on the page, so that they can be restored.
-  const [held, setHeld] = useState<Record<string, Uncertain>>({})
+  const [fixed, setFixed] = useState<Record<string, Uncertain>>({})
   const uncertain = campaign.uncertain
   const known = new Map(parameters.map((parameter) => [parameter.path, parameter]))
   const order = new Map(parameters.map((parameter, i) => [parameter.path, i]))
-  const rows = [...new Set([...Object.keys(uncertain), ...Object.keys(held)])].sort(
+  const rows = [...new Set([...Object.keys(uncertain), ...Object.keys(fixed)])].sort(
     (a, b) => (order.get(a) ?? 1e9) - (order.get(b) ?? 1e9),
   )
   const toggle = (path: string, on: boolean) => {
-    if (on) set(['uncertain', path], held[path] ?? startingBounds(known.get(path)))
+    if (on) set(['uncertain', path], fixed[path] ?? startingBounds(known.get(path)))
     else {
-      setHeld({ ...held, [path]: uncertain[path] ?? {} })
+      setFixed({ ...fixed, [path]: uncertain[path] ?? {} })
       set(['uncertain', path], undefined)
     }
   }
@@ -78,7 +78,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
               name={nameOf(path)}
               parameter={known.get(path)}
               uncertain={uncertain[path]}
-              held={held[path]}
+              fixed={fixed[path]}
               onToggle={(on) => toggle(path, on)}
               set={set}
             />

@@ -116,14 +116,14 @@ export function Way({ way, pixels, colour, times = [], dashed, faint, below }: W
     const step = at(way, time)
     return step ? [{ time, x: pixels.x(step), y: pixels.y(step) }] : []
   })
-  const told = spread(marks)
+  const labels = spread(marks)
   return (
     <g opacity={faint ? 0.45 : 1}>
       <path d={line(way, pixels)} fill="none" stroke={colour} strokeWidth={1.8} strokeDasharray={dashed ? '5 4' : undefined} />
       {marks.map((mark) => (
         <circle key={mark.time} cx={mark.x} cy={mark.y} r={2.2} fill={colour} />
       ))}
-      {told.map((mark) => (
+      {labels.map((mark) => (
         <text
           key={mark.time}
           x={mark.x + (below ? -4 : 5)}

@@ -15,7 +15,7 @@ export function minutesOf(text: string): number | null {
 }
 
 /** The request for a campaign; null while it names no simulator, no parameter to vary or an impossible number. */
-export function askedOf(campaign: Campaign, minutes: number | null): ProposalRequest | null {
+export function requestOf(campaign: Campaign, minutes: number | null): ProposalRequest | null {
   const { name, repeats } = campaign.simulator ?? {}
   const parameters = Object.keys(campaign.uncertain).length
   const calls = repeats ? numberOf(repeats.count ?? 5) : 1

@@ -7,5 +7,5 @@ export function Modal({ opened, ...props }: ModalProps) {
   if (opened && !used) setUsed(true)
   // Mounted closed and opened then, because the focus returns to what had it when a mounted dialog opened.
   const mounted = useDeferredValue(opened, false)
-  return used ? <MantineModal opened={opened && mounted} {...props} /> : null
+  return used ? <MantineModal centered lockScroll={false} opened={opened && mounted} {...props} /> : null
 }

@@ -12,6 +12,8 @@ import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card } from '../ui/Card'
+import { Digest } from '../ui/Digests'
+import { Table } from '../ui/Table'
 import { save } from '../ui/files'
 import { SearchBox } from '../ui/SearchBox'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
@@ -86,72 +88,62 @@ export function ReportsPage() {
             )}
           </p>
         )}
-        {items.length > 0 && <Table items={items} />}
+        {items.length > 0 && <Reports items={items} />}
       </Card>
     </>
   )
 }
 
-function Table({ items }: { items: readonly Report[] }) {
+function Reports({ items }: { items: readonly Report[] }) {
   return (
-    <table className={clsx(tables.table, tables.stack)}>
-      <thead>
-        <tr>
-          <th>Verdict</th>
-          <th>Run</th>
-          <th className={layout.hideN}>Report</th>
-          <th>Sign-off</th>
-          <th>Finished</th>
-          <th className={layout.hideS}>Results, sha256</th>
-          <th>Files</th>
-        </tr>
-      </thead>
-      <tbody>
-        {items.map((report) => (
-          <tr key={report.run}>
-            <td>
-              <VerdictBadge outcome={outcomeOf(report)} />
-            </td>
-            <td>
-              <span className={tables.rn}>
-                <Link to="/runs/$id" params={{ id: report.run }}>
-                  {report.name}
-                </Link>
-                <small>
-                  {report.run}
-                  {report.campaign_name !== report.name && ` · ${report.campaign_name}`}
-                </small>
-              </span>
-            </td>
-            <td className={clsx('sec nw', layout.hideN)} data-label="Report">{report.id}</td>
-            <td data-label="Sign-off">
-              <Signed report={report} />
-            </td>
-            <td className="sec nw" data-label="Finished" title={report.finished === null ? undefined : moment(report.finished)}>
-              {report.finished === null ? 'not recorded' : when(report.finished)}
-            </td>
-            <td className={layout.hideS} data-label="Results">
-              <span className="mono" title={report.digest}>
-                {report.digest.slice(0, 16)}
-              </span>
-            </td>
-            <td>
-              <span className={clsx(layout.row, 'nw')} style={{ gap: 6 }}>
-                {report.files.map((file) =>
-                  file.format === 'html' ? (
-                    <a key={file.format} className={clsx(buttons.btn, buttons.s)} href={file.href} target="_blank" rel="noreferrer" aria-label={`HTML report of ${report.run}`}>
-                      <IconFileText className="i s" aria-hidden /> HTML
-                    </a>
-                  ) : (
-                    <Pdf key={file.format} report={report} file={file} />
-                  ),
-                )}
-              </span>
-            </td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
+    <Table
+      stack
+      rows={items}
+      by={({ run }) => run}
+      columns={[
+        { head: 'Verdict', cell: (report) => <VerdictBadge outcome={outcomeOf(report)} /> },
+        {
+          head: 'Run',
+          cell: ({ run, name, campaign_name }) => (
+            <span className={tables.rn}>
+              <Link to="/runs/$id" params={{ id: run }}>
+                {name}
+              </Link>
+              <small>
+                {run}
+                {campaign_name !== name && ` · ${campaign_name}`}
+              </small>
+            </span>
+          ),
+        },
+        { head: 'Report', label: 'Report', className: layout.hideN, tone: 'sec nw', cell: ({ id }) => id },
+        { head: 'Sign-off', label: 'Sign-off', cell: (report) => <Signed report={report} /> },
+        {
+          head: 'Finished',
+          label: 'Finished',
+          tone: 'sec nw',
+          tip: ({ finished }) => (finished === null ? undefined : moment(finished)),
+          cell: ({ finished }) => (finished === null ? 'not recorded' : when(finished)),
+        },
+        { head: 'Results, sha256', label: 'Results', className: layout.hideS, cell: ({ digest }) => <Digest of={digest} /> },
+        {
+          head: 'Files',
+          cell: (report) => (
+            <span className={clsx(layout.row, 'nw')} style={{ gap: 6 }}>
+              {report.files.map((file) =>
+                file.format === 'html' ? (
+                  <a key={file.format} className={clsx(buttons.btn, buttons.s)} href={file.href} target="_blank" rel="noreferrer" aria-label={`HTML report of ${report.run}`}>
+                    <IconFileText className="i s" aria-hidden /> HTML
+                  </a>
+                ) : (
+                  <Pdf key={file.format} report={report} file={file} />
+                ),
+              )}
+            </span>
+          ),
+        },
+      ]}
+    />
   )
 }
 

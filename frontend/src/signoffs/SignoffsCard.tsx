@@ -10,7 +10,9 @@ import type { RunDetail, Signoff, Signoffs } from '../client'
 import { moment } from '../format/time'
 import { Failed } from '../page/Trouble'
 import { Card } from '../ui/Card'
+import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
+import { hiddenHead, Table } from '../ui/Table'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
@@ -31,10 +33,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
       note={
         data && (
           <>
-            Bound to these results, sha256{' '}
-            <span className="mono" title={data.digest}>
-              {data.digest.slice(0, 16)}
-            </span>
+            Bound to these results, sha256 <Digest of={data.digest} />
           </>
         )
       }
@@ -74,52 +73,55 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
 
 function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (signoff: Signoff) => void }) {
   return (
-    <table className={clsx(tables.table, tables.stack, styles.rows)}>
-      <thead>
-        <tr>
-          <th>Status</th>
-          <th>Name, role</th>
-          <th>When, signed in as</th>
-          <th>Comment</th>
-          <th>
-            <span className="sr">Withdraw</span>
-          </th>
-        </tr>
-      </thead>
-      <tbody>
-        {items.map((item) => (
-          <tr key={item.id}>
-            <td>
-              <Standing item={item} />
-            </td>
-            <td data-label="Name, role">
-              <span className={tables.rn}>
-                <span className={clsx('m', layout.wrapAny)}>{item.name}</span>
-                <small>{item.role}</small>
-              </span>
-            </td>
-            <td data-label="When">
-              <span className={tables.rn}>
-                <span className="sec">{moment(item.created)}</span>
-                <small className={layout.wrapAny}>{item.user}</small>
-                {item.own && <small className="unk-t">who also launched the run</small>}
-              </span>
-            </td>
-            <td className="sec" style={{ whiteSpace: 'pre-line' }} data-label={item.comment || item.withdrawn !== null ? 'Comment' : undefined}>
-              {item.comment}
-              {item.withdrawn !== null && (
-                <span className="bad-t" style={{ display: 'block' }}>
-                  Withdrawn {moment(item.withdrawn)} by {item.withdrawn_by}: {item.withdrawn_reason}
-                </span>
-              )}
-            </td>
-            <td className="num">
-              {item.withdrawn === null && <Withdraw item={item} onAsk={() => onWithdraw(item)} />}
-            </td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
+    <Table
+      stack
+      className={styles.rows}
+      rows={items}
+      by={({ id }) => id}
+      columns={[
+        { head: 'Status', cell: (item) => <Standing item={item} /> },
+        {
+          head: 'Name, role',
+          label: 'Name, role',
+          cell: ({ name, role }) => (
+            <span className={tables.rn}>
+              <span className={clsx('m', layout.wrapAny)}>{name}</span>
+              <small>{role}</small>
+            </span>
+          ),
+        },
+        {
+          head: 'When, signed in as',
+          label: 'When',
+          cell: ({ created, user, own }) => (
+            <span className={tables.rn}>
+              <span className="sec">{moment(created)}</span>
+              <small className={layout.wrapAny}>{user}</small>
+              {own && <small className="unk-t">who also launched the run</small>}
+            </span>
+          ),
+        },
+        { head: 'Comment', label: 'Comment', tone: clsx('sec', styles.comment), cell: (item) => <Comment item={item} /> },
+        {
+          head: hiddenHead('Withdraw'),
+          tone: 'num',
+          cell: (item) => item.withdrawn === null && <Withdraw item={item} onAsk={() => onWithdraw(item)} />,
+        },
+      ]}
+    />
+  )
+}
+
+function Comment({ item: { comment, withdrawn, withdrawn_by, withdrawn_reason } }: { item: Signoff }) {
+  return (
+    <>
+      {comment}
+      {withdrawn !== null && (
+        <span className="bad-t">
+          Withdrawn {moment(withdrawn)} by {withdrawn_by}: {withdrawn_reason}
+        </span>
+      )}
+    </>
   )
 }
 

@@ -5,6 +5,7 @@ import { lazy, Suspense, useState } from 'react'
 import { componentsQuery } from '../../api/queries'
 import type { RunComponents, RunDetail } from '../../client'
 import { Card } from '../../ui/Card'
+import { Digest } from '../../ui/Digests'
 import buttons from '../../ui/buttons.module.css'
 import cards from '../../ui/cards.module.css'
 import layout from '../../ui/layout.module.css'
@@ -52,13 +53,13 @@ function Code({ told }: { told: RunComponents }) {
   if (!installed)
     return (
       <p className="sec">
-        Simulated by code <Digest of={code} />. No worker has published the code that is installed now.
+        Simulated by code <Digest of={code} first={12} />. No worker has published the code that is installed now.
       </p>
     )
   if (sameCode(told))
     return (
       <p className="sec">
-        Simulated by code <Digest of={code} />, the code installed now.
+        Simulated by code <Digest of={code} first={12} />, the code installed now.
       </p>
     )
   return (
@@ -69,7 +70,7 @@ function Code({ told }: { told: RunComponents }) {
             'The components have changed since this run. '
           ) : (
             <>
-              The code differs: <Digest of={code} /> simulated this run, <Digest of={installed} /> is installed now.{' '}
+              The code differs: <Digest of={code} first={12} /> simulated this run, <Digest of={installed} first={12} /> is installed now.{' '}
             </>
           )}
           The same campaign may give other results.
@@ -87,12 +88,6 @@ function Code({ told }: { told: RunComponents }) {
 
 const MOST = 8
 
-const Digest = ({ of }: { of: string }) => (
-  <span className="mono" title={of}>
-    {of.slice(0, 12)}
-  </span>
-)
-
 function Origin({ told }: { told: RunComponents }) {
   const { digest, catalogue, changes } = told
   if (!digest)
@@ -105,11 +100,7 @@ function Origin({ told }: { told: RunComponents }) {
   return (
     <>
       <p className="sec">
-        Stored with the run, from Clearance {catalogue.version}: sha256{' '}
-        <span className="mono" title={digest}>
-          {digest.slice(0, 16)}
-        </span>
-        .{changes.length === 0 && (sameCode(told) ? ' The installed components are the same.' : ' The installed texts are the same.')}
+        Stored with the run, from Clearance {catalogue.version}: sha256 <Digest of={digest} />.{changes.length === 0 && (sameCode(told) ? ' The installed components are the same.' : ' The installed texts are the same.')}
       </p>
       {changes.length > 0 && (
         <div className={clsx(cards.note, cards.warn)}>

@@ -21,6 +21,7 @@ import { Samples, samplesIn } from './Samples'
 import { idsOf, MOST } from './search'
 import { Tracks } from './Tracks'
 import { WorstParameters } from './WorstParameters'
+import { Button } from '../ui/Button'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
@@ -46,10 +47,9 @@ export function ComparePage() {
         <div className={layout.acts}>
           {ids.length > 1 && (
             <>
-              <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
-                <IconArrowsExchange className="i s" aria-hidden />
+              <Button small icon={IconArrowsExchange} onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
                 {ids.length === 2 ? 'Swap' : 'Reverse the order'}
-              </button>
+              </Button>
               <CopyButton text={() => location.href}>Copy link</CopyButton>
             </>
           )}
@@ -90,9 +90,7 @@ function Failed({ comparison: { missing, failed, retry } }: { comparison: Compar
         {missing.length > 0
           ? `${missing.map(({ id }) => id).join(', ')} could not be loaded and ${missing.length === 1 ? 'is' : 'are'} not compared.`
           : `Some results could not be loaded and are missing below: ${failed?.message ?? ''}`}{' '}
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={retry}>
-          Try again
-        </button>
+        <Button small onClick={retry}>Try again</Button>
       </p>
     </section>
   )

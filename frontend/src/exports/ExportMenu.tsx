@@ -9,6 +9,7 @@ import type { ExportFile, RunDetail } from '../client'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
 import { at } from '../format/root'
+import { Button } from '../ui/Button'
 import buttons from '../ui/buttons.module.css'
 import styles from './exports.module.css'
 
@@ -35,10 +36,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
       )}
       <Menu opened={opened} onChange={setOpened} position="bottom-end" width={340}>
         <Menu.Target>
-          <button type="button" className={buttons.btn}>
-            <IconDownload className="i s" aria-hidden />
-            Export
-          </button>
+          <Button icon={IconDownload}>Export</Button>
         </Menu.Target>
         <Menu.Dropdown className={styles.files}>
           <Menu.Label>Files of {run.id}</Menu.Label>

@@ -1,12 +1,11 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
-import { clsx } from 'clsx'
 import { Menu } from '@mantine/core'
 import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '@tabler/icons-react'
 import { useState } from 'react'
 import type { Theme } from '../theme/useTheme'
 import { useTheme } from '../theme/useTheme'
 import { at } from '../format/root'
-import buttons from '../ui/buttons.module.css'
+import { Button } from '../ui/Button'
 
 /** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
 export const recordedAt = (run: string, flight: string, theme: Theme) => ({
@@ -26,9 +25,7 @@ export function RecordingMenu(props: Props) {
   return (
     <Menu position="bottom-end" width={300}>
       <Menu.Target>
-        <button type="button" className={clsx(buttons.btn, buttons.s)}>
-          <IconPlayerPlay className="i s" aria-hidden /> Recording
-        </button>
+        <Button small icon={IconPlayerPlay}>Recording</Button>
       </Menu.Target>
       <Menu.Dropdown>
         <RecordingEntries {...props} />

@@ -11,6 +11,7 @@ import { moment, when } from '../format/time'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Table } from '../ui/Table'
@@ -66,9 +67,9 @@ export function ReportsPage() {
         flush={items.length > 0}
         footer={
           query.hasNextPage && (
-            <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
+            <Button small disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
               {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
-            </button>
+            </Button>
           )
         }
       >
@@ -170,16 +171,16 @@ function Pdf({ report, file }: { report: Report; file: ReportFile }) {
   })
   return (
     <>
-      <button
-        type="button"
-        className={clsx(buttons.btn, buttons.s)}
+      <Button
+        small
+        icon={IconFileTypePdf}
         disabled={file.unavailable !== null || print.isPending}
         title={file.unavailable ?? 'Printed on request, a few seconds'}
         aria-label={`PDF report of ${report.run}`}
         onClick={() => print.mutate()}
       >
-        <IconFileTypePdf className="i s" aria-hidden /> {print.isPending ? 'Printing …' : 'PDF'}
-      </button>
+        {print.isPending ? 'Printing …' : 'PDF'}
+      </Button>
       {print.isError && (
         <span className="small bad-t" role="alert">
           {print.error.message}

@@ -8,12 +8,13 @@ import type { RequirementFileOut } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { Failed } from '../page/Trouble'
+import { Button } from '../ui/Button'
+import { Form } from '../ui/Form'
 import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
 import { hiddenHead, Table } from '../ui/Table'
 import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './requirements.module.css'
 
@@ -62,9 +63,9 @@ export function Files({ mayChange }: { mayChange: boolean }) {
                     <IconDownload className="i s" aria-hidden />
                   </a>
                   {mayChange && (
-                    <button type="button" className={clsx(buttons.btn, buttons.s, buttons.danger)} aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
+                    <Button small danger aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
                       Delete …
-                    </button>
+                    </Button>
                   )}
                 </span>
               ),
@@ -72,27 +73,14 @@ export function Files({ mayChange }: { mayChange: boolean }) {
           ]}
         />
       </Card>
-      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title="Delete a file of requirements" centered lockScroll={false}>
+      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title="Delete a file of requirements">
         {leaving && (
-          <div className={fields.panel}>
+          <Form sent={remove} onSend={() => remove.mutate(leaving.id)} send="Delete the file" onLeave={() => setLeaving(null)} danger>
             <p>
               {leaving.name} and its {count(leaving.requirements)} requirements are deleted. Those that a run states stay in the matrix, as stated by
               campaigns only. The audit trail keeps the digest of the file, not the file.
             </p>
-            {remove.isError && (
-              <p className={fields.ferr} role="alert">
-                {remove.error.message}
-              </p>
-            )}
-            <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-              <button type="button" className={buttons.btn} onClick={() => setLeaving(null)}>
-                Not now
-              </button>
-              <button type="button" className={clsx(buttons.btn, buttons.danger)} disabled={remove.isPending} onClick={() => remove.mutate(leaving.id)}>
-                Delete the file
-              </button>
-            </div>
-          </div>
+          </Form>
         )}
       </Modal>
     </div>

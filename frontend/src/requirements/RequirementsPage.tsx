@@ -13,6 +13,7 @@ import { count } from '../format/numbers'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { SearchBox } from '../ui/SearchBox'
 import { Modal } from '../ui/Modal'
@@ -64,12 +65,8 @@ export function RequirementsPage() {
           <ExportFiles disabled={total === 0 && q === ''} />
           {mayChange && (
             <>
-              <button type="button" className={buttons.btn} onClick={() => setAsked('add')}>
-                <IconPlus className="i s" aria-hidden /> Add
-              </button>
-              <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={() => setAsked('import')}>
-                <IconUpload className="i s" aria-hidden /> Import
-              </button>
+              <Button icon={IconPlus} onClick={() => setAsked('add')}>Add</Button>
+              <Button main icon={IconUpload} onClick={() => setAsked('import')}>Import</Button>
             </>
           )}
         </div>
@@ -99,19 +96,19 @@ export function RequirementsPage() {
         flush={shown.length > 0}
         footer={
           query.hasNextPage && (
-            <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
+            <Button small disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
               {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
-            </button>
+            </Button>
           )
         }
       >
         {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setAsked : undefined} /> : <Nothing narrowed={Boolean(q || status)} onAll={() => void navigate({ search: {}, replace: true })} />}
       </Card>
       <Files mayChange={mayChange} />
-      <Modal opened={asked === 'import'} onClose={done} title="Import requirements" centered lockScroll={false}>
+      <Modal opened={asked === 'import'} onClose={done} title="Import requirements">
         <ImportForm onDone={done} />
       </Modal>
-      <Modal opened={asked !== null && asked !== 'import'} onClose={done} title={asked === 'add' ? 'Add a requirement' : 'Change a requirement'} centered lockScroll={false}>
+      <Modal opened={asked !== null && asked !== 'import'} onClose={done} title={asked === 'add' ? 'Add a requirement' : 'Change a requirement'}>
         {asked !== null && asked !== 'import' && <WriteForm row={asked === 'add' ? null : asked} onDone={done} />}
       </Modal>
     </>
@@ -150,9 +147,7 @@ function ExportFiles({ disabled }: { disabled: boolean }) {
   return (
     <Menu position="bottom-end" width={320} disabled={disabled}>
       <Menu.Target>
-        <button type="button" className={buttons.btn} disabled={disabled}>
-          <IconDownload className="i s" aria-hidden /> Export
-        </button>
+        <Button icon={IconDownload} disabled={disabled}>Export</Button>
       </Menu.Target>
       <Menu.Dropdown>
         {EXPORTS.map(({ href, title, text }) => (

@@ -12,6 +12,7 @@ import { Marked } from './Marked'
 import { NoRuns } from './NoRuns'
 import { RunTable } from './RunTable'
 import { CLEARED, filterOf, isNarrowed, type RunsSearch } from './search'
+import { Button } from '../ui/Button'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
@@ -89,18 +90,14 @@ function NothingFound({ narrowed, onChange }: { narrowed: boolean; onChange: (ch
       <div className={clsx(cards.card, layout.centre)}>
         <h2>Every run is removed</h2>
         <p>They can be restored until they are purged.</p>
-        <button type="button" className={buttons.btn} onClick={() => onChange({ removed: true })}>
-          Show removed runs
-        </button>
+        <Button onClick={() => onChange({ removed: true })}>Show removed runs</Button>
       </div>
     )
   return (
     <div className={clsx(cards.card, layout.centre)}>
       <h2>No run matches</h2>
       <p>Take a word out of the search, or a filter off.</p>
-      <button type="button" className={buttons.btn} onClick={() => onChange(CLEARED)}>
-        Clear search and filters
-      </button>
+      <Button onClick={() => onChange(CLEARED)}>Clear search and filters</Button>
     </div>
   )
 }

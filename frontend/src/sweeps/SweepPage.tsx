@@ -16,6 +16,7 @@ import { unitText } from '../format/units'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from '../trends/cells'
+import { Button } from '../ui/Button'
 import { Card } from '../ui/Card'
 import { Table } from '../ui/Table'
 import { usePolling } from '../ui/usePolling'
@@ -141,19 +142,15 @@ function Cancel({ sweep }: { sweep: SweepDetail }) {
   const active = activeOf(sweep.states)
   if (!sure)
     return (
-      <button type="button" className={buttons.btn} disabled={barred !== undefined} title={barred} onClick={() => setSure(true)}>
-        <IconBan className="i s" aria-hidden /> Cancel
-      </button>
+      <Button icon={IconBan} barred={barred} onClick={() => setSure(true)}>Cancel</Button>
     )
   return (
     <span className={layout.row}>
       <span className="sec">{cancel.error ? cancel.error.message : `Cancel ${active === 1 ? 'the run' : `the ${active} runs`} that have not ended?`}</span>
-      <button type="button" className={clsx(buttons.btn, buttons.p)} disabled={cancel.isPending} onClick={() => cancel.mutate()}>
+      <Button main disabled={cancel.isPending} onClick={() => cancel.mutate()}>
         Cancel {active === 1 ? 'it' : 'them'}
-      </button>
-      <button type="button" className={buttons.btn} onClick={() => setSure(false)}>
-        Keep running
-      </button>
+      </Button>
+      <Button onClick={() => setSure(false)}>Keep running</Button>
     </span>
   )
 }

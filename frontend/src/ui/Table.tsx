@@ -34,12 +34,14 @@ interface TableProps<T> {
   by?: (row: T) => string | number
   row?: (row: T, i: number) => RowProps
   className?: string
+  /** A row of another kind before the others. */
+  first?: ReactNode
   tight?: boolean
   /** In narrow windows the cells of a row are below each other. */
   stack?: boolean
 }
 
-export function Table<T>({ columns, rows, by, row: rowProps, className, tight, stack }: TableProps<T>) {
+export function Table<T>({ columns, rows, by, row: rowProps, className, first, tight, stack }: TableProps<T>) {
   const shown = columns.filter((column) => column !== false)
   return (
     <table className={clsx(tables.table, tight && tables.tight, stack && tables.stack, className)}>
@@ -51,6 +53,7 @@ export function Table<T>({ columns, rows, by, row: rowProps, className, tight, s
         </tr>
       </thead>
       <tbody>
+        {first}
         {rows.map((row, i) => (
           <tr key={by?.(row) ?? i} {...rowProps?.(row, i)}>
             {shown.map((column, k) => (

@@ -1,14 +1,13 @@
 // The audit trail of a run, collapsed by default.
-import { clsx } from 'clsx'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getHistory } from '../../api/calls'
 import { moment } from '../../format/time'
 import { Failed } from '../../page/Trouble'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Table } from '../../ui/Table'
 import { statementOf } from './entry'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 
 const historyQuery = (run: string) =>
@@ -25,9 +24,7 @@ export function History({ run }: { run: string }) {
       id="history"
       flush={open && (data?.length ?? 0) > 0}
       right={
-        <button type="button" className={clsx(buttons.btn, buttons.s)} aria-expanded={open} onClick={() => setOpen(!open)}>
-          {open ? 'Hide' : 'Show'}
-        </button>
+        <Button small aria-expanded={open} onClick={() => setOpen(!open)}>{open ? 'Hide' : 'Show'}</Button>
       }
     >
       {open && !data && !error && <p className="mut">Loading the history …</p>}

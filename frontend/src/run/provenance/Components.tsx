@@ -4,9 +4,9 @@ import { useQuery } from '@tanstack/react-query'
 import { lazy, Suspense, useState } from 'react'
 import { componentsQuery } from '../../api/queries'
 import type { RunComponents, RunDetail } from '../../client'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { Digest } from '../../ui/Digests'
-import buttons from '../../ui/buttons.module.css'
 import cards from '../../ui/cards.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
@@ -24,9 +24,7 @@ export function Components({ run, className }: { run: RunDetail; className: stri
       className={className}
       id="components"
       right={
-        <button type="button" className={clsx(buttons.btn, buttons.s)} aria-expanded={open} onClick={() => setOpen(!open)}>
-          {open ? 'Hide' : 'Show'}
-        </button>
+        <Button small aria-expanded={open} onClick={() => setOpen(!open)}>{open ? 'Hide' : 'Show'}</Button>
       }
     >
       <div className={layout.stack}>

@@ -3,13 +3,13 @@ import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { EvaluationFailure } from '../../client'
 import { count, decimalsFor, fixed } from '../../format/numbers'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { CopyButton } from '../../ui/files'
 import { hiddenHead, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { parameterColumns } from '../parameters/columns'
 import { countsOf, MEANING, startsYaml } from './failed'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './search.module.css'
 
@@ -34,9 +34,9 @@ export function Failures({ data, className }: { data: RunData; className: string
           <span className={layout.row} style={{ justifyContent: 'space-between' }}>
             {count(shown.length)} of {count(total)} shown
             {failures.length < total && `; the first ${failures.length} are shown here; the CSV file contains all`}
-            <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setAll(!all)}>
+            <Button small onClick={() => setAll(!all)}>
               {all ? `Show the first ${FIRST}` : `Show ${count(failures.length)}`}
-            </button>
+            </Button>
           </span>
         )
       }

@@ -1,9 +1,9 @@
 // The distinct minima of a method, merged as the findings are, and on request every descent: where it started and ended.
-import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { Minimum, SearchResult } from '../../client'
 import { resultOf } from '../../api/stages'
 import { count, decimalsApart, decimalsFor, fixed, NONE } from '../../format/numbers'
+import { Button } from '../../ui/Button'
 import { Card, Seg } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
 import { Spans } from '../../ui/Spans'
@@ -12,7 +12,6 @@ import { Table } from '../../ui/Table'
 import { type RunData, stageOf, type UncertainParameter } from '../data/data'
 import { parameterColumns } from '../parameters/columns'
 import { basinsOf, distanceOf, type MergedMinimum, mergedMinima, rangesText } from './minima'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 
 /** Initial and maximum number of rows. */
@@ -66,9 +65,7 @@ export function Minima({ data, search, position, className, tall }: MinimaProps)
         total > SHOWN && (
           <span className={layout.row} style={{ justifyContent: 'space-between' }}>
             The {every ? 'first' : 'lowest'} {shown} of {count(total)}
-            <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setAll(!all)}>
-              {all ? 'Show fewer' : `Show ${Math.min(MOST, total)}`}
-            </button>
+            <Button small onClick={() => setAll(!all)}>{all ? 'Show fewer' : `Show ${Math.min(MOST, total)}`}</Button>
           </span>
         )
       }

@@ -11,6 +11,7 @@ import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import type { RunData } from '../data/data'
 import { useTheme } from '../../theme/useTheme'
+import { Button } from '../../ui/Button'
 import { Seg } from '../../ui/Card'
 import { NOMINAL } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
@@ -214,9 +215,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
         )
       })}
       {ranged.length > 0 && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={onClear}>
-          Clear brush
-        </button>
+        <Button small onClick={onClear}>Clear brush</Button>
       )}
     </div>
   )

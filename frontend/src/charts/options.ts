@@ -73,9 +73,9 @@ export function optionsFor(
 const splitsOf = (spec: PlotSpec, u: uPlot, low: number, high: number) => spec.xSplits?.(low, high, Math.max(2, u.width / 110)) ?? []
 
 /** The width of the left axis [px]: as requested, unless its labels would be cut. */
-function leftOf(asked: number | undefined, labels: readonly string[]): number {
-  if (asked === undefined) return 14 + 6.4 * Math.max(2, ...labels.map((label) => label.length))
-  return Math.max(asked, 7 + Math.ceil(Math.max(0, ...labels.map(labelWidth))))
+function leftOf(width: number | undefined, labels: readonly string[]): number {
+  if (width === undefined) return 14 + 6.4 * Math.max(2, ...labels.map((label) => label.length))
+  return Math.max(width, 7 + Math.ceil(Math.max(0, ...labels.map(labelWidth))))
 }
 
 function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {

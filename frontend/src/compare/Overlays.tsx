@@ -138,7 +138,7 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
     return closest ? [{ x: closest.time, y: closest.value, colour, line: key, hollow: of.dash.length > 0 }] : []
   })
   const [first, ...further] = [...new Set(thresholds)]
-  const told = (limit: number) => {
+  const criterionText = (limit: number) => {
     const of = runs.filter(({ run }) => run.threshold === limit).map(({ letter }) => letter)
     return `Criterion${further.length > 0 ? ` of ${of.join(', ')}` : ''}, ${plain(limit)} ${unit}`
   }
@@ -153,8 +153,8 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
     yRange: [0, top * 1.04 || 1],
     yTitle: `Separation, ${unit}`,
     xTitle: 'Time since start, s',
-    criterion: first === undefined ? undefined : { value: first, label: told(first), tint: true },
-    criteria: further.map((value) => ({ value, label: told(value), right: true })),
+    criterion: first === undefined ? undefined : { value: first, label: criterionText(first), tint: true },
+    criteria: further.map((value) => ({ value, label: criterionText(value), right: true })),
     height: 340,
     xText: (x) => `${fixed(x, 2)} s`,
     yText: (y) => `${fixed(y, decimals)} ${unit}`,

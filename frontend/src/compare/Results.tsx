@@ -74,12 +74,12 @@ function linesOf(runs: Compared[]): Line[] {
   const decimals = decimalsFor(costs)
   const samples = runs.map(sampleOf)
   const statistics = runs.map(({ run }) => run.summary?.statistics ?? null)
-  const sizes = [...new Set(statistics.flatMap((told) => (told ? [told.samples] : [])))]
+  const sizes = [...new Set(statistics.flatMap((sample) => (sample ? [sample.samples] : [])))]
   const bounds = runs.map((compared) => {
     const bound = boundOf(compared)
     return bound === null ? null : 100 * bound
   })
-  const confidence = statistics.find((told) => told !== null)?.confidence
+  const confidence = statistics.find((sample) => sample !== null)?.confidence
   return [
     { key: 'worst', name: <>Worst <Sign text={quantity} /></>, unit, decimals, values: runs.map(({ run }) => run.worst_cost) },
     { key: 'criterion', name: 'Criterion', unit, decimals, values: runs.map(({ run }) => run.threshold) },
@@ -90,9 +90,9 @@ function linesOf(runs: Compared[]): Line[] {
       key: 'violations',
       name: 'Samples in violation',
       unit: sizes.length === 1 ? `of ${count(sizes[0])}` : '',
-      outOf: sizes.length > 1 ? statistics.map((told) => told?.samples ?? null) : undefined,
+      outOf: sizes.length > 1 ? statistics.map((sample) => sample?.samples ?? null) : undefined,
       decimals: 0,
-      values: statistics.map((told) => told?.violations ?? null),
+      values: statistics.map((sample) => sample?.violations ?? null),
       bad: (v) => v > 0,
     },
     {

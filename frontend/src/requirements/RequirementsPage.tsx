@@ -28,7 +28,7 @@ import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './requirements.module.css'
 
-type Asked = 'import' | 'add' | RequirementRow | null
+type Dialog = 'import' | 'add' | RequirementRow | null
 
 export function RequirementsPage() {
   useTitle('Requirements')
@@ -39,7 +39,7 @@ export function RequirementsPage() {
     [navigate],
   )
   const only = (next: Status | undefined) => void navigate({ search: (old) => ({ ...old, status: next }), replace: true })
-  const [asked, setAsked] = useState<Asked>(null)
+  const [dialog, setDialog] = useState<Dialog>(null)
   const query = useInfiniteQuery(requirementsQuery(q))
   const mayChange = hasRole(useQuery(sessionQuery).data?.role, 'engineer')
   const items = query.data?.pages.flatMap((page) => page.items) ?? []
@@ -54,7 +54,7 @@ export function RequirementsPage() {
     )
   const total = query.data.pages[0]?.total ?? items.length
   const shown = status ? items.filter((row) => row.status === status) : items
-  const done = () => setAsked(null)
+  const done = () => setDialog(null)
   return (
     <>
       <div className={clsx(layout.ph, styles.head)}>
@@ -65,8 +65,8 @@ export function RequirementsPage() {
           <ExportFiles disabled={total === 0 && q === ''} />
           {mayChange && (
             <>
-              <Button icon={IconPlus} onClick={() => setAsked('add')}>Add</Button>
-              <Button main icon={IconUpload} onClick={() => setAsked('import')}>Import</Button>
+              <Button icon={IconPlus} onClick={() => setDialog('add')}>Add</Button>
+              <Button main icon={IconUpload} onClick={() => setDialog('import')}>Import</Button>
             </>
           )}
         </div>
@@ -102,14 +102,14 @@ export function RequirementsPage() {
           )
         }
       >
-        {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setAsked : undefined} /> : <Nothing narrowed={Boolean(q || status)} onAll={() => void navigate({ search: {}, replace: true })} />}
+        {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setDialog : undefined} /> : <Nothing narrowed={Boolean(q || status)} onAll={() => void navigate({ search: {}, replace: true })} />}
       </Card>
       <Files mayChange={mayChange} />
-      <Modal opened={asked === 'import'} onClose={done} title="Import requirements">
+      <Modal opened={dialog === 'import'} onClose={done} title="Import requirements">
         <ImportForm onDone={done} />
       </Modal>
-      <Modal opened={asked !== null && asked !== 'import'} onClose={done} title={asked === 'add' ? 'Add a requirement' : 'Change a requirement'}>
-        {asked !== null && asked !== 'import' && <WriteForm row={asked === 'add' ? null : asked} onDone={done} />}
+      <Modal opened={dialog !== null && dialog !== 'import'} onClose={done} title={dialog === 'add' ? 'Add a requirement' : 'Change a requirement'}>
+        {dialog !== null && dialog !== 'import' && <WriteForm row={dialog === 'add' ? null : dialog} onDone={done} />}
       </Modal>
     </>
   )

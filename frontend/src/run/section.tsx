@@ -31,7 +31,7 @@ export interface Section {
   content: (page: Page) => Content | null
 }
 
-interface Given<T> {
+interface Parts<T> {
   id: string
   /** The condition: what of the run is shown here. */
   of: (page: Page) => T | false | null | undefined
@@ -45,7 +45,7 @@ type Rendered<T> =
   | { card?: undefined; pieces: (page: Page, of: T) => readonly Piece[] }
 
 /** A row of the table; the condition's value is given to its other parts. */
-export function section<T>({ id, title, count, of, ...rendered }: Given<T> & Rendered<T>): Section {
+export function section<T>({ id, title, count, of, ...rendered }: Parts<T> & Rendered<T>): Section {
   return {
     id,
     tab: (page) => {

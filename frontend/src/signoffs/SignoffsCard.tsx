@@ -141,7 +141,7 @@ function Standing({ item }: { item: Signoff }) {
   )
 }
 
-function useChange<T>(run: string, call: (given: T) => Promise<unknown>, onDone: () => void) {
+function useChange<T>(run: string, call: (body: T) => Promise<unknown>, onDone: () => void) {
   const cache = useQueryClient()
   return useMutation({
     mutationFn: call,

@@ -116,8 +116,8 @@ function Labels({ labels }: { labels: RunDetail['labels'] }) {
 
 /** What its criterion is evidence for; each leads to its row of the matrix. */
 function Requirements({ run }: { run: RunDetail }) {
-  const given = asCampaign(run.campaign).criterion.requirements ?? []
-  const stated = given.flatMap((one) => (typeof one === 'object' && one?.id ? [{ id: one.id, text: one.text }] : []))
+  const requirements = asCampaign(run.campaign).criterion.requirements ?? []
+  const stated = requirements.flatMap((one) => (typeof one === 'object' && one?.id ? [{ id: one.id, text: one.text }] : []))
   if (stated.length === 0) return null
   return (
     <span data-testid="requirements" className={runStyles.labels}>

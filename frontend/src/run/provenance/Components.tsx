@@ -28,8 +28,8 @@ export function Components({ run, className }: { run: RunDetail; className: stri
       }
     >
       <div className={layout.stack}>
-        <Origin told={data} />
-        <Code told={data} />
+        <Origin record={data} />
+        <Code record={data} />
         {open && (
           <Suspense>
             <Described catalogue={data.catalogue} />
@@ -44,8 +44,8 @@ export function Components({ run, className }: { run: RunDetail; className: stri
 const sameCode = ({ code, code_installed, code_changes }: RunComponents) =>
   code !== null && code === code_installed && code_changes.length === 0
 
-function Code({ told }: { told: RunComponents }) {
-  const { code, code_installed: installed, code_changes: modules } = told
+function Code({ record }: { record: RunComponents }) {
+  const { code, code_installed: installed, code_changes: modules } = record
   if (!code)
     return <p className="sec">No code digest is stored with this run, so its code cannot be compared with the installed one.</p>
   if (!installed)
@@ -54,7 +54,7 @@ function Code({ told }: { told: RunComponents }) {
         Simulated by code <Digest of={code} first={12} />. No worker has published the code that is installed now.
       </p>
     )
-  if (sameCode(told))
+  if (sameCode(record))
     return (
       <p className="sec">
         Simulated by code <Digest of={code} first={12} />, the code installed now.
@@ -86,8 +86,8 @@ function Code({ told }: { told: RunComponents }) {
 
 const MOST = 8
 
-function Origin({ told }: { told: RunComponents }) {
-  const { digest, catalogue, changes } = told
+function Origin({ record }: { record: RunComponents }) {
+  const { digest, catalogue, changes } = record
   if (!digest)
     return (
       <p className="sec">
@@ -98,7 +98,7 @@ function Origin({ told }: { told: RunComponents }) {
   return (
     <>
       <p className="sec">
-        Stored with the run, from Clearance {catalogue.version}: sha256 <Digest of={digest} />.{changes.length === 0 && (sameCode(told) ? ' The installed components are the same.' : ' The installed texts are the same.')}
+        Stored with the run, from Clearance {catalogue.version}: sha256 <Digest of={digest} />.{changes.length === 0 && (sameCode(record) ? ' The installed components are the same.' : ' The installed texts are the same.')}
       </p>
       {changes.length > 0 && (
         <div className={clsx(cards.note, cards.warn)}>

@@ -48,7 +48,7 @@ export function SinceCard({ data, className }: SinceProps) {
   if (!regression && !run.baseline) return null
   if (!regression) {
     const why = run.baseline?.run ? ' The run has no verdict, so nothing was compared.' : ''
-    return <Without sentence={`${run.baseline?.sentence ?? ''}${why}`} className={className} />
+    return <Without reason={`${run.baseline?.sentence ?? ''}${why}`} className={className} />
   }
   return (
     <Card
@@ -58,17 +58,17 @@ export function SinceCard({ data, className }: SinceProps) {
       id="since"
       flush
       right={<Policy regression={regression} />}
-      footer={<Told regression={regression} />}
+      footer={<Conclusion regression={regression} />}
     >
       <Changes unit={run.unit} regression={regression} choose={(label) => change({ finding: label === 'F1' ? undefined : label })} />
     </Card>
   )
 }
 
-function Without({ sentence: told, className }: { sentence: string; className: string | undefined }) {
+function Without({ reason, className }: { reason: string; className: string | undefined }) {
   return (
     <Card title="Since the baseline" className={className} id="since">
-      <p className="sec">{told}</p>
+      <p className="sec">{reason}</p>
     </Card>
   )
 }
@@ -82,13 +82,13 @@ function Policy({ regression: { ok } }: { regression: Regression }) {
   )
 }
 
-function Told({ regression }: { regression: Regression }) {
+function Conclusion({ regression }: { regression: Regression }) {
   const lost = regression.cases.filter(({ standing }) => standing === 'not compared')
-  const asked = regression.fail_on.map((word) => word.replace('_', ' ')).join(', ')
+  const policy = regression.fail_on.map((word) => word.replace('_', ' ')).join(', ')
   return (
     <>
       <Spans spans={regression.statement} /> {lost.map((each, i) => <Spans key={i} spans={[...sentence(each.statement), words(' ')]} />)}
-      {asked ? `The policy fails on: ${asked}.` : 'The policy fails on nothing.'} A finding that is new may also be one that
+      {policy ? `The policy fails on: ${policy}.` : 'The policy fails on nothing.'} A finding that is new may also be one that
       the search of the baseline missed.
     </>
   )

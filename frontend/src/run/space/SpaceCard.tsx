@@ -54,16 +54,16 @@ export function SpaceCard({ data, className, whatIf, onPick }: Props) {
     const titleOf = ({ method, kind }: EvaluationSeries) =>
       catalogue?.methods.find((m) => m.name === method)?.title ?? method ?? kind.charAt(0).toUpperCase() + kind.slice(1)
     // Stages stored by an older version have only the deciding criterion.
-    const told = evaluations?.stages.every((series) => further.every(({ name }) => series.further[name])) ? further : []
-    const axes = [value, ...told.map((c) => criterionAxis(evaluations, c)), ...parameters.map((p) => ({ ...p, key: p.path }))]
+    const criteria = evaluations?.stages.every((series) => further.every(({ name }) => series.further[name])) ? further : []
+    const axes = [value, ...criteria.map((c) => criterionAxis(evaluations, c)), ...parameters.map((p) => ({ ...p, key: p.path }))]
     return spaceOf({ evaluations, axes, titleOf, most: MOST })
   }, [evaluations, parameters, catalogue, further, run.quantity, run.unit, run.threshold])
   const [brush, setBrush] = useAddressedBrush(run.id, space.axes)
   const [hidden, toggle] = useHidden()
   const [over, setOver] = useState<number | null>(null)
   const [first = 1, second = 2] = parametersOf(space.axes)
-  const [asked, setPair] = useState<readonly [number, number] | null>(null)
-  const pair = asked ?? ([first, second] as const)
+  const [chosenPair, setPair] = useState<readonly [number, number] | null>(null)
+  const pair = chosenPair ?? ([first, second] as const)
   const by = Math.max(0, space.axes.findIndex(({ key }) => key === address.by))
   const kept = useMemo(() => keptOf(space, brush, hidden), [space, brush, hidden])
   const worst = useMemo(() => worstOf(space, kept), [space, kept])
@@ -159,10 +159,10 @@ export function SpaceCard({ data, className, whatIf, onPick }: Props) {
 
 /** The ranges, also in the address, so that a copied link shows the same. */
 function useAddressedBrush(id: string, axes: readonly Axis[]) {
-  const [{ brush: asked }, change] = useAddress(id)
-  const [brush, setBrush] = useState<Brush>(() => brushOf(asked ?? [], axes))
+  const [{ brush: stored }, change] = useAddress(id)
+  const [brush, setBrush] = useState<Brush>(() => brushOf(stored ?? [], axes))
   const texts = brushTexts(brush).join(' ')
-  const there = asked?.join(' ') ?? ''
+  const there = stored?.join(' ') ?? ''
   useEffect(() => {
     if (texts === there) return
     // The address is updated after the range stops changing.

@@ -55,7 +55,7 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
             </span>
           )}
           {[result.violations, result.spot_checks].map(
-            (told, i) => told && <Spans key={i} spans={[...sentence(told.statement), words(' ')]} />,
+            (check, i) => check && <Spans key={i} spans={[...sentence(check.statement), words(' ')]} />,
           )}
           Tolerance {percent(result.tolerance)} of the value, and a tenth of the margin.{' '}
           {neighbours && (

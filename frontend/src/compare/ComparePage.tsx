@@ -3,6 +3,7 @@ import { clsx } from 'clsx'
 import { IconAlertTriangle, IconArrowsExchange, IconGitCompare } from '@tabler/icons-react'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { type ReactNode, useMemo } from 'react'
+import { PageHead } from '../page/PageHead'
 import { Loading } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { CopyButton } from '../ui/files'
@@ -40,21 +41,16 @@ export function ComparePage() {
     })
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>Compare runs</h1>
-        </div>
-        <div className={layout.acts}>
-          {ids.length > 1 && (
-            <>
-              <Button small icon={IconArrowsExchange} onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
-                {ids.length === 2 ? 'Swap' : 'Reverse the order'}
-              </Button>
-              <CopyButton text={() => location.href}>Copy link</CopyButton>
-            </>
-          )}
-        </div>
-      </div>
+      <PageHead title="Compare runs">
+        {ids.length > 1 && (
+          <>
+            <Button small icon={IconArrowsExchange} onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
+              {ids.length === 2 ? 'Swap' : 'Reverse the order'}
+            </Button>
+            <CopyButton text={() => location.href}>Copy link</CopyButton>
+          </>
+        )}
+      </PageHead>
       <Picks comparison={comparison} ids={ids} onChange={(chosen) => go(chosen, all)} />
       {comparison.loading && <Loading what="the runs" />}
       <Failed comparison={comparison} />

@@ -12,6 +12,7 @@ import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Button } from '../ui/Button'
+import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
 import { Digest } from '../ui/Digests'
 import { Table } from '../ui/Table'
@@ -65,13 +66,7 @@ export function ReportsPage() {
         title="Safety-case reports"
         note="One for every run that has ended, made from its stored results when it is opened"
         flush={items.length > 0}
-        footer={
-          query.hasNextPage && (
-            <Button small disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
-              {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
-            </Button>
-          )
-        }
+        footer={query.hasNextPage && <ShowMore query={query} total={total} />}
       >
         {items.length === 0 && (
           <p className="sec">

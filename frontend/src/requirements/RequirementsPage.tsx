@@ -3,7 +3,6 @@ import { Menu } from '@mantine/core'
 import { IconDownload, IconPlus, IconUpload } from '@tabler/icons-react'
 import { useInfiniteQuery, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
-import { clsx } from 'clsx'
 import { useCallback, useState } from 'react'
 import { hasRole } from '../api/access'
 import { sessionQuery } from '../api/queries'
@@ -14,6 +13,7 @@ import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Button } from '../ui/Button'
+import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
 import { SearchBox } from '../ui/SearchBox'
 import { Modal } from '../ui/Modal'
@@ -23,8 +23,9 @@ import { ImportForm } from './ImportForm'
 import { Matrix } from './Matrix'
 import { countsOf, isStatus, STATUSES, type Status } from './status'
 import { WriteForm } from './WriteForm'
+import { EntryLines } from '../ui/EntryLines'
+import { Select } from '../ui/Select'
 import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './requirements.module.css'
 
@@ -57,35 +58,23 @@ export function RequirementsPage() {
   const done = () => setDialog(null)
   return (
     <>
-      <div className={clsx(layout.ph, styles.head)}>
-        <div className={layout.t}>
-          <h1>Requirements</h1>
-        </div>
-        <div className={clsx(layout.acts, styles.acts)}>
-          <ExportFiles disabled={total === 0 && q === ''} />
-          {mayChange && (
-            <>
-              <Button icon={IconPlus} onClick={() => setDialog('add')}>Add</Button>
-              <Button main icon={IconUpload} onClick={() => setDialog('import')}>Import</Button>
-            </>
-          )}
-        </div>
-      </div>
+      <PageHead title="Requirements" className={styles.head} acts={styles.acts}>
+        <ExportFiles disabled={total === 0 && q === ''} />
+        {mayChange && (
+          <>
+            <Button icon={IconPlus} onClick={() => setDialog('add')}>Add</Button>
+            <Button main icon={IconUpload} onClick={() => setDialog('import')}>Import</Button>
+          </>
+        )}
+      </PageHead>
       <div className={layout.filters}>
         <SearchBox label="Search requirements" hint="Id or text" value={q} onChange={search} />
-        <select
-          className={fields.select}
-          aria-label="Status"
+        <Select
+          label="Status"
           value={status ?? ''}
-          onChange={({ target }) => only(isStatus(target.value) ? target.value : undefined)}
-        >
-          <option value="">Every status</option>
-          {Object.entries(STATUSES).map(([key, { word }]) => (
-            <option key={key} value={key}>
-              {word}
-            </option>
-          ))}
-        </select>
+          options={[{ value: '', label: 'Every status' }, ...Object.entries(STATUSES).map(([value, { word }]) => ({ value, label: word }))]}
+          onChange={(value) => only(isStatus(value) ? value : undefined)}
+        />
         <span className="small mut" aria-live="polite">
           {counted(items, total)}
         </span>
@@ -94,13 +83,7 @@ export function RequirementsPage() {
         title="Matrix"
         note="The worst evidence for a requirement decides its status"
         flush={shown.length > 0}
-        footer={
-          query.hasNextPage && (
-            <Button small disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
-              {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
-            </Button>
-          )
-        }
+        footer={query.hasNextPage && <ShowMore query={query} total={total} />}
       >
         {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setDialog : undefined} /> : <Nothing narrowed={Boolean(q || status)} onAll={() => void navigate({ search: {}, replace: true })} />}
       </Card>
@@ -152,10 +135,7 @@ function ExportFiles({ disabled }: { disabled: boolean }) {
       <Menu.Dropdown>
         {EXPORTS.map(({ href, title, text }) => (
           <Menu.Item key={href} component="a" href={href} download>
-            <span className="b">{title}</span>
-            <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }}>
-              {text}
-            </span>
+            <EntryLines title={title}>{text}</EntryLines>
           </Menu.Item>
         ))}
       </Menu.Dropdown>

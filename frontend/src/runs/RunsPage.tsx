@@ -5,6 +5,7 @@ import { useInfiniteQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo, useState } from 'react'
 import { runsQuery } from '../api/queries'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Filters } from './Filters'
@@ -43,18 +44,13 @@ export function RunsPage() {
   const selected = runs.filter((run) => marked.has(run.id))
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>Runs</h1>
-        </div>
-        <div className={layout.acts}>
-          {selected.length > 0 && <Marked runs={selected} onClear={() => setMarked(new Set())} />}
-          <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
-            <IconPlus className="i s" aria-hidden />
-            New run
-          </Link>
-        </div>
-      </div>
+      <PageHead title="Runs">
+        {selected.length > 0 && <Marked runs={selected} onClear={() => setMarked(new Set())} />}
+        <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
+          <IconPlus className="i s" aria-hidden />
+          New run
+        </Link>
+      </PageHead>
       {none ? (
         <NoRuns />
       ) : (

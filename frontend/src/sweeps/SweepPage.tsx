@@ -13,6 +13,7 @@ import type { SweepDetail } from '../client'
 import { plain } from '../format/numbers'
 import { moment } from '../format/time'
 import { unitText } from '../format/units'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from '../trends/cells'
@@ -56,23 +57,22 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
   })
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>{sweep.name}</h1>
-          <p className="sec">
+      <PageHead
+        title={sweep.name}
+        note={
+          <>
             {sweep.id}, {sweep.title} over {sweep.runs} values. {statementOf(sweep.states)}.
-          </p>
-        </div>
-        <div className={layout.acts}>
-          <Link to="/sweeps" className={buttons.btn}>
-            All sweeps
-          </Link>
-          <a className={buttons.btn} href={at(`/api/v1/sweeps/${sweep.id}/table.csv`)} download>
-            <IconDownload className="i s" aria-hidden /> CSV
-          </a>
-          {activeOf(sweep.states) > 0 && <Cancel sweep={sweep} />}
-        </div>
-      </div>
+          </>
+        }
+      >
+        <Link to="/sweeps" className={buttons.btn}>
+          All sweeps
+        </Link>
+        <a className={buttons.btn} href={at(`/api/v1/sweeps/${sweep.id}/table.csv`)} download>
+          <IconDownload className="i s" aria-hidden /> CSV
+        </a>
+        {activeOf(sweep.states) > 0 && <Cancel sweep={sweep} />}
+      </PageHead>
       {codes.length > 1 && (
         <div className={clsx(cards.note, cards.warn)} style={{ marginBottom: 'var(--gap)' }}>
           The code changed while the sweep ran: {codes.length} codes ran its runs. Differences between the values may come

@@ -6,6 +6,7 @@ import { Link } from '@tanstack/react-router'
 import { listSweeps } from '../api/calls'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card } from '../ui/Card'
@@ -24,17 +25,12 @@ export function SweepsPage() {
   if (!data) return <Loading what="sweeps" title="Sweeps" failed={failureReason} />
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>Sweeps</h1>
-        </div>
-        <div className={layout.acts}>
-          <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
-            <IconPlus className="i s" aria-hidden />
-            New run or sweep
-          </Link>
-        </div>
-      </div>
+      <PageHead title="Sweeps">
+        <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
+          <IconPlus className="i s" aria-hidden />
+          New run or sweep
+        </Link>
+      </PageHead>
       <Card title="All sweeps" note="One campaign with several values of a fixed parameter" flush={data.length > 0}>
         {data.length === 0 && (
           <p className="sec">

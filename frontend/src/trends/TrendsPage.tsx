@@ -102,30 +102,27 @@ function Shown({ trend }: { trend: Trend }) {
   })
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>{trend.name}</h1>
-          <p className="sec">
-            {trend.digest ? (
+      <PageHead
+        title={trend.name}
+        note={
+          trend.digest ? (
               <>
                 Runs of one campaign, sha256 <Digest of={trend.digest} />
               </>
             ) : (
               `Runs of ${count(trend.campaigns)} ${trend.campaigns === 1 ? 'campaign' : 'campaigns'} of this name`
-            )}
-          </p>
-        </div>
-        <div className={layout.acts}>
-          {trend.digest && (
-            <Link to="/trends" search={{ name: trend.name, label: search.label }} className={buttons.btn}>
-              All campaigns of this name
-            </Link>
-          )}
-          {(trend.labels.length > 0 || search.label) && (
-            <FilterMenu name="Label" options={trend.labels} value={search.label} onChange={narrow} />
-          )}
-        </div>
-      </div>
+            )
+        }
+      >
+        {trend.digest && (
+          <Link to="/trends" search={{ name: trend.name, label: search.label }} className={buttons.btn}>
+            All campaigns of this name
+          </Link>
+        )}
+        {(trend.labels.length > 0 || search.label) && (
+          <FilterMenu name="Label" options={trend.labels} value={search.label} onChange={narrow} />
+        )}
+      </PageHead>
       {runs.length === 0 ? (
         <p className="sec">{search.label ? 'No run of this campaign has the chosen labels.' : 'No run has this campaign.'}</p>
       ) : (

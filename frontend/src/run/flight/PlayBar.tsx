@@ -19,7 +19,7 @@ import type { RunData } from '../data/data'
 import type { View } from './view'
 import { WhatIfButton } from './WhatIfButton'
 import type { WhatIfState } from './useWhatIf'
-import fields from '../../ui/fields.module.css'
+import { Select } from '../../ui/Select'
 import layout from '../../ui/layout.module.css'
 import styles from './flight.module.css'
 
@@ -58,19 +58,13 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
           act={() => view.steer({ closest: true })}
         />
       )}
-      <select
-        className={fields.select}
-        aria-label="Speed of play"
+      <Select
+        label="Speed of play"
         value={speed}
+        options={SPEEDS.map((pace) => ({ value: pace, label: `${plain(pace)}×` }))}
         disabled={shown === null}
-        onChange={(event) => view.steer({ speed: Number(event.target.value) })}
-      >
-        {SPEEDS.map((pace) => (
-          <option key={pace} value={pace}>
-            {plain(pace)}×
-          </option>
-        ))}
-      </select>
+        onChange={(pace) => view.steer({ speed: pace })}
+      />
       {shown && <LayersMenu data={data} view={view} shown={shown} />}
       <WhatIfButton whatIf={whatIf} flies={flies} />
       <IconButton

@@ -16,6 +16,7 @@ import { InstalledNote } from './CaseNote'
 import type { RunData, UncertainParameter } from '../data/data'
 import type { WhatIfState } from './useWhatIf'
 import { baseOf, STEPS, stepped, valuesOf, type WhatIf, within, withValue } from './whatif'
+import { Select } from '../../ui/Select'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import runStyles from '../run.module.css'
@@ -45,18 +46,12 @@ export function WhatIfCard({ data, state, className }: Props) {
         <span className={clsx(layout.row, styles.whatIfFrom)}>
           <label className={layout.row}>
             Begin at
-            <select
-              className={fields.select}
-              aria-label="Begin at the parameters of"
+            <Select
+              label="Begin at the parameters of"
               value={whatIf.like}
-              onChange={(event) => change({ like: event.target.value, set: {}, seed: null })}
-            >
-              {[NOMINAL, ...data.findings.map(({ label }) => label)].map((label) => (
-                <option key={label} value={label}>
-                  {nameOf(label)}
-                </option>
-              ))}
-            </select>
+              options={[NOMINAL, ...data.findings.map(({ label }) => label)].map((label) => ({ value: label, label: nameOf(label) }))}
+              onChange={(like) => change({ like, set: {}, seed: null })}
+            />
           </label>
           <Button small disabled={changed === 0 && whatIf.seed === null} onClick={() => change({ like: whatIf.like, set: {}, seed: null })}>
             Back to {name}

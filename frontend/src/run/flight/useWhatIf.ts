@@ -7,7 +7,7 @@ import { Refusal } from '../../api/problems'
 import type { CaseAnswer, FlightAnswer } from '../../client'
 import type { RunData } from '../data/data'
 import { useAddress } from '../data/useAddress'
-import type { View } from './view'
+import { refusedFor, type View } from './view'
 import { NOMINAL } from '../data/chosen'
 import { caseOf, QUICK, readWhatIf, requestOf, type WhatIf, written } from './whatif'
 
@@ -123,7 +123,7 @@ function useFlight(run: string, whatIf: WhatIf | null, view: View, flies: boolea
       const work = async () => {
         for (let done: WhatIf | null = null; wanted.current !== null && done !== wanted.current; ) {
           const values: WhatIf = wanted.current
-          const outcome = await simulated(values).catch(refusalFor)
+          const outcome = await simulated(values).catch(refusedFor)
           if (outcome instanceof Refusal && outcome.status === 409 && wanted.current === values) {
             await new Promise((resolve) => setTimeout(resolve, AGAIN))
             continue
@@ -164,6 +164,3 @@ function useDrawn(view: View, whatIf: WhatIf | null, answer: WhatIfState['answer
     view.steer({ what_if: uncertain, what_if_seed: answer.seed })
   }, [view, answer, parameters])
 }
-
-const refusalFor = (error: unknown): Refusal =>
-  error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.')

@@ -244,7 +244,7 @@ export class View {
   }
 }
 
-const refusedFor = (error: unknown): Refusal => (error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.'))
+export const refusedFor = (error: unknown): Refusal => (error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.'))
 
 const placeOf = ({ time, camera }: ViewState): Place => ({ time, ...(camera && { camera }) })
 

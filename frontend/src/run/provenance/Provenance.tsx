@@ -96,6 +96,8 @@ const hash = (text: string | null | undefined) => (
   </span>
 )
 
+const mono = (version: string | null) => <span className="mono">{version ?? 'not recorded'}</span>
+
 function flightRows(data: RunData, origin: Origin): Rows {
   const { run, campaign } = data
   return [
@@ -142,24 +144,9 @@ function machineRows({ run, campaign }: RunData, origin: Origin): Rows {
   const { cpu } = origin
   const packages = Object.entries(origin.packages)
   return [
-    [
-      'Clearance',
-      <span key="v" className="mono">
-        {origin.clearance ?? 'not recorded'}
-      </span>,
-    ],
-    [
-      'Python',
-      <span key="p" className="mono">
-        {origin.python ?? 'not recorded'}
-      </span>,
-    ],
-    ...packages.map(([name, version]): Rows[number] => [
-      name,
-      <span key={name} className="mono">
-        {version}
-      </span>,
-    ]),
+    ['Clearance', mono(origin.clearance)],
+    ['Python', mono(origin.python)],
+    ...packages.map(([name, version]): Rows[number] => [name, mono(version)]),
     [
       'Processor',
       <span key="m" title={cpu?.features}>

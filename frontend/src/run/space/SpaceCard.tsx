@@ -25,8 +25,8 @@ import { Reading } from './Reading'
 import { Scatter } from './Scatter'
 import { type Axis, type Brush, brushed, brushOf, brushTexts, criterionAxis, evaluationOf, FATES, keptOf, parametersAt, parametersOf, rankedFrom, type Space, spaceOf, VALUE, valueAxis, worstOf } from './space'
 import { Toggles } from './Toggles'
+import { Select } from '../../ui/Select'
 import buttons from '../../ui/buttons.module.css'
-import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './space.module.css'
 
@@ -225,18 +225,15 @@ function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, nu
   const choice = (name: string, end: 0 | 1) => (
     <label className={clsx(layout.row, 'small mut')}>
       {name}
-      <select
-        className={fields.select}
+      <Select
         value={pair[end]}
-        onChange={(event) => onPair(end === 0 ? [Number(event.target.value), pair[1]] : [pair[0], Number(event.target.value)])}
-      >
-        {axes.map((axis, k) => (
-          <option key={axis.key} value={k} disabled={k === pair[end === 0 ? 1 : 0]}>
-            {symbolText(axis.symbol)}
-            {axis.unit && `, ${unitText(axis.unit)}`}
-          </option>
-        ))}
-      </select>
+        options={axes.map((axis, k) => ({
+          value: k,
+          label: `${symbolText(axis.symbol)}${axis.unit && `, ${unitText(axis.unit)}`}`,
+          disabled: k === pair[end === 0 ? 1 : 0],
+        }))}
+        onChange={(axis) => onPair(end === 0 ? [axis, pair[1]] : [pair[0], axis])}
+      />
     </label>
   )
   return (

@@ -66,7 +66,7 @@ export interface RunData {
 }
 
 /** Requests a run's data in parallel with the run itself. */
-export function useAsked(id: string): void {
+export function useRequests(id: string): void {
   usePrefetchQuery(stagesQuery(id))
   usePrefetchQuery(findingsQuery(id))
   usePrefetchQuery(evaluationsQuery(id))
@@ -74,7 +74,7 @@ export function useAsked(id: string): void {
 }
 
 /** All data of a run's page; empty or undefined while loading. The same object as long as nothing in it changes. */
-export function useRunData(run: RunDetail, asked?: string): RunData {
+export function useRunData(run: RunDetail, label?: string): RunData {
   const over = !isLive(run)
   useFreshAtEnd(run.id, over)
   const components = useQuery(componentsQuery(run.id))
@@ -86,7 +86,7 @@ export function useRunData(run: RunDetail, asked?: string): RunData {
   const traces = useQuery({ ...tracesQuery(run.id), enabled: over })
   const has = (name: string) => over && (traces.data ?? []).some((trace) => trace.name === name)
   const nominalTrace = useQuery({ ...traceQuery(run.id, 'nominal'), enabled: has('nominal') })
-  const chosen = chosenOf(asked, findings.data ?? [])
+  const chosen = chosenOf(label, findings.data ?? [])
   const findingTrace = useQuery({
     ...traceQuery(run.id, chosen),
     enabled: chosen !== NOMINAL && has(chosen),

@@ -6,11 +6,11 @@ The worker publishes it to the database; the API, the launch form and `campaigns
 from __future__ import annotations
 
 import hashlib
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict
 
-from campaigns.documented import Documented, no_default
+from campaigns.documented import UNSTATED, Documented
 from campaigns.documents import JsonObject
 from campaigns.effort import Descents, Iterations, Situation
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook, readable
@@ -20,16 +20,6 @@ Kind = Literal["component", "method", "simulator"]
 """What another package or the operator may add."""
 
 Role = Literal["vehicle", "controller", "avoider", "obstacle", "environment", "fault", "criterion"]
-
-
-def _absent(look: Any) -> bool:
-    return look is None
-
-
-_LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=no_default)
-"""Omitted if not declared, so that older snapshots keep their digests."""
-_NOT_STATED = Field(exclude_if=lambda value: not value, json_schema_extra=no_default)
-"""Omitted if empty, for the same reason."""
 
 
 class Entry(Documented):
@@ -102,7 +92,7 @@ class ComponentEntry(Entry):
     """The point of an obstacle to which a criterion measures distances; empty if it measures none."""
     reach: ReachEntry | None = None
     """The largest distance of a point inside an obstacle from its centre; None if the obstacle does not declare it."""
-    look: Annotated[ObstacleLook | VehicleLook | None, _LEFT_OUT] = None
+    look: Annotated[ObstacleLook | VehicleLook | None, UNSTATED] = None
     """How an obstacle or a vehicle is drawn; omitted if not declared."""
     text: str
     """Equations, symbols and source, as the component's own file states them."""
@@ -124,24 +114,24 @@ class MethodEntry(Entry):
     """The usual budget."""
     starts: bool = False
     """Whether it starts from points given in the campaign."""
-    family: Annotated[str, _NOT_STATED] = ""
+    family: Annotated[str, UNSTATED] = ""
     """The principle by which it searches. Methods of one family do not confirm each other; omitted if not declared."""
-    families: Annotated[dict[str, dict[str, str]], _NOT_STATED] = {}
+    families: Annotated[dict[str, dict[str, str]], UNSTATED] = {}
     """The family by option and value, where an option decides it; omitted if none does."""
-    whole_budget: Annotated[bool, _NOT_STATED] = False
+    whole_budget: Annotated[bool, UNSTATED] = False
     """Whether it uses its whole budget; omitted if it may end by its own rule."""
-    effort: Annotated[Iterations | Descents | None, _LEFT_OUT] = None
+    effort: Annotated[Iterations | Descents | None, UNSTATED] = None
     """How many evaluations it takes until its own rule ends it; omitted if not declared."""
-    parallel: Annotated[str, _NOT_STATED] = ""
+    parallel: Annotated[str, UNSTATED] = ""
     """How many points it requests at a time, in a few words; omitted if not declared."""
-    at_once: Annotated[str, _NOT_STATED] = ""
+    at_once: Annotated[str, UNSTATED] = ""
     """The option that states that number; omitted if it has none."""
-    suits: Annotated[str, _NOT_STATED] = ""
+    suits: Annotated[str, UNSTATED] = ""
     """What it is for, in a few words; omitted if not declared."""
-    proposed: Annotated[dict[Situation, int], _NOT_STATED] = {}
+    proposed: Annotated[dict[Situation, int], UNSTATED] = {}
     """Its rank among the methods that are proposed, by situation; omitted if it is never proposed."""
     options: JsonObject
-    look: Annotated[MethodLook | None, BeforeValidator(readable), _LEFT_OUT] = None
+    look: Annotated[MethodLook | None, BeforeValidator(readable), UNSTATED] = None
     """Its colours and marker; omitted if not declared."""
 
 
@@ -165,7 +155,7 @@ class SimulatorEntry(Entry):
     text: str
     parameters: list[ParameterEntry]
     results: list[ResultEntry]
-    step: Annotated[str | None, _LEFT_OUT] = None
+    step: Annotated[str | None, UNSTATED] = None
     """The name of its step, which is halved when cases are confirmed; omitted if it declares none."""
 
     @property
@@ -202,21 +192,15 @@ class Catalogue(Entry):
     version: str
     components: list[ComponentEntry]
     methods: list[MethodEntry]
-    simulators: Annotated[
-        list[SimulatorEntry], Field(exclude_if=lambda given: not given, json_schema_extra=no_default)
-    ] = []
+    simulators: Annotated[list[SimulatorEntry], UNSTATED] = []
     """Omitted if there is none, so that older snapshots keep their digests."""
-    digests: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=no_default)] = {}
+    digests: Annotated[dict[str, str], UNSTATED] = {}
     """Of the files of simulators, by name, when this was published; not in snapshots, and omitted if empty."""
-    own: Annotated[dict[str, str], Field(exclude_if=lambda given: not given, json_schema_extra=no_default)] = {}
+    own: Annotated[dict[str, str], UNSTATED] = {}
     """Of the files of the operator's own components, by file, when this was published; not in snapshots."""
-    code: Annotated[CodeParts | None, Field(exclude_if=lambda given: given is None, json_schema_extra=no_default)] = (
-        None
-    )
+    code: Annotated[CodeParts | None, UNSTATED] = None
     """Of the code, by part, when this was published; not in snapshots."""
-    unusable: Annotated[
-        list[UnusableEntry], Field(exclude_if=lambda given: not given, json_schema_extra=no_default)
-    ] = []
+    unusable: Annotated[list[UnusableEntry], UNSTATED] = []
     """What was skipped, when this was published; not in snapshots, and omitted if there is none."""
 
     def why_not(self, kind: Kind, name: str, text: str) -> str:

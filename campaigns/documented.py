@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import ast
 import inspect
+import operator
 import sys
 from functools import cache
 from itertools import pairwise
 from typing import Any
 
-from pydantic import BaseModel, GetJsonSchemaHandler
+from pydantic import BaseModel, Field, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
@@ -34,6 +35,16 @@ class Documented(BaseModel):
 def no_default(schema: JsonSchemaValue) -> None:
     """For `json_schema_extra` of a field that is omitted when it has its default: the schema omits it as well."""
     schema.pop("default", None)
+
+
+def _is_none(value: object) -> bool:
+    return value is None
+
+
+UNLESS_NONE, UNLESS_EMPTY = Field(exclude_if=_is_none), Field(exclude_if=operator.not_)
+"""Of a field that is omitted if it is None, or if it is empty."""
+UNSTATED = Field(exclude_if=operator.not_, json_schema_extra=no_default)
+"""Of a field that is omitted if it is empty, also as a default, so that documents without it keep their digests."""
 
 
 def _left_out(model: type[BaseModel], name: str) -> bool:

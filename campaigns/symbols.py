@@ -29,12 +29,12 @@ _LISTS = {
 
 def labels(paths: Iterable[str], symbols: Mapping[str, str]) -> dict[str, str]:
     """The name of each path; symbols: of all parameters of the campaign, by path."""
-    asked = list(paths)
-    named = {path: path.rpartition(".")[2] for path in asked} | dict(symbols)
+    wanted = list(paths)
+    named = {path: path.rpartition(".")[2] for path in wanted} | dict(symbols)
     counts = Counter(named.values())
     names = {path: symbol if counts[symbol] == 1 else name_of(path, symbol) for path, symbol in named.items()}
     shared = Counter(names.values())  # two parameters of one part may have the same symbol
-    return {path: names[path] if shared[names[path]] == 1 else path for path in asked}
+    return {path: names[path] if shared[names[path]] == 1 else path for path in wanted}
 
 
 def name_of(path: str, symbol: str) -> str:

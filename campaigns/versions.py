@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict
 
-from campaigns.documented import Documented
+from campaigns.documented import UNLESS_EMPTY, UNLESS_NONE, Documented
 
 SHORT = 12
 """Digits of a digest in a message."""
@@ -64,7 +64,7 @@ class Versions(Documented):
     model_config = ConfigDict(frozen=True)
     code: str | None = None
     """Digest of the engine and of the parts of it that the campaign uses; see `campaigns.identity.code`."""
-    model: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
+    model: Annotated[str | None, UNLESS_NONE] = None
     """The same without stages and search methods: what evaluates a case. None: not stored by earlier versions."""
     loop: str | None = None
     """Digest of the compiled closed loop: every function and constant in it, by value."""
@@ -76,13 +76,13 @@ class Versions(Documented):
     cpu: Processor | None = None
     lanes: int | None = None
     """Simulations that one call of the loop runs in lockstep."""
-    components: Annotated[dict[str, str], Field(exclude_if=lambda given: not given)] = {}
+    components: Annotated[dict[str, str], UNLESS_EMPTY] = {}
     """Digest of the file of each of the operator's own components in the run, without comments and docstrings."""
-    simulator: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
+    simulator: Annotated[str | None, UNLESS_NONE] = None
     """Digest of the simulator, in place of the loop's: everything of it that could change a number."""
-    evaluator: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
+    evaluator: Annotated[str | None, UNLESS_NONE] = None
     """What evaluated the simulator on other machines, of which the processors are not recorded."""
-    command: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
+    command: Annotated[str | None, UNLESS_NONE] = None
     """The command line of the simulator, if the campaign file gave it instead of the installation."""
     step: float | None = None
     """[s]"""

@@ -58,16 +58,16 @@ def main() -> int:
         "PyPI": of_pip(*_run([*pip, "--progress-spinner", "off", "--format", "json"], ROOT)),
         "npm": of_npm(*_run(npm, ROOT / "frontend")),
     }
-    for name, asked in answers.items():
-        if asked.not_reached:
-            print(f"{name}: NOT AUDITED, the advisory source could not be asked completely: {asked.not_reached}")
+    for name, answer in answers.items():
+        if answer.not_reached:
+            print(f"{name}: NOT AUDITED, the advisory source could not be asked completely: {answer.not_reached}")
         else:
-            print(f"{name}: {asked.audited} packages audited, {len(asked.advisories)} with advisories")
-        for statement in asked.advisories:
+            print(f"{name}: {answer.audited} packages audited, {len(answer.advisories)} with advisories")
+        for statement in answer.advisories:
             print(f"  {statement}")
-    if any(asked.advisories for asked in answers.values()):
+    if any(answer.advisories for answer in answers.values()):
         return 1
-    return 2 if any(asked.not_reached for asked in answers.values()) else 0
+    return 2 if any(answer.not_reached for answer in answers.values()) else 0
 
 
 def _run(command: list[str], folder: Path) -> tuple[str, str]:

@@ -1,18 +1,23 @@
 """Writes the files that follow from the code: `python -m tools.generated`; tests check that they are as it writes them.
 
-The API's description and the looks of the shipped methods, which the pages are built with, and the tables of the guides
-between the lines `<!-- generated: NAME -->` and `<!-- end -->`. Start reading at `FILES`.
+The API's description, the looks of the shipped methods and the rules of a claim, which the pages are built with, the
+types of the client's answers, and the tables of the guides between `<!-- generated: NAME -->` and `<!-- end -->`. Start
+reading at `FILES`.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping
+import textwrap
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from backend import openapi
+from campaigns.documents import JsonObject
+from campaigns.rules import LIMITS, RULES
 from worker.engine.search.base import Method
 from worker.running.catalogue.installed import methods
 
@@ -36,14 +41,28 @@ def _looks() -> str:
     return json.dumps(found, indent=2) + "\n"
 
 
+def _rules() -> str:
+    """The limits of `campaigns.rules` by name, and the checks in their order."""
+    checks: list[JsonObject] = [
+        {"code": rule.code, "title": rule.title, "requires": rule.requires, "intended": rule.intended} for rule in RULES
+    ]
+    limits = {name.lower(): limit.value for name, limit in LIMITS.items()}
+    lines = ",\n".join(f"  {json.dumps(check)}" for check in checks)
+    return f'{{\n "limits": {json.dumps(limits)},\n "checks": [\n{lines}\n ]\n}}\n'
+
+
+def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    return "".join(f"| {' | '.join(row)} |\n".replace("|  |", "| |") for row in (header, ["---"] * len(header), *rows))
+
+
 def table_of_methods() -> str:
     """One row for each method: what it is, what it is for, when it ends and how many points it requests at a time."""
-    rows: list[Iterable[str]] = [("method", "name", "how", "for", "family", "ends", "at a time", "source"), ["---"] * 8]
+    rows = []
     for m in shipped():
         ends = "budget" if m.whole_budget else "own rule"
         at_a_time = f"`{m.at_once}`" if m.at_once else m.parallel
         rows.append((m.title, f"`{m.name}`", m.how, m.suits, m.family, ends, at_a_time, m.source))
-    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+    return _table(("method", "name", "how", "for", "family", "ends", "at a time", "source"), rows)
 
 
 def methods_without_more() -> str:
@@ -52,22 +71,176 @@ def methods_without_more() -> str:
     return f"A finished search can be extended, except {', '.join(names)} and {last}.\n"
 
 
-TABLES: Mapping[str, Callable[[], str]] = {"methods": table_of_methods, "methods without more": methods_without_more}
+def _table_of_checks() -> str:
+    rows = [(r.title, r.requires, ", ".join(r.evidence) or "all stages", r.remedy or "") for r in RULES]
+    return _table(("Check", "Requires", "Evidence", "A next run changes"), rows)
 
 
-def _guide(path: Path) -> str:
+def _table_of_limits() -> str:
+    rows = [(f"`{name}`: {limit.text}", f"{limit.value:g}", limit.source) for name, limit in LIMITS.items()]
+    return _table(("Limit", "Value", "Source"), rows)
+
+
+TABLES: Mapping[str, Callable[[], str]] = {
+    "methods": table_of_methods,
+    "methods without more": methods_without_more,
+    "checks": _table_of_checks,
+    "limits": _table_of_limits,
+}
+
+
+def _guide(name: str) -> str:
     """The guide with its generated parts as they are now."""
 
     def part(match: re.Match[str]) -> str:
         return f"{match[1]}\n{TABLES[match[2]]()}\n<!-- end -->"
 
-    return re.sub(r"(<!-- generated: ([\w ]+) -->\n).*?<!-- end -->", part, path.read_text("utf-8"), flags=re.DOTALL)
+    text = (ROOT / name).read_text("utf-8")
+    return re.sub(r"(<!-- generated: ([\w ]+) -->\n).*?<!-- end -->", part, text, flags=re.DOTALL)
+
+
+Schema = Mapping[str, Any]
+WIDTH = 120
+HEAD = '''"""What the service answers, as types. Times are `datetime` in UTC; costs and margins are in the run's unit.
+
+Written by `python -m tools.generated` from the OpenAPI document. A field that is not described here is ignored, and is
+still in `document`, the JSON as it was sent; what earlier versions did not send has a default. So a client works with
+services of other versions. Start reading at `Run`.
+"""
+
+from __future__ import annotations
+
+from pydantic import AwareDatetime
+
+from campaigns.documents import JsonObject
+from clearance.client.answer import Answer, RunAnswer, SweepAnswer
+'''
+
+
+class Class(NamedTuple):
+    """A schema as a class of the client."""
+
+    schema: str
+    name: str
+    required: str
+    """The fields that services of all versions send; a class without any has those of its base."""
+    base: str = "Answer"
+
+
+CLASSES = (
+    Class("Health", "Health", "status"),
+    Class("ProblemOut", "FieldProblem", "field given message"),
+    Class("Checked", "Checked", "ok digest problems"),
+    Class("ExportFile", "ExportFile", "name title media_type href unavailable"),
+    Class("StageProgress", "StageProgress", "position kind method state planned evaluations failed best seconds"),
+    Class("RunBaseline", "Baseline", "asked run sentence"),
+    Class("DescribedCheck", "Check", "name title standing text"),
+    Class("RunVerdict", "VerdictParts", "verdict sentence scope checks"),
+    Class(
+        "RunSummary",
+        "Run",
+        "id name owner tags state verdict reason error campaign_name campaign_digest quantity unit threshold "
+        "nominal_cost worst_cost margin evaluations planned failed_evaluations created started finished stage",
+        "RunAnswer",
+    ),
+    Class("RunSubmitted", "Submitted", "", "Run"),
+    Class("RunDetail", "RunDetail", "notes campaign stages summary", "Run"),
+    Class("RunPage", "RunPage", "items next_cursor counts"),
+    Class("Validation", "Validation", "ok"),
+    Class("FindingDetail", "Finding", "label cost margin parameters nominal low high methods values at_bounds"),
+    Class("TraceColumn", "TraceColumn", "name unit"),
+    Class("TraceInfo", "TraceInfo", "name rows columns"),
+    Class("TraceData", "TraceData", "data", "TraceInfo"),
+    Class("Outcome", "Outcome", "state verdict margin upper_bound confidence unit error"),
+    Class("SweepPoint", "SweepPoint", "value run outcome"),
+    Class("SweepDetail", "Sweep", "id name path unit owner created runs states points", "SweepAnswer"),
+)
+NAMES = {one.schema: one.name for one in CLASSES} | {"Campaign": "JsonObject"}
+TYPES = {"string": "str", "integer": "int", "number": "float", "boolean": "bool", "null": "None"}
+EMPTY = {"list": "[]", "dict": "{}"}
+
+
+def answers(document: Schema) -> str:
+    """The types of the client's answers.
+
+    A field has the type and the description of the document. A field of a schema that is not in `CLASSES` is left to
+    `Answer.document`. A name there that the document does not have is an error.
+    """
+    known = document["components"]["schemas"]
+    fields = {one.name: set(known[one.schema]["properties"]) for one in CLASSES}
+    inherited = {one.name: fields.get(one.base, {"document"}) for one in CLASSES}
+    return HEAD + "".join(f"\n\n{_class(one, known, inherited[one.name])}" for one in CLASSES)
+
+
+def _class(one: Class, known: Schema, inherited: set[str]) -> str:
+    schema = known[one.schema]
+    required = set(one.required.split())
+    unknown = required - set(schema["properties"])
+    if unknown:
+        raise KeyError(f"{one.schema} has no {', '.join(sorted(unknown))}")
+    lines = [*_quoted(schema["description"]), ""]
+    for name, described in schema["properties"].items():
+        kind = _type(described, known)
+        if name not in inherited and kind is not None:
+            lines += [f"{name}: {kind}" if name in required else _optional(name, kind)]
+            lines += _quoted(described.get("description") or ", ".join(_members(described, known)))
+    return f"class {one.name}({one.base}):\n" + textwrap.indent("\n".join(lines).rstrip(), "    ") + "\n"
+
+
+def _optional(name: str, kind: str) -> str:
+    """None: the service did not send it."""
+    empty = "None" if kind.endswith("| None") else EMPTY.get(kind.partition("[")[0])
+    return f"{name}: {kind} | None = None" if empty is None else f"{name}: {kind} = {empty}"
+
+
+def _members(schema: Schema, known: Schema) -> list[str]:
+    """Of an enumeration, nullable or not; else empty."""
+    options = [option["$ref"].rsplit("/", 1)[-1] for option in schema.get("anyOf", [schema]) if "$ref" in option]
+    return [str(member) for name in options for member in known[name].get("enum", ())]
+
+
+def _quoted(description: str) -> list[str]:
+    """As a docstring, in the words of Python, where times are no seconds."""
+    for word, ours in (("null", "None"), ("Null", "None"), ("Times are seconds since 1970; costs", "Costs")):
+        description = description.replace(word, ours)
+    if not description:
+        return []
+    parts = description.split("\n\n")
+    lines = ["\n".join(textwrap.wrap('"""' * (k == 0) + part, WIDTH - 4)) for k, part in enumerate(parts)]
+    several = "\n" in "\n".join(lines) or len(lines[-1]) > WIDTH - 7
+    return [*"\n\n".join(lines).split("\n"), '"""'] if several else [f'{lines[0]}"""']
+
+
+def _type(schema: Schema, known: Schema) -> str | None:
+    """None of a schema that has no class."""
+    if "$ref" in schema:
+        name = schema["$ref"].rsplit("/", 1)[-1]
+        return "str" if "enum" in known[name] else NAMES.get(name)
+    kind = schema.get("type", "")
+    if "anyOf" in schema:
+        parts = [_type(option, known) for option in schema["anyOf"]]
+    elif kind == "array":
+        parts = [_type(item, known) for item in schema.get("prefixItems", [schema.get("items", {})])]
+    elif kind == "object":
+        parts = [_type(schema.get("additionalProperties", {}), known)]
+    else:
+        return "AwareDatetime" if schema.get("format") == "unix-time" else TYPES.get(kind)
+    if None in parts or not parts:
+        return None
+    inner = [part for part in parts if part is not None]
+    if "anyOf" in schema:
+        return " | ".join(sorted(dict.fromkeys(inner), key=lambda part: part == "None"))
+    opened = "dict[str, " if kind == "object" else "tuple[" if "prefixItems" in schema else "list["
+    return f"{opened}{', '.join(inner)}]"
 
 
 FILES: Mapping[str, Callable[[], str]] = {
     "frontend/openapi.json": openapi.text,
     "frontend/src/ui/shipped.json": _looks,
-    "docs/methods.md": lambda: _guide(ROOT / "docs" / "methods.md"),
+    "frontend/src/api/rules.json": _rules,
+    "clearance/client/answers.py": lambda: answers(json.loads(openapi.text())),
+    "docs/methods.md": lambda: _guide("docs/methods.md"),
+    "docs/evidence.md": lambda: _guide("docs/evidence.md"),
 }
 
 

@@ -33,10 +33,10 @@ def case(folder: Path, name: str, label: str, colour: str, scenario: dict[str, A
     """A track with its closest approach to the obstacle's centre, at the step where it is lowest."""
     data = read(folder, name)
     at = min(range(len(data["t"])), key=lambda i: data["separation"][i] or 0.0)
-    given = scenario["obstacles"][0]["parameters"]
-    centre = [given["position.x"], given["position.y"]]
+    obstacle = scenario["obstacles"][0]["parameters"]
+    centre = [obstacle["position.x"], obstacle["position.y"]]
     meta = {
-        "obstacles": [{"title": "Obstacle", "position": centre, "radius": given["radius"]}],
+        "obstacles": [{"title": "Obstacle", "position": centre, "radius": obstacle["radius"]}],
         "start": [scenario["start"]["x"], scenario["start"]["y"]],
         "goal": [scenario["goal"]["x"], scenario["goal"]["y"]],
         "closest": {"obstacle": 0, "position": [data["x"][at], data["y"][at]], "obstacle_position": centre},

@@ -11,9 +11,9 @@ from backend.db import measurements, workers
 from backend.db.tables import Run, Stage
 from campaigns.asked.proposal import Cost
 from campaigns.catalogue import SimulatorEntry
-from campaigns.results import NominalResult
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.runs import StageState, run_name
+from campaigns.stages.found import stage_result
 from campaigns.versions import Versions
 
 RECENT_RUNS = 50
@@ -60,7 +60,7 @@ def _first(
 
 def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurement]:
     """The measurements by runs of the simulator with this declaration, the newest first."""
-    nominal = sa.and_(Stage.run_id == Run.id, Stage.kind == "nominal", Stage.state == StageState.DONE)
+    nominal = sa.and_(Stage.run_id == Run.id, Stage.position == 0, Stage.state == StageState.DONE)
     asked = (
         sa.select(Run.id, Run.started, Run.flown, Stage.result)
         .join(Stage, nominal)
@@ -69,7 +69,7 @@ def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurem
         .limit(RECENT_RUNS)
     )
     for run_id, started, flown, result in reader.execute(asked):
-        measured = NominalResult.model_validate(result).measured
+        measured = stage_result(result).repeatability
         cost = None if measured is None else _cost(measured, run_name(run_id), started)
         if cost is not None:
             yield _Measurement(started or 0.0, Versions.of(flown).simulator, cost)

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from backend.db.engine import insert, now
 from backend.db.tables import SimulatorMeasurement
 from campaigns.catalogue import SimulatorEntry
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 
 RECENT = 50
 """Number of stored measurements of a simulator that are read, the newest ones."""

@@ -235,7 +235,7 @@ class RunStore:
         best, index = lowest(columns)
         if index is not None and (stage.best is None or best < stage.best):
             values |= {"best": best, "best_index": first + index}
-            if stage.kind == "search":
+            if stage.method is not None:
                 self._worst(connection, best, stage.method)
                 self._history(connection, count, columns)
         connection.execute(self._stage(position).values(**values))

@@ -9,7 +9,7 @@ from backend.reports.held import Held
 from campaigns.claims import numbers
 from campaigns.results import CertifyResult, SearchResult, SensitivityResult
 from campaigns.results.sample import Sample
-from campaigns.results.sensitivity import Curve
+from campaigns.results.slices import Curve
 
 MOST_CURVES = 12
 
@@ -60,7 +60,7 @@ def _series(held: Held) -> list[tuple[str, str, list[plot.Point]]]:
     titles = {stage.position: result.title for stage, result in held.results(SearchResult)}
     found = []
     for series in held.evaluations.stages:
-        if series.kind == "search":
+        if series.method is not None:
             steps = zip(series.improvements["index"], series.improvements["cost"], strict=True)
             points = [(index + 1.0, cost) for index, cost in steps]
             found.append((_colour(held, series.method), titles.get(series.position) or series.method or "", points))

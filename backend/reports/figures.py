@@ -14,7 +14,7 @@ from backend.reports import plot, words
 from backend.reports.plot import Axes, Point
 from campaigns.claims import numbers
 from campaigns.results import TraceHead
-from campaigns.results.sensitivity import Curve
+from campaigns.results.slices import Curve
 from campaigns.results.trace import Closest
 from campaigns.symbols import OF, is_path
 

@@ -131,7 +131,7 @@ def methods(held: Held) -> list[Row]:
     """The requested searches: settings, budget and, once started, what each found and how it ended."""
     validated, ended = held.result(ValidateResult), {s.position: r for s, r in held.results(SearchResult)}
     compared = {} if validated is None else {row.position: row for row in validated.comparison}
-    begun = [stage for stage in held.stages if stage.kind == "search"]
+    begun = [stage for stage in held.stages if stage.method is not None]
     bests = [stage.best for stage in begun]
     decimals = numbers.decimals_apart(bests, 4, 6)
     lowest = min((b for b in bests if b is not None), default=None)

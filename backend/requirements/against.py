@@ -23,6 +23,7 @@ from backend.requirements.standing import Edge, Model
 from campaigns.asked.requirements import question
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
+from campaigns.stages.found import declared
 
 MOST_NAMED = 20
 """Runs or ids that a sentence names."""
@@ -41,7 +42,8 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     highest: dict[str, float] = {}
     for edge in (e for found in edges.values() for e in found if e.verdict is not None and e.threshold is not None):
         highest[edge.campaign] = max(highest.get(edge.campaign, -math.inf), edge.threshold or 0.0)
-    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, Stage.kind.in_(("search", "certify")))
+    kinds = [stage.kind for stage in declared().values() if stage.against]
+    lowest = sa.select(sa.func.min(Stage.best)).where(Stage.run_id == Run.id, Stage.kind.in_(kinds))
     worst = lowest.scalar_subquery().label("worst")
     columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.campaign_digest, CampaignRow.name)
     rows: list[Any] = []

@@ -1,6 +1,6 @@
 """The noise realisations of stored evaluations and findings that drew one of their own, by their seeds.
 
-The certify stage draws one for every evaluation of its sample, the baseline stage repeats those of its findings.
+Which stages draw them is in their declarations (`campaigns.stages`).
 """
 
 from __future__ import annotations
@@ -9,27 +9,26 @@ import sqlalchemy as sa
 
 from backend.db.tables import Finding, Stage
 from campaigns import Campaign
-from campaigns.results.baseline import BaselineResult
 from campaigns.results.draws import of_draws
+from campaigns.stages.found import declared, stage_result
 
 
-def drawn(reader: sa.Connection, run_id: int, asked: Campaign) -> dict[int, list[int]]:
+def drawn(reader: sa.Connection, run_id: int, campaign: Campaign) -> dict[int, list[int]]:
     """The seeds of the leading evaluations of a stage that each drew one, {position: seeds}.
 
-    A certify stage reports their number when it ends. Until then it has drawn at least the requested number before it
-    starts its grid; without noise a realisation has no effect.
+    A stage reports their number when it ends.
     """
+    drawing = {kind: stage.draws for kind, stage in declared().items() if stage.draws is not None}
     query = sa.select(Stage.position, Stage.kind, Stage.result, Stage.evaluations)
-    query = query.where(Stage.run_id == run_id, Stage.kind.in_(("certify", "baseline")))
-    certify = asked.stages.certify
+    query = query.where(Stage.run_id == run_id, Stage.kind.in_(drawing))
     found = {}
     for row in reader.execute(query).all():
-        if row.kind == "certify":
-            begun = certify.samples if certify is not None and certify.grid is not None else row.evaluations
-            count = begun if row.result is None else int(row.result.get("drawn_realisations") or 0)
-            found[row.position] = of_draws(asked.seed, 0, min(count, row.evaluations)).tolist()
-        elif row.result is not None:
-            found[row.position] = BaselineResult.model_validate(row.result).seeds
+        result = None if row.result is None else stage_result(row.result)
+        count = drawing[row.kind](campaign, row.evaluations) if result is None else result.drawn
+        known = None if result is None else result.seeds
+        found[row.position] = (
+            of_draws(campaign.seed, 0, min(count, row.evaluations)).tolist() if known is None else known
+        )
     return found
 
 

@@ -11,7 +11,7 @@ from backend.http.schema import Schema
 from campaigns.results import TraceHead
 from campaigns.results.base import Status
 from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation, granted
-from campaigns.results.sensitivity import Slices
+from campaigns.results.slices import Slices
 from campaigns.results.trace import TraceColumn
 
 

@@ -20,7 +20,7 @@ def estimate(stages: Sequence[StageProgress]) -> tuple[float | None, float | Non
     running = next((s for s in stages if s.state == StageState.RUNNING), None)
     if running is None:
         return None, None
-    speed = _speed([running]) or _speed([s for s in stages if s.kind != "nominal"])
+    speed = _speed([running]) or _speed([s for s in stages if s.position])
     if speed is None:
         return None, None
     left = sum(max(0, s.planned - s.evaluations) for s in stages if s.state != StageState.DONE)

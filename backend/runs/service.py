@@ -95,7 +95,12 @@ def baseline(reader: sa.Connection, run_id: int) -> RunBaseline | None:
 
 def _plan(campaign: Campaign) -> list[StageSummary]:
     return [
-        StageSummary(kind=stage.kind, title=stage.title, description=stage.description(campaign))
+        StageSummary(
+            kind=stage.kind,
+            title=stage.title,
+            description=stage.description(campaign),
+            estimated=stage.of_findings,
+        )
         for stage in declared().values()
         if stage.planned(campaign)
     ]

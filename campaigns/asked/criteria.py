@@ -18,15 +18,15 @@ def criteria(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         yield Problem("criterion.component", decides.name, f"{text}under objectives")
     if decides is not None and decides.of == "goal":
         yield from _reached("criterion.component", decides.name, campaign, catalogue)
-    given = [(campaign.criterion.component, campaign.criterion.parameters)]
+    measures = [(campaign.criterion.component, campaign.criterion.parameters)]
     for i, objective in enumerate(campaign.objectives):
         field = f"objectives.{i}.component"
         entry = catalogue.component("criterion", objective.component)
-        if (objective.component, objective.parameters) in given:
+        if (objective.component, objective.parameters) in measures:
             yield Problem(field, objective.component, "this criterion is already given; remove this entry")
         elif entry is not None and entry.of == "goal":
             yield from _reached(field, entry.name, campaign, catalogue)
-        given.append((objective.component, objective.parameters))
+        measures.append((objective.component, objective.parameters))
 
 
 def named(components: Iterable[str]) -> list[str]:

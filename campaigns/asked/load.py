@@ -139,7 +139,7 @@ def _problem(error: Any) -> Problem:
     at = list(error["loc"])
     if "distribution" in at[:-1]:  # what follows is the kind, which is no key of the document
         del at[at.index("distribution") + 1]
-    given = "" if kind in ("missing", "model_type") or not at else shown(error.get("input"))
+    value = "" if kind in ("missing", "model_type") or not at else shown(error.get("input"))
     if kind == "extra_forbidden":
         message = _unknown(at)
     elif at == ["simulator"] and kind == "model_type":
@@ -150,7 +150,7 @@ def _problem(error: Any) -> Problem:
         message = "this key is required"
     elif at and at[-1] == "[key]":
         message = "not the path of a parameter, such as vehicle.m or obstacles.0.position.x"
-    return Problem(".".join(str(part) for part in at if part != "[key]"), given, message)
+    return Problem(".".join(str(part) for part in at if part != "[key]"), value, message)
 
 
 def _unknown(at: Sequence[Any]) -> str:

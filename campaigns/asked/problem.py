@@ -25,8 +25,8 @@ class Problem:
     message: str
 
     def __str__(self) -> str:
-        given = f" (given: {self.given})" if self.given else ""
-        return f"{self.field or 'campaign'}: {self.message}{given}"
+        value = f" (given: {self.given})" if self.given else ""
+        return f"{self.field or 'campaign'}: {self.message}{value}"
 
 
 class CampaignError(ValueError):

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
+from campaigns.asked.reading import repeated
 from campaigns.asked.scenario import MAX_SEED
 from campaigns.asked.values import AS_NUMBER, AS_WHOLE, Name, Number, Path, Strict
 
@@ -20,8 +21,8 @@ baseline is worse; not_compared: a finding of the baseline could not be evaluate
 DEFAULT: list[FailOn] = ["violation", "new_violation"]
 
 
-def _distinct(given: list[FailOn]) -> list[FailOn]:
-    return list(dict.fromkeys(given))
+def _distinct(changes: list[FailOn]) -> list[FailOn]:
+    return list(dict.fromkeys(changes))
 
 
 class Policy(Strict):
@@ -38,9 +39,7 @@ class Policy(Strict):
 
 
 def _once(cases: list[BaselineCase]) -> list[BaselineCase]:
-    labels = [case.label for case in cases]
-    twice = next((label for i, label in enumerate(labels) if label in labels[:i]), None)
-    if twice is not None:
+    if twice := repeated(case.label for case in cases):
         raise ValueError(f"{twice} is given twice; a finding has one label")
     return cases
 

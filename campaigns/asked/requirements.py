@@ -5,16 +5,15 @@ An id names a requirement in the tool that it was written in.
 
 from __future__ import annotations
 
-import hashlib
-import json
-import operator
 from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
+from campaigns.asked.reading import repeated
 from campaigns.asked.values import Notes, Strict
-from campaigns.documented import no_default
+from campaigns.documented import UNSTATED
+from campaigns.documents import digest_of
 
 MOST = 200
 """Requirements of one criterion."""
@@ -34,17 +33,15 @@ def _id(text: str) -> str:
     return text
 
 
-def _named(given: Any) -> Any:
+def _named(reference: Any) -> Any:
     """`REQ-1` is short for `{id: REQ-1}`."""
-    return {"id": given} if isinstance(given, str) else given
+    return {"id": reference} if isinstance(reference, str) else reference
 
 
-def _once(given: list[RequirementRef]) -> list[RequirementRef]:
-    ids = [one.id for one in given]
-    twice = next((one for i, one in enumerate(ids) if one in ids[:i]), None)
-    if twice is not None:
+def _once(references: list[RequirementRef]) -> list[RequirementRef]:
+    if twice := repeated(one.id for one in references):
         raise ValueError(f"{twice} is given twice; name a requirement once")
-    return given
+    return references
 
 
 RequirementId = Annotated[str, Field(min_length=1, max_length=LONGEST_ID), AfterValidator(_id)]
@@ -54,7 +51,7 @@ class RequirementRef(Strict):
     """A requirement, by the id that it has where it was written."""
 
     id: RequirementId
-    text: Annotated[Notes, Field(exclude_if=operator.not_, json_schema_extra=no_default)] = ""
+    text: Annotated[Notes, UNSTATED] = ""
     """Its text when the campaign was written; omitted from the canonical form if not given."""
 
 
@@ -70,14 +67,11 @@ def question(document: Mapping[str, Any]) -> str:
 
     Without the threshold as well: a value that violates a threshold violates every higher one.
     """
-    asked = {key: document[key] for key in _ASKED if document.get(key)}
-    asked["criterion"] = {k: v for k, v in (document.get("criterion") or {}).items() if k not in _STATED}
-    canonical = json.dumps(asked, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()
+    content = {key: document[key] for key in _ASKED if document.get(key)}
+    content["criterion"] = {k: v for k, v in (document.get("criterion") or {}).items() if k not in _STATED}
+    return digest_of(content)
 
 
 def definition(document: Mapping[str, Any]) -> str:
     """SHA-256 of a stored campaign without the baseline, which is added at launch: equal for every launch of a file."""
-    rest = {key: value for key, value in document.items() if key != "baseline"}
-    canonical = json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()
+    return digest_of({key: value for key, value in document.items() if key != "baseline"})

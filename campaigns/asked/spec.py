@@ -7,9 +7,6 @@ validates units and the components' own limits against the catalogue.
 
 from __future__ import annotations
 
-import hashlib
-import json
-import operator
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
@@ -36,8 +33,8 @@ from campaigns.asked.values import (
     Summary,
     Values,
 )
-from campaigns.documented import no_default
-from campaigns.documents import JsonObject
+from campaigns.documented import UNLESS_EMPTY, UNSTATED, no_default
+from campaigns.documents import JsonObject, canonical, digest_of
 
 __all__ = [
     "MAX_EVALUATIONS",
@@ -54,14 +51,6 @@ __all__ = [
 ]
 
 
-def _absent(given: Any) -> bool:
-    return given is None or given == ""
-
-
-_LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=no_default)
-"""Omitted from the canonical form if not given, so campaigns without it keep their digests."""
-
-
 class Repeats(Strict):
     """How many calls of the simulator make one evaluation, and how they are combined.
 
@@ -71,7 +60,7 @@ class Repeats(Strict):
 
     count: Annotated[int, Field(ge=1, le=1000), AS_WHOLE] = 5
     combine: Literal["worst", "mean", "quantile"] = "worst"
-    quantile: Annotated[float | None, Field(gt=0, lt=1), AS_NUMBER, _LEFT_OUT] = None
+    quantile: Annotated[float | None, Field(gt=0, lt=1), AS_NUMBER, UNSTATED] = None
 
     @model_validator(mode="after")
     def _quantile_belongs(self) -> Repeats:
@@ -89,9 +78,9 @@ class Simulator(Strict):
 
     name: Identifier
     parameters: Values = {}
-    repeats: Annotated[Repeats | None, _LEFT_OUT] = None
+    repeats: Annotated[Repeats | None, UNSTATED] = None
     """If omitted, an evaluation is one call."""
-    retries: Annotated[int, Field(ge=0, le=10, exclude_if=operator.not_, json_schema_extra=no_default), AS_WHOLE] = 0
+    retries: Annotated[int, Field(ge=0, le=10), UNSTATED, AS_WHOLE] = 0
     """How often a call that failed or timed out is tried again."""
 
     @property
@@ -111,29 +100,29 @@ class Criterion(Strict):
     The value is that of a component over the scenario, or a result of the simulator.
     """
 
-    component: Annotated[Identifier | Literal[""], Field(exclude_if=_absent)] = "separation"
+    component: Annotated[Identifier | Literal[""], UNLESS_EMPTY] = "separation"
     """Of a scenario; empty with a simulator."""
     parameters: Values = {}
-    result: Annotated[Identifier | None, _LEFT_OUT] = None
+    result: Annotated[Identifier | None, UNSTATED] = None
     """Of a simulator: the name of the result."""
     threshold: Number
-    from_centre: Annotated[bool, Field(exclude_if=operator.not_, json_schema_extra=no_default)] = False
+    from_centre: Annotated[bool, UNSTATED] = False
     """Confirms that distances to the obstacles' centres are intended although the threshold is within an obstacle.
 
     Omitted from the canonical form if not stated, so campaigns without it keep their digests.
     """
-    requirements: Annotated[Requirements, Field(exclude_if=operator.not_, json_schema_extra=no_default)] = []
+    requirements: Annotated[Requirements, UNSTATED] = []
     """What this criterion is evidence for; omitted from the canonical form if empty, as above."""
 
     @model_validator(mode="before")
     @classmethod
-    def _of_a_simulator(cls, given: Any) -> Any:
+    def _of_a_simulator(cls, document: Any) -> Any:
         """A result takes the place of the component."""
-        if isinstance(given, Mapping) and given.get("result") is not None:
-            if given.get("component"):
+        if isinstance(document, Mapping) and document.get("result") is not None:
+            if document.get("component"):
                 raise ValueError("give either component (of a scenario) or result (of a simulator), not both")
-            return {**given, "component": ""}
-        return given
+            return {**document, "component": ""}
+        return document
 
 
 class Encounter(Strict):
@@ -174,9 +163,9 @@ class Campaign(Strict):
     summary: Summary = ""
     notes: Notes = ""
     tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] = []
-    scenario: Annotated[Scenario | None, _LEFT_OUT] = None
+    scenario: Annotated[Scenario | None, UNSTATED] = None
     """A closed loop of components. Exactly one of this and `simulator` is given."""
-    simulator: Annotated[Simulator | None, _LEFT_OUT] = None
+    simulator: Annotated[Simulator | None, UNSTATED] = None
     uncertain: Annotated[dict[Path, Uncertain], Field(min_length=1, max_length=64)]
     correlations: Annotated[list[Correlation], Field(max_length=2016)] = []
     """Of the random samples; pairs that are not listed are uncorrelated."""
@@ -191,13 +180,13 @@ class Campaign(Strict):
     """If given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
     from the first plain random search."""
     confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = limits.CONFIDENCE
-    encounter: Annotated[Encounter, Field(exclude_if=lambda given: not given.intended)] = Encounter()
+    encounter: Annotated[Encounter, Field(exclude_if=lambda value: not value.intended)] = Encounter()
     """Omitted from the canonical form if empty, so campaigns without it keep their digests."""
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []
-    regression: Annotated[Policy, Field(exclude_if=lambda given: given.usual, json_schema_extra=no_default)] = Policy()
+    regression: Annotated[Policy, Field(exclude_if=lambda value: value.usual, json_schema_extra=no_default)] = Policy()
     """Omitted from the canonical form if usual, so campaigns without it keep their digests."""
-    baseline: Annotated[Baseline | None, _LEFT_OUT] = None
+    baseline: Annotated[Baseline | None, UNSTATED] = None
     """Added by a launch with a baseline; its findings are evaluated after the nominal case."""
 
     @field_validator("uncertain")
@@ -232,11 +221,11 @@ class Campaign(Strict):
     @property
     def digest(self) -> str:
         """SHA-256 over the canonical JSON form, 64 hexadecimal digits."""
-        return hashlib.sha256(self.canonical().encode()).hexdigest()
+        return digest_of(self.document())
 
     def canonical(self) -> str:
         """The JSON form with sorted keys, every default written out."""
-        return json.dumps(self.document(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+        return canonical(self.document())
 
     @property
     def seedless(self) -> str:
@@ -250,6 +239,4 @@ class Campaign(Strict):
 
 def seedless(document: Mapping[str, Any]) -> str:
     """The digest of a campaign without its seed, from a stored document."""
-    rest = {key: value for key, value in document.items() if key != "seed"}
-    canonical = json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()
+    return digest_of({key: value for key, value in document.items() if key != "seed"})

@@ -13,14 +13,15 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict
 
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
+from campaigns.documented import UNLESS_NONE
 from campaigns.results import Finding, TraceHead
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.results.trace import TraceColumn
 from campaigns.versions import Versions
 
@@ -75,7 +76,7 @@ class Capsule(Part):
     """Whether a simulator repeated."""
     program: dict[str, object] | None
     """The command of a simulator, if the campaign file gave it: code, which is used only if that is permitted."""
-    sources: Annotated[Sources | None, Field(exclude_if=lambda given: given is None)] = None
+    sources: Annotated[Sources | None, UNLESS_NONE] = None
     """The source of components and methods that are not shipped: code, which is used only if that is permitted."""
     trajectories: list[Trajectory]
     files: dict[str, str]
@@ -84,7 +85,7 @@ class Capsule(Part):
     """SHA-256 of this document without this key, as canonical JSON."""
 
     @property
-    def asked(self) -> Campaign:
+    def specification(self) -> Campaign:
         """The campaign; raises `CampaignError`."""
         return load_document(self.campaign, "the campaign of the capsule")
 

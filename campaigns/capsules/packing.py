@@ -25,9 +25,9 @@ from campaigns.capsules.capsule import FORMAT, Capsule, Floats, Origin, Trajecto
 from campaigns.capsules.sources import LARGEST as LARGEST_SOURCE
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
-from campaigns.checked.snapshot import digest_of as described_digest
+from campaigns.documents import digest_of as described_digest
 from campaigns.results import Finding
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.version import VERSION
 from campaigns.versions import Versions
 
@@ -220,7 +220,7 @@ def _printable(value: object) -> None:
 def _consistent(capsule: Capsule) -> None:
     """What the document states of itself is true: its digests, and that the finding is one of the campaign."""
     try:
-        campaign = capsule.asked
+        campaign = capsule.specification
     except CampaignError as error:
         raise CapsuleError(f"its campaign cannot be read: {error}") from None
     if campaign.digest != capsule.campaign_digest:

@@ -20,6 +20,8 @@ from campaigns.limits import CONFIDENCE_AT_LEAST
 
 SEED = "seed"
 """The parameter of a random component that selects its realisation."""
+RANDOM = ("environment", "fault")
+"""The roles of components that may be random."""
 
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
@@ -62,31 +64,33 @@ def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
         yield f"objectives.{i}", f"objectives.{i}", "criterion", objective
 
 
+def _installed(campaign: Campaign, catalogue: Catalogue) -> Iterator[tuple[str, str, ComponentEntry, Part]]:
+    """The parts whose component the catalogue has, with its entry in place of the role."""
+    for prefix, field, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is not None:
+            yield prefix, field, entry, part
+
+
 def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[ParameterEntry, float]]:
     """Every parameter of the campaign by path, with its entry and nominal value; unknown components are omitted.
 
     A required parameter that is missing has the nominal value NaN; `check` reports it.
     """
     found: dict[str, tuple[ParameterEntry, float]] = simulated.parameters(campaign, catalogue)
-    for prefix, _, role, part in parts(campaign):
-        entry = catalogue.component(role, part.component)
-        if entry is not None:
-            found.update(limits.valued(prefix, entry.parameters, part.parameters))
-            if role == "vehicle":
-                found.update(limits.valued("start", entry.starts, campaign.given_scenario.start))
-            if role == "avoider":
-                found.update(limits.valued("goal", entry.goals, campaign.given_scenario.goal))
+    for prefix, _, entry, part in _installed(campaign, catalogue):
+        found.update(limits.valued(prefix, entry.parameters, part.parameters))
+        if entry.role == "vehicle":
+            found.update(limits.valued("start", entry.starts, campaign.given_scenario.start))
+        if entry.role == "avoider":
+            found.update(limits.valued("goal", entry.goals, campaign.given_scenario.goal))
     return found
 
 
 def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
     """The paths of the seeds: one for every part of the scenario that is random."""
-    found = []
-    for prefix, _, role, part in parts(campaign):
-        entry = catalogue.component(role, part.component)
-        if entry is not None and role in ("environment", "fault"):
-            found += [f"{prefix}.{p.name}" for p in entry.parameters if p.name == SEED]
-    return found
+    random = ((prefix, entry) for prefix, _, entry, _ in _installed(campaign, catalogue) if entry.role in RANDOM)
+    return [f"{prefix}.{p.name}" for prefix, entry in random for p in entry.parameters if p.name == SEED]
 
 
 def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
@@ -133,8 +137,8 @@ def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         return
     known = parameters(campaign, catalogue)
     yield from extents.centres(campaign, catalogue, known)
-    found = ((field, catalogue.component(role, part.component)) for _, field, role, part in parts(campaign))
-    yield from frames.mismatched(campaign, catalogue, [(field, entry) for field, entry in found if entry is not None])
+    found = [(field, entry) for _, field, entry, _ in _installed(campaign, catalogue)]
+    yield from frames.mismatched(campaign, catalogue, found)
 
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:
@@ -151,11 +155,7 @@ def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:
 
 
 def _dimensions(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
-    found: list[tuple[str, ComponentEntry]] = []
-    for _, field, role, part in parts(campaign):
-        entry = catalogue.component(role, part.component)
-        if entry is not None and entry.dimension is not None:
-            found.append((field, entry))
+    found = [(field, entry) for _, field, entry, _ in _installed(campaign, catalogue) if entry.dimension is not None]
     for field, entry in found[1:]:
         first = found[0][1]
         if entry.dimension != first.dimension:

@@ -57,24 +57,24 @@ def excessive(campaign: Campaign) -> Iterator[Problem]:
         yield from _simulating(campaign, campaign.scenario, evaluations)
     stored = evaluations * (len(campaign.uncertain) + len(campaign.objectives) + 3)
     if stored > MOST_STORED:
-        given = f"{evaluations:,} evaluations of {len(campaign.uncertain)} parameters"
+        value = f"{evaluations:,} evaluations of {len(campaign.uncertain)} parameters"
         text = f"about {stored * 8 / 1e9:.1f} GB of results, at most {MOST_STORED * 8 / 1e9:g} GB: "
         text += "lower the evaluations of the stages, or the number of uncertain parameters"
-        yield Problem("stages", given, text)
+        yield Problem("stages", value, text)
     if campaign.scenario is not None and traced(campaign) > MOST_TRACED:
-        given = f"{traced_steps(campaign):,} steps past {len(campaign.scenario.obstacles)} obstacles"
+        value = f"{traced_steps(campaign):,} steps past {len(campaign.scenario.obstacles)} obstacles"
         text = f"the trace of one simulation would take about {traced(campaign) * 8 / 1e9:.1f} GB, at most "
         text += f"{MOST_TRACED * 8 / 1e9:g} GB: lengthen the step, shorten the horizon, or remove obstacles"
-        yield Problem("scenario.step", given, text)
+        yield Problem("scenario.step", value, text)
 
 
 def _simulating(campaign: Campaign, scenario: Scenario, evaluations: int) -> Iterator[Problem]:
     in_all, seeds = evaluations * steps(campaign), len(scenario.realisations.seeds)
     if in_all > MOST_STEPS:
-        given = f"{evaluations:,} evaluations x {seeds} realisations x {traced_steps(campaign):,} steps = {in_all:.2g}"
+        value = f"{evaluations:,} evaluations x {seeds} realisations x {traced_steps(campaign):,} steps = {in_all:.2g}"
         text = f"at most {MOST_STEPS:.0e} steps of simulation in all: lower the evaluations of the stages, "
         text += "the realisations, or horizon / step"
-        yield Problem("stages", given, text)
+        yield Problem("stages", value, text)
 
 
 def unpreviewable(campaign: Campaign) -> Iterator[Problem]:
@@ -84,10 +84,10 @@ def unpreviewable(campaign: Campaign) -> Iterator[Problem]:
         return
     seeds = len(campaign.scenario.realisations.seeds)
     if steps(campaign) > PREVIEW_STEPS:
-        given = f"{seeds} realisations x {traced_steps(campaign):,} steps"
+        value = f"{seeds} realisations x {traced_steps(campaign):,} steps"
         text = f"a preview simulates at most {PREVIEW_STEPS:,} steps: lower the realisations or horizon / step"
-        yield Problem("scenario", given, f"{text}, or start the run, which has higher limits")
+        yield Problem("scenario", value, f"{text}, or start the run, which has higher limits")
     elif traced(campaign) > PREVIEW_TRACED:
-        given = f"{traced_steps(campaign):,} steps past {len(campaign.scenario.obstacles)} obstacles"
+        value = f"{traced_steps(campaign):,} steps past {len(campaign.scenario.obstacles)} obstacles"
         text = f"the trace of a preview has at most {PREVIEW_TRACED * 8 / 1e9:g} GB: lower horizon / step"
-        yield Problem("scenario", given, f"{text}, or start the run, which has higher limits")
+        yield Problem("scenario", value, f"{text}, or start the run, which has higher limits")

@@ -79,9 +79,9 @@ def expected(campaign: Campaign, catalogue: Catalogue) -> list[Expected]:
     searches = iter(campaign.stages.search)
     for stage in plan(campaign):
         found = (stage.planned, stage.planned, stage.planned)
-        if stage.kind == "search":
+        if stage.method is not None:
             found = _search(campaign, next(searches), catalogue)
-        elif stage.kind == "validate":
+        elif declared()[stage.kind].of_findings:
             found = _validate(campaign)
         least, usual, most = totals.get(stage.kind, (0, 0, 0))
         totals[stage.kind] = (least + found[0], usual + found[1], most + found[2])

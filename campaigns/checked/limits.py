@@ -23,8 +23,8 @@ def refused(field: str, entries: list[ParameterEntry], values: Mapping[str, floa
 
 
 def valued(
-    prefix: str, entries: list[ParameterEntry], given: Mapping[str, float]
+    prefix: str, entries: list[ParameterEntry], values: Mapping[str, float]
 ) -> dict[str, tuple[ParameterEntry, float]]:
     """Every parameter by path, with its entry and nominal value: NaN if it is required but missing."""
     missing = float("nan")
-    return {f"{prefix}.{e.name}": (e, given.get(e.name, missing if e.default is None else e.default)) for e in entries}
+    return {f"{prefix}.{e.name}": (e, values.get(e.name, missing if e.default is None else e.default)) for e in entries}

@@ -14,15 +14,15 @@ PREFIX = "simulator"
 NONE = "it has none: name the folder that contains the simulator's own folder in CLEARANCE_SIMULATORS"
 
 
-def simulated(campaign: Campaign, asked: Simulator, catalogue: Catalogue) -> Iterator[Problem]:
+def simulated(campaign: Campaign, simulator: Simulator, catalogue: Catalogue) -> Iterator[Problem]:
     """The problems with the simulator that a campaign names, and with fields that only a scenario has."""
-    entry = catalogue.simulator(asked.name)
+    entry = catalogue.simulator(simulator.name)
     if entry is None:
         names = [s.name for s in catalogue.simulators]
-        text = f"no such simulator in this installation; {texts.known(asked.name, names) if names else NONE}"
-        yield Problem("simulator.name", asked.name, catalogue.why_not("simulator", asked.name, text))
+        text = f"no such simulator in this installation; {texts.known(simulator.name, names) if names else NONE}"
+        yield Problem("simulator.name", simulator.name, catalogue.why_not("simulator", simulator.name, text))
     else:
-        yield from limits.refused("simulator.parameters", entry.parameters, asked.parameters)
+        yield from limits.refused("simulator.parameters", entry.parameters, simulator.parameters)
         yield from _decides(campaign, entry)
     if campaign.criterion.parameters:
         text = "a simulator's result has no parameters; remove this"
@@ -40,9 +40,9 @@ def simulated(campaign: Campaign, asked: Simulator, catalogue: Catalogue) -> Ite
 
 def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[ParameterEntry, float]]:
     """Every parameter of the simulator by path, with its entry and nominal value; empty for an unknown one."""
-    asked = campaign.simulator
-    entry = None if asked is None else catalogue.simulator(asked.name)
-    return {} if asked is None or entry is None else limits.valued(PREFIX, entry.parameters, asked.parameters)
+    simulator = campaign.simulator
+    entry = None if simulator is None else catalogue.simulator(simulator.name)
+    return {} if simulator is None or entry is None else limits.valued(PREFIX, entry.parameters, simulator.parameters)
 
 
 def _decides(campaign: Campaign, entry: SimulatorEntry) -> Iterator[Problem]:

@@ -6,15 +6,14 @@ reports the differences from the present catalogue.
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, SimulatorEntry
 from campaigns.checked.check import parameters, parts
 from campaigns.documents import JsonObject
+from campaigns.documents import digest_of as digest_of
 
 _WORDS = {
     "title": "title",
@@ -49,31 +48,27 @@ _GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}
 def snapshot(campaign: Campaign, catalogue: Catalogue) -> Catalogue:
     """The entries that the campaign uses, in the catalogue's order; entries missing from the catalogue are omitted."""
     used = {(role, part.component) for _, _, role, part in parts(campaign)}
-    asked = {search.method for search in campaign.stages.search}
+    searched = {search.method for search in campaign.stages.search}
     return Catalogue(
         version=catalogue.version,
         components=[c for c in catalogue.components if (c.role, c.name) in used],
-        methods=[m for m in catalogue.methods if m.name in asked],
+        methods=[m for m in catalogue.methods if m.name in searched],
         simulators=[s for s in catalogue.simulators if campaign.simulator and s.name == campaign.simulator.name],
     )
-
-
-def digest_of(document: Mapping[str, Any]) -> str:
-    """SHA-256 over the canonical JSON form of a snapshot's document, 64 hexadecimal digits."""
-    canonical = json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()
 
 
 def changes(then: Catalogue, now: Catalogue) -> list[str]:
     """The differences between another catalogue and a snapshot's entries, as clauses; the version is not compared."""
     found: list[str] = []
     for component in then.components:
-        called = f"the {component.role} {component.name}"
-        found += _component(called, component, now.component(component.role, component.name))
+        called, here = f"the {component.role} {component.name}", now.component(component.role, component.name)
+        found += [_gone(called)] if here is None else _component(called, component, here)
     for method in then.methods:
-        found += _method(f"the method {method.name}", method, now.method(method.name))
+        called, same = f"the method {method.name}", now.method(method.name)
+        found += [_gone(called)] if same is None else _method(called, method, same)
     for simulator in then.simulators:
-        found += _simulator(f"the simulator {simulator.name}", simulator, now.simulator(simulator.name))
+        called, own = f"the simulator {simulator.name}", now.simulator(simulator.name)
+        found += [_gone(called)] if own is None else _simulator(called, simulator, own)
     return found
 
 
@@ -95,10 +90,7 @@ def values_changed(campaign: Campaign, then: Catalogue, now: Catalogue) -> list[
     return found
 
 
-def _component(called: str, then: ComponentEntry, now: ComponentEntry | None) -> Iterator[str]:
-    if now is None:
-        yield _gone(called)
-        return
+def _component(called: str, then: ComponentEntry, now: ComponentEntry) -> Iterator[str]:
     yield from _fields(called, then, now, ("parameters", "starts", "goals", "role", "name", "look"))
     for group in _GROUPS:
         yield from _parameters(called, then, now, group)
@@ -132,10 +124,7 @@ def _parameter(called: str, then: ParameterEntry, now: ParameterEntry) -> Iterat
             yield f"the {field} of {called} was “{was}”, here it is “{is_}”"
 
 
-def _method(called: str, then: MethodEntry, now: MethodEntry | None) -> Iterator[str]:
-    if now is None:
-        yield _gone(called)
-        return
+def _method(called: str, then: MethodEntry, now: MethodEntry) -> Iterator[str]:
     yield from _fields(called, then, now, ("name", "options", "look", *_ADVICE))
     before, after = _options(then), _options(now)
     for name in {**before, **after}:
@@ -147,10 +136,7 @@ def _method(called: str, then: MethodEntry, now: MethodEntry | None) -> Iterator
             yield f"the option {name} of {called}: {what}"
 
 
-def _simulator(called: str, then: SimulatorEntry, now: SimulatorEntry | None) -> Iterator[str]:
-    if now is None:
-        yield _gone(called)
-        return
+def _simulator(called: str, then: SimulatorEntry, now: SimulatorEntry) -> Iterator[str]:
     if (then.title, then.text) != (now.title, now.text):
         yield f"the text of {called} is different here"
     if then.results != now.results:

@@ -26,9 +26,9 @@ def unit(text: str) -> str:
     return text.replace(" ", "").replace("*", "").replace("·", "").replace("²", "2").replace("^", "")
 
 
-def known(asked: str, names: Iterable[str]) -> str:
+def known(name: str, names: Iterable[str]) -> str:
     names = list(names)
-    close = difflib.get_close_matches(asked, names, n=1)
+    close = difflib.get_close_matches(name, names, n=1)
     if close:
         return f"did you mean {close[0]!r}?"
     return (

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, computed_field, model_validator
 
@@ -15,17 +15,13 @@ from campaigns.claims import earlier, spans
 from campaigns.claims.say import say
 from campaigns.claims.spans import Spans
 from campaigns.codes import StopCode
-from campaigns.documented import Documented
+from campaigns.documented import UNLESS_EMPTY, Documented
 
 Values = dict[str, float]
 """Values by the path of a parameter, in its unit."""
 
 
-def _nothing(given: object) -> bool:
-    return not given
-
-
-Untraced = Annotated[dict[str, str], Field(exclude_if=_nothing)]
+Untraced = Annotated[dict[str, str], UNLESS_EMPTY]
 """Of a simulator that gives traces: why there is none of a case, by its name; omitted if it is empty."""
 
 
@@ -55,26 +51,6 @@ class Result(Documented):
     model_config = ConfigDict(frozen=True, extra="ignore", json_schema_serialization_defaults_required=True)
 
 
-class StageResult(Result):
-    """What all results of stages have in common; which types there are is in `campaigns.stages.found`."""
-
-    followed: ClassVar[bool] = False
-    """Whether validation descends from each of its evaluations, not from the lowest ones only."""
-
-    stage: str
-    """The kind of the stage."""
-
-    @property
-    def drawn(self) -> int:
-        """How many of its first evaluations drew their own noise."""
-        return 0
-
-    @property
-    def seeds(self) -> list[int] | None:
-        """The noise seeds of these evaluations, in their order; None if they follow from the campaign's seed."""
-        return None
-
-
 class Described(Result):
     """A result with a sentence."""
 
@@ -89,17 +65,17 @@ class Described(Result):
 
     @model_validator(mode="before")
     @classmethod
-    def _worded(cls, given: Any) -> Any:
+    def _worded(cls, stored: Any) -> Any:
         """Results of earlier versions have only text; `campaigns.claims.earlier` finds the symbols in it."""
-        return with_spans(given, "text", "statement")
+        return with_spans(stored, "text", "statement")
 
 
-def with_spans(given: Any, words: str, statement: str) -> Any:
+def with_spans(stored: Any, words: str, statement: str) -> Any:
     """A stored result whose sentence `words` has no spans yet, with the sentence as one span."""
-    if not isinstance(given, Mapping):
-        return given
-    given = earlier.renamed(dict(given))
-    return given if statement in given or not given.get(words) else {**given, statement: say(given[words])}
+    if not isinstance(stored, Mapping):
+        return stored
+    stored = earlier.renamed(dict(stored))
+    return stored if statement in stored or not stored.get(words) else {**stored, statement: say(stored[words])}
 
 
 class Claim(Described):

@@ -14,12 +14,12 @@ class CannotCompare(ValueError):
     """The run cannot be a baseline; the message states why and what to do."""
 
 
-def with_baseline(asked: Campaign, run: str, other: Campaign, findings: Sequence[Finding]) -> Campaign:
+def with_baseline(campaign: Campaign, run: str, other: Campaign, findings: Sequence[Finding]) -> Campaign:
     """The campaign with the findings of the run `run` of the campaign `other` as its baseline.
 
     Raises `CannotCompare`.
     """
-    reason = foreign(asked, other)
+    reason = foreign(campaign, other)
     if reason:
         raise CannotCompare(f"{run} cannot be the baseline: {reason}")
     if not findings:
@@ -30,32 +30,33 @@ def with_baseline(asked: Campaign, run: str, other: Campaign, findings: Sequence
         "threshold": other.criterion.threshold,
         "cases": [_case(finding) for finding in findings],
     }
-    document = {**asked.document(), "baseline": baseline}
+    document = {**campaign.document(), "baseline": baseline}
     try:
         return load_document(document, run)
     except CampaignError as error:
         raise CannotCompare(f"{run} cannot be the baseline: {'; '.join(map(str, error.problems))}") from None
 
 
-def foreign(asked: Campaign, other: Campaign) -> str:
+def foreign(campaign: Campaign, other: Campaign) -> str:
     """Why runs of two campaigns cannot be compared, as a clause; empty if they can.
 
     Bounds, fixed parameters, components, methods and the threshold may differ: that is what is compared.
     """
-    if (asked.simulator is None) != (other.simulator is None):
+    if (campaign.simulator is None) != (other.simulator is None):
         kinds = ("a scenario", "a simulator") if other.simulator is None else ("a simulator", "a scenario")
         return f"its campaign has {kinds[0]}, this one {kinds[1]}"
-    if asked.simulator is not None and other.simulator is not None and asked.simulator.name != other.simulator.name:
-        return f"its simulator is {other.simulator.name}, here it is {asked.simulator.name}"
-    then, now = _measured(other.criterion), _measured(asked.criterion)
+    before, here = other.simulator, campaign.simulator
+    if before is not None and here is not None and before.name != here.name:
+        return f"its simulator is {before.name}, here it is {here.name}"
+    then, now = _measured(other.criterion), _measured(campaign.criterion)
     if then != now:
         return f"its criterion is {then}, here it is {now}; a comparison needs the same criterion"
-    return "" if set(asked.uncertain) & set(other.uncertain) else "it varies none of the parameters of this campaign"
+    return "" if set(campaign.uncertain) & set(other.uncertain) else "it varies none of the parameters of this campaign"
 
 
-def same_question(asked: Campaign, other: Campaign) -> bool:
+def same_question(campaign: Campaign, other: Campaign) -> bool:
     """Whether a label may select a run of the other campaign: the same name, and comparable."""
-    return asked.name == other.name and not foreign(asked, other)
+    return campaign.name == other.name and not foreign(campaign, other)
 
 
 def _measured(criterion: Criterion) -> str:

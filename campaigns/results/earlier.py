@@ -74,8 +74,8 @@ def verdict(summary: Mapping[str, Any]) -> Document | None:
     if not summary.get("verdict"):
         return None
     found = dict(summary)
-    given = (found.get("provenance") or {}).get("cpu")
-    cpu = {"model": given} if isinstance(given, str) else given
+    processor = (found.get("provenance") or {}).get("cpu")
+    cpu = {"model": processor} if isinstance(processor, str) else processor
     found["provenance"] = {**(found.get("provenance") or {}), "cpu": cpu}
     return found
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
-
+from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Result, Values
-from campaigns.results.sensitivity import Slices
+from campaigns.results.slices import Slices
 from campaigns.results.trace import Closest
 
 
@@ -30,15 +29,11 @@ class ReferenceCost(Result):
     """Why it has no cost."""
 
 
-class Repeated(Result):
+class Repeated(ReferenceCost):
     """The same case in a fresh evaluation."""
 
     name: str
     """How it was evaluated again."""
-    cost: float | None
-    difference: float | None
-    reason: str = ""
-    """Why it has no cost."""
 
 
 class Calls(Described):
@@ -78,9 +73,9 @@ class Validation(Result):
     """Null for a system without a step."""
     integrator: ReferenceCost | None = None
     """Null for a system that has no reference integrator."""
-    again: Annotated[Repeated | None, Field(exclude_if=lambda given: given is None)] = None
+    again: Annotated[Repeated | None, UNLESS_NONE] = None
     """The same evaluation repeated; omitted if it is compared with other means instead."""
-    repeats: Annotated[Calls | None, Field(exclude_if=lambda given: given is None)] = None
+    repeats: Annotated[Calls | None, UNLESS_NONE] = None
     """Of a simulator that does not repeat, in place of the other comparisons; omitted for any other system."""
     allowed: float | None
     """The tolerance, in the criterion's unit; null where values are not compared."""

@@ -1,6 +1,6 @@
 """The comparison of a run with its baseline: every finding of either, and what follows from the campaign's policy.
 
-What a finding of the baseline costs on this model is measured (`campaigns.results.baseline`); whether a finding of this
+What a finding of the baseline costs on this model is measured (`campaigns.results.stage`); whether a finding of this
 run is the same is decided by basin, not by label. Margins are to the threshold of this run.
 """
 
@@ -9,9 +9,8 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Annotated
 
-from pydantic import Field
-
 from campaigns.asked.regression import FailOn
+from campaigns.documented import UNLESS_NONE
 from campaigns.results.base import Described, Values
 
 
@@ -91,5 +90,5 @@ class Regression(Described):
         return {standing: number for standing, number in found.items() if number}
 
 
-OptionalRegression = Annotated[Regression | None, Field(exclude_if=lambda given: given is None)]
+OptionalRegression = Annotated[Regression | None, UNLESS_NONE]
 """Omitted without a baseline."""

@@ -117,11 +117,11 @@ def _longer_horizon(check: Check, ran: Ran) -> Iterator[Remedy]:
 
 def _agreeing(check: Check, ran: Ran) -> Iterator[Remedy]:
     """More evaluations for global methods that used theirs up or had too few, else a further global method."""
-    asked = list(enumerate(ran.campaign.stages.search))
-    result = dict(zip((i for i, _ in asked), ran.searches, strict=False))
-    if len(ran.searches) != len(asked):
+    planned = list(enumerate(ran.campaign.stages.search))
+    result = dict(zip((i for i, _ in planned), ran.searches, strict=False))
+    if len(ran.searches) != len(planned):
         return
-    globally = [(i, search) for i, search in asked if rules.FAMILIES[result[i].kind].all_agree]
+    globally = [(i, search) for i, search in planned if rules.FAMILIES[result[i].kind].all_agree]
     more = [(i, search, wanted) for i, search in globally if (wanted := _budget(ran, search, result[i]))]
     if more:
         yield _more(more, [result[i].title for i, _, _ in more])

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Described, Result, StageResult, Stop, Values
+from campaigns.results.base import Described, Result, Stop, Values
+from campaigns.results.stage import StageResult
 
 Noise = Literal["none", "drawn", "stated"]
 
@@ -107,3 +108,7 @@ class CertifyResult(StageResult, Described):
     @property
     def drawn(self) -> int:
         return self.drawn_realisations
+
+    @property
+    def ended(self) -> Stop | None:
+        return self.stop

@@ -21,14 +21,14 @@ Number = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
 Length = Annotated[float, Field(ge=0, le=FARTHEST)]
 
 
-def _coordinate(given: object) -> object:
-    column = isinstance(given, str) and re.fullmatch(r"[a-z][a-z0-9_]{0,59}", given, re.ASCII)
-    number = isinstance(given, (int, float)) and not isinstance(given, bool) and abs(given) <= FARTHEST
+def _coordinate(value: object) -> object:
+    column = isinstance(value, str) and re.fullmatch(r"[a-z][a-z0-9_]{0,59}", value, re.ASCII)
+    number = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= FARTHEST
     if not column and not number:
         raise ValueError(
-            f"the name of a column or a number of at most {FARTHEST:g} in magnitude is expected, given {given!r:.60}"
+            f"the name of a column or a number of at most {FARTHEST:g} in magnitude is expected, given {value!r:.60}"
         )
-    return given
+    return value
 
 
 Coordinate = Annotated[str | float, BeforeValidator(_coordinate)]
@@ -42,11 +42,11 @@ class _Part(Result):
 
     @model_validator(mode="before")
     @classmethod
-    def _known(cls, given: Any, info: ValidationInfo) -> Any:
-        unknown = [key for key in given if key not in cls.model_fields] if isinstance(given, dict) else []
+    def _known(cls, document: Any, info: ValidationInfo) -> Any:
+        unknown = [key for key in document if key not in cls.model_fields] if isinstance(document, dict) else []
         if info.context and unknown:
             raise ValueError(f"there is no {unknown[0]!r:.60} here; give {', '.join(cls.model_fields)}")
-        return given
+        return document
 
 
 class SceneVehicle(_Part):

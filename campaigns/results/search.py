@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Described, MethodKind, Result, StageResult, Stop, Values, Worse
-from campaigns.results.sample import Sample
+from campaigns.results.base import Described, MethodKind, Result, Stop, Values, Worse
+from campaigns.results.sample import GridPoint, Sample
+from campaigns.results.stage import StageResult
 
 
-class Best(Result):
+class Best(GridPoint):
     """The lowest evaluation of a stage; `index` counts from 0 within it."""
 
-    cost: float
-    margin: float
-    parameters: Values
     index: int | None = None
 
 
@@ -95,3 +93,7 @@ class SearchResult(StageResult):
     """The Pareto front, thinned; null with one criterion."""
     front_size: int | None = None
     """How many evaluations the front has."""
+
+    @property
+    def ended(self) -> Stop | None:
+        return self.stop

@@ -4,24 +4,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Described, Result, StageResult, Status, Values
-
-
-class Curve(Result):
-    """The criterion against one parameter, the others fixed."""
-
-    path: str
-    values: list[float]
-    costs: list[float | None]
-    status: list[Status]
-
-
-class Slices(Result):
-    """Curves of all parameters through one point."""
-
-    curves: list[Curve]
-    at: Values = {}
-    """The point."""
+from campaigns.results.base import Described, Result
+from campaigns.results.slices import Curve
+from campaigns.results.stage import StageResult
 
 
 class IndexStudy(Described):
@@ -78,3 +63,7 @@ class SensitivityResult(StageResult):
     curves: list[Curve]
     morris: MorrisStudy | None = None
     sobol: SobolStudy | None = None
+
+    @property
+    def slices(self) -> list[Curve]:
+        return self.curves

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import operator
 from typing import Annotated, Literal
 
-from pydantic import Field
-
+from campaigns.documented import UNLESS_EMPTY
 from campaigns.results.base import Result, Status, Values
 from campaigns.results.scene import Scene
 
@@ -19,7 +17,7 @@ class TraceColumn(Result):
     unit: str
     group: Literal["time", "pose", "state", "command", "separation", "signal"]
     """`signal`: any quantity that a simulator returns over time."""
-    text: Annotated[str, Field(exclude_if=operator.not_)] = ""
+    text: Annotated[str, UNLESS_EMPTY] = ""
     """One line on a signal; omitted if it has none."""
 
 
@@ -83,5 +81,5 @@ class TraceHead(Result):
     """{name: value} of every criterion in its own sign."""
     realisation: Realisation | None = None
     """Null without noise."""
-    scene: Annotated[Scene | None, Field(exclude_if=operator.not_)] = None
+    scene: Annotated[Scene | None, UNLESS_EMPTY] = None
     """What the columns of a simulator's trace are positions of; omitted if it does not declare this."""

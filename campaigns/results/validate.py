@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
-
-from campaigns.results.base import Described, MethodKind, Result, StageResult, Status, Stop, Untraced, Values
+from campaigns.documented import UNLESS_EMPTY
+from campaigns.results.base import Described, MethodKind, Result, Status, Stop, Untraced, Values
 from campaigns.results.finding import ClosestApproach, Validation
+from campaigns.results.stage import StageResult
 
 
 class Gathered(Described):
@@ -43,7 +43,7 @@ class Compared(Result):
     findings: list[str]
     """Labels of the findings that it found by itself."""
     stop: Stop | None
-    minima: Annotated[list[str | None], Field(exclude_if=lambda given: not given)] = []
+    minima: Annotated[list[str | None], UNLESS_EMPTY] = []
     """The finding whose basin contains each of its minima, in their order; null if there is none; omitted if it has no
     minima, and in results of earlier versions."""
 
@@ -147,9 +147,9 @@ class ValidateResult(StageResult, Described):
     violations: Violations | None = None
     spot_checks: SpotChecks | None = None
     encounter: Encounter | None = None
-    incumbents: Annotated[list[Incumbent], Field(exclude_if=lambda given: not given)] = []
+    incumbents: Annotated[list[Incumbent], UNLESS_EMPTY] = []
     """The best of every search, called again if the simulator does not repeat; omitted otherwise."""
     untraced: Untraced = {}
-    since: Annotated[list[str | None], Field(exclude_if=lambda given: not given)] = []
+    since: Annotated[list[str | None], UNLESS_EMPTY] = []
     """The finding whose basin contains each case of the baseline, in their order; null if there is none; omitted
     without a baseline."""

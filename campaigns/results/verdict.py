@@ -10,6 +10,7 @@ from pydantic import Field, computed_field, model_validator
 
 from campaigns.claims.spans import Spans, values, words
 from campaigns.codes import CheckCode
+from campaigns.documented import UNLESS_EMPTY
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
 from campaigns.results.regression import OptionalRegression
 from campaigns.results.sample import Noise, QuantileBound
@@ -43,9 +44,9 @@ class Check(Claim):
 
     @model_validator(mode="before")
     @classmethod
-    def _coded(cls, given: Any) -> Any:
+    def _coded(cls, stored: Any) -> Any:
         """Earlier versions stored the code as the name."""
-        return {"code": given["name"], **given} if isinstance(given, Mapping) and "name" in given else given
+        return {"code": stored["name"], **stored} if isinstance(stored, Mapping) and "name" in stored else stored
 
 
 class Statistics(Described):
@@ -94,7 +95,7 @@ class Counts(Result):
     excluded: int
     violating: int = 0
     lowest: float | None = None
-    flaky: Annotated[int, Field(exclude_if=lambda given: not given)] = 0
+    flaky: Annotated[int, UNLESS_EMPTY] = 0
     """Succeeded only when a call of a simulator that had failed was tried again; omitted if there are none."""
 
 
@@ -145,11 +146,11 @@ class Verdict(Result):
 
     @model_validator(mode="before")
     @classmethod
-    def _worded(cls, given: Any) -> Any:
+    def _worded(cls, stored: Any) -> Any:
         """Earlier versions stored only text."""
-        if isinstance(given, Mapping) and given.get("scope"):
-            given = {**given, "scope": given["scope"].removeprefix(SCOPE)}
-        return with_spans(with_spans(given, "sentence", "statement"), "scope", "holds_for")
+        if isinstance(stored, Mapping) and stored.get("scope"):
+            stored = {**stored, "scope": stored["scope"].removeprefix(SCOPE)}
+        return with_spans(with_spans(stored, "sentence", "statement"), "scope", "holds_for")
 
     @property
     def reason(self) -> str:

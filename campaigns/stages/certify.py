@@ -9,11 +9,27 @@ from campaigns.stages.declared import Declared
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
     # Excluded draws, which are repeated, are not included.
-    asked = campaign.stages.certify
-    if asked is None:
+    certify = campaign.stages.certify
+    if certify is None:
         return []
-    grid = 0 if asked.grid is None else asked.grid.points ** len(campaign.uncertain)
-    return [(None, asked.samples + grid)]
+    grid = 0 if certify.grid is None else certify.grid.points ** len(campaign.uncertain)
+    return [(None, certify.samples + grid)]
 
 
-stage = Declared("certify", 3, "Certify", CertifyResult, _planned, lambda campaign: "independent sample")
+def _drawn(campaign: Campaign, evaluations: int) -> int:
+    """At least the requested number is drawn before the grid begins; without noise a realisation has no effect."""
+    certify = campaign.stages.certify
+    return evaluations if certify is None or certify.grid is None else min(certify.samples, evaluations)
+
+
+stage = Declared(
+    kind="certify",
+    order=3,
+    title="Certify",
+    result=CertifyResult,
+    planned=_planned,
+    description=lambda campaign: "independent sample",
+    draws=_drawn,
+    independent=True,
+    against=True,
+)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from campaigns.asked.spec import Campaign
-from campaigns.results.base import StageResult
+from campaigns.results.stage import StageResult
 
 
 @dataclass(frozen=True)
@@ -22,3 +22,13 @@ class Declared:
     """For every stage of this kind in the campaign: the method, if any, and the budget of evaluations."""
     description: Callable[[Campaign], str]
     """A short description of the stages of this kind in this campaign."""
+    draws: Callable[[Campaign, int], int] | None = None
+    """Of a stage whose evaluations may draw their own noise: how many of its first ones have surely drawn it when it
+    has so many, before it has a result."""
+    independent: bool = False
+    """Whether it evaluates an independent sample of the distributions: of a simulator, each by one call."""
+    against: bool = False
+    """Whether its lowest evaluation counts against what other runs of the same question claim."""
+    of_findings: bool = False
+    """Whether it evaluates around the findings of all stages before it, which are stored with its result: how often is
+    not known before it ends, and a continued run evaluates there again."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field, TypeAdapter, WithJsonSchema
 
 import campaigns.stages
-from campaigns.results.base import StageResult
+from campaigns.results.stage import StageResult
 from campaigns.stages.declared import Declared
 
 

@@ -16,4 +16,4 @@ def _description(campaign: Campaign) -> str:
     return f"{number} {'method' if number == 1 else 'methods'}"
 
 
-stage = Declared("search", 2, "Search", SearchResult, _planned, _description)
+stage = Declared("search", 2, "Search", SearchResult, _planned, _description, against=True)

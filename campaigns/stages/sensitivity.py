@@ -9,12 +9,12 @@ from campaigns.stages.declared import Declared
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
     # Curves, Morris' trajectories of dimension + 1 evaluations, Saltelli's design without second orders.
-    asked, dimension = campaign.stages.sensitivity, len(campaign.uncertain)
-    if asked is None:
+    sensitivity, dimension = campaign.stages.sensitivity, len(campaign.uncertain)
+    if sensitivity is None:
         return []
-    morris = 0 if asked.morris is None else asked.morris.trajectories * (dimension + 1)
-    sobol = 0 if asked.sobol is None else asked.sobol.samples * (dimension + 2)
-    return [(None, asked.points * dimension + morris + sobol)]
+    morris = 0 if sensitivity.morris is None else sensitivity.morris.trajectories * (dimension + 1)
+    sobol = 0 if sensitivity.sobol is None else sensitivity.sobol.samples * (dimension + 2)
+    return [(None, sensitivity.points * dimension + morris + sobol)]
 
 
 def _description(campaign: Campaign) -> str:

@@ -17,4 +17,4 @@ def _description(campaign: Campaign) -> str:
     return "each case evaluated again" if campaign.scenario is None else "half step, reference integrator"
 
 
-stage = Declared("validate", 4, "Validate", ValidateResult, _planned, _description)
+stage = Declared("validate", 4, "Validate", ValidateResult, _planned, _description, of_findings=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from clearance.cli._where import existing_url_of
+from clearance.cli._where import existing_url_of, reading
 
 if TYPE_CHECKING:
     from campaigns import Campaign, Catalogue
@@ -44,7 +44,6 @@ def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool
     import sqlalchemy as sa
 
     from backend.db import costs
-    from backend.db.engine import connect, read
     from clearance.cli import WrongInputError
     from worker.running.catalogue.digests import with_digests
     from worker.running.catalogue.installed import catalogue
@@ -57,17 +56,12 @@ def _measured(campaign: Campaign, data: Path, database: str) -> tuple[Cost, bool
     if entry is None:
         return None
     try:
-        engine = connect(_patient(existing_url_of(data, database)))
-    except WrongInputError:  # there is no database, which a run does not need
-        return None
-    try:
-        with read(engine) as reader:
+        with reading(_patient(existing_url_of(data, database))) as reader:
             cost = costs.newest(reader, entry, known.digests.get(name))[0]
             return None if cost is None else (cost, entry.step is not None, known)
-    except sa.exc.SQLAlchemyError:  # such as a database of another version, which a run does not migrate
+    # There is no database, which a run does not need, or one of another version, which a run does not migrate.
+    except (WrongInputError, sa.exc.SQLAlchemyError):
         return None
-    finally:
-        engine.dispose()
 
 
 def _patient(url: str) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from clearance.cli import WrongInputError
-from clearance.cli._where import existing_url_of
+from clearance.cli._where import existing_url_of, reading
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -15,31 +15,27 @@ LONGEST = 120
 """Characters of the name of a baseline."""
 
 
-def compared(campaign: Campaign, given: str, data: Path, database: str) -> tuple[Campaign, str]:
+def compared(campaign: Campaign, baseline: str, data: Path, database: str) -> tuple[Campaign, str]:
     """The campaign with its baseline, and the sentence that states it; raises `WrongInputError`.
 
-    given: a folder of `clearance run --out`, R-0001, or label:KEY=VALUE. If no run has the label, the campaign is
+    baseline: a folder of `clearance run --out`, R-0001, or label:KEY=VALUE. If no run has the label, the campaign is
     unchanged, and the sentence states so.
     """
-    from backend.db.engine import connect, migrate, read
+    from backend.db.engine import migrate
     from campaigns.results.baselines import CannotCompare, with_baseline
     from clearance.cli.replay import of_folder
 
     try:
-        if Path(given).is_dir():
-            recorded = of_folder(Path(given))
-            name = given[-LONGEST:]
+        if Path(baseline).is_dir():
+            recorded = of_folder(Path(baseline))
+            name = baseline[-LONGEST:]
             return with_baseline(campaign, name, recorded.campaign, recorded.findings), f"Baseline: {name}."
         from backend.db import baselines
 
         url = existing_url_of(data, database)
         migrate(url)
-        engine = connect(url)
-        try:
-            with read(engine) as reader:
-                found = baselines.resolved(reader, campaign, given)
-        finally:
-            engine.dispose()
+        with reading(url) as reader:
+            found = baselines.resolved(reader, campaign, baseline)
         return found.campaign, found.sentence
     except CannotCompare as error:
         raise WrongInputError(f"{error}") from None

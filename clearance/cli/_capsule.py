@@ -46,7 +46,7 @@ def of_capsule(path: Path, allow_code: bool) -> Opened:
     if capsule.program is not None:
         _install(path, capsule.program, allow_code)
     recorded = Recorded(
-        capsule.asked, [], {}, [capsule.finding], capsule.versions, capsule.modules, measured=capsule.measured
+        capsule.specification, [], {}, [capsule.finding], capsule.versions, capsule.modules, measured=capsule.measured
     )
     executed = [] if capsule.program is None else ["the command"]
     executed += ["the components"] if is_inside(capsule) else []
@@ -87,7 +87,6 @@ def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program
     from campaigns.capsules.packing import Content, packed
     from campaigns.checked.snapshot import snapshot
     from campaigns.claims.spans import words
-    from campaigns.results import NominalResult
     from campaigns.versions import Versions
     from worker.running.catalogue.installed import catalogue
     from worker.running.runs import identity
@@ -104,7 +103,7 @@ def write_capsules(folder: Path, campaign: Campaign, store: MemoryStore, program
             versions=store.versions or Versions(),
             modules=identity.code(campaign).modules,
             components=snapshot(campaign, catalogue()),
-            measured=nominal.measured if isinstance(nominal, NominalResult) else None,
+            measured=None if nominal is None else nominal.repeatability,
             trajectories=[(Trajectory(name=t.name, columns=t.columns, head=t.meta), t.data) for t in traces],
             program=program,
             sources=store.sources,

@@ -50,7 +50,7 @@ def refuse_unused(path: str, capsule: Capsule) -> None:
     if not is_inside(capsule):
         return
     assert capsule.sources is not None
-    used = added(capsule.asked)
+    used = added(capsule.specification)
     if used is None or set(used[0].files) != set(capsule.sources.files):
         raise WrongInputError(
             f"{path} cannot be replayed: its campaign is not evaluated by exactly the source in it; without "

@@ -59,6 +59,14 @@ def read(file: Path, allowed: bool) -> Campaign:
     return campaign
 
 
+def report_unusable() -> None:
+    """Report the simulators that were skipped: one of them may be the one that the campaign names."""
+    from worker.running.catalogue.files import unusable_simulators
+
+    for problem in unusable_simulators():
+        typer.echo(f"a simulator is skipped: {problem}", err=True)
+
+
 def of_results(run: str, allowed: bool) -> None:
     """Install the command of a run that is to be extended, if its campaign file gave one and that is allowed.
 
@@ -96,23 +104,23 @@ def _described(folder: Path) -> InlineProgram:
     from worker.engine.systems.simulators.declared.described import FILE
     from worker.running.catalogue.inline import InlineProgram, descriptor_of
 
-    file, given = folder / FILE, _stated(folder / "result.json")
-    if not given:
+    file, source = folder / FILE, _stated(folder / "result.json")
+    if not source:
         raise ValueError("its result.json does not state where its campaign file was; run the campaign again")
-    if not Path(given[FOLDER]).is_dir():
-        raise ValueError(f"the folder of its campaign file, {given[FOLDER]}, is not there any more; run it again")
+    if not Path(source[FOLDER]).is_dir():
+        raise ValueError(f"the folder of its campaign file, {source[FOLDER]}, is not there any more; run it again")
     try:
         document = yaml.safe_load(file.read_text(encoding="utf-8"))
     except (OSError, ValueError, yaml.YAMLError) as error:
         raise ValueError(f"{file.name} in it cannot be read: {' '.join(str(error).split())}") from None
-    return InlineProgram(Path(given[FOLDER]), descriptor_of(document, str(file)), given["file"])
+    return InlineProgram(Path(source[FOLDER]), descriptor_of(document, str(file)), source["file"])
 
 
 def _stated(file: Path) -> dict[str, str]:
     """What `stated` has written; empty if there is nothing that can be used."""
     try:
-        given = json.loads(file.read_text(encoding="utf-8"))[GIVEN]
-        return {name: str(Path(given[name])) for name in ("file", FOLDER)}
+        source = json.loads(file.read_text(encoding="utf-8"))[GIVEN]
+        return {name: str(Path(source[name])) for name in ("file", FOLDER)}
     except (OSError, ValueError, KeyError, TypeError):
         return {}
 

@@ -75,11 +75,11 @@ class _Earlier:
 def execute_continued(run: str, budget: str, data: Path, database: str, execute: Execute) -> Continued:
     """Extend a run with `execute(campaign, store, cancelled)`; raises `WrongInputError` if that is impossible."""
     try:
-        asked = Budget.read(budget)
+        wanted = Budget.read(budget)
         run_id = stored_run(run)
         if run_id is not None:
-            return _of_database(run_id, asked, existing_url_of(data, database), execute)
-        return _of_folder(Path(run), asked, execute)
+            return _of_database(run_id, wanted, existing_url_of(data, database), execute)
+        return _of_folder(Path(run), wanted, execute)
     except (CannotContinue, ReplayMismatch) as error:
         raise WrongInputError(f"{run} cannot be extended: {error}") from None
 
@@ -111,7 +111,7 @@ def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Con
             )  # fmt: skip
 
         claim = write(engine, begin, PATIENCE)
-        verdict = _held(engine, claim, onward, execute)
+        verdict = _under_lease(engine, claim, onward, execute)
         with read(engine) as connection:
             memory = _snapshot(connection, claim.run_id)
         return Continued(onward, memory, verdict, earlier.cited | {"as": run_name(claim.run_id)})
@@ -147,7 +147,7 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
         )
 
 
-def _held(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute) -> Verdict:
+def _under_lease(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute) -> Verdict:
     """Run under the lease; an interrupt returns the run to the queue, an error fails this attempt."""
     queue = Queue(engine)
     with _beating(queue, claim) as cancelled:

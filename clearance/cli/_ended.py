@@ -108,20 +108,13 @@ class EndedRun:
         return f"{self.replay} {place}" if place else ""
 
 
-def write_files(ended: EndedRun, given: Launch) -> None:
+def write_files(ended: EndedRun, launch: Launch) -> None:
     """Write the files that were asked for."""
-    if given.junit is not None:
-        from clearance.cli import _junit
+    from clearance.cli import _junit, _markdown, _sarif
 
-        _junit.write(given.junit, ended)
-    if given.summary is not None:
-        from clearance.cli import _markdown
-
-        _markdown.write(given.summary, ended)
-    if given.sarif is not None:
-        from clearance.cli import _sarif
-
-        _sarif.write(given.sarif, ended)
+    for file, module in ((launch.junit, _junit), (launch.summary, _markdown), (launch.sarif, _sarif)):
+        if file is not None:
+            module.write(file, ended)
 
 
 def code(verdict: Verdict) -> int:

@@ -22,21 +22,21 @@ Evaluator: TypeAlias = Annotated[
 ]  # fmt: skip
 
 
-def use(given: str) -> None:
+def use(address: str) -> None:
     """Evaluate there from now on; raises `WrongInputError` for an address that cannot be used."""
     from worker.engine.systems.simulators.cluster.address import SETTING, BadEvaluator, chosen
 
-    if given:
-        os.environ[SETTING] = given
+    if address:
+        os.environ[SETTING] = address
     try:
         chosen()
     except BadEvaluator as error:
         raise WrongInputError(str(error)) from None
 
 
-def refuse_other(given: str, campaign: Campaign) -> None:
+def refuse_other(address: str, campaign: Campaign) -> None:
     """Refuse a campaign that evaluates in this process although --evaluator was given."""
-    if not given:
+    if not address:
         return
     if campaign.simulator is None:
         what = "the campaign has a scenario, which is simulated in this process"
@@ -44,7 +44,7 @@ def refuse_other(given: str, campaign: Campaign) -> None:
         what = _only_here(campaign.simulator.name)
         if not what:
             return
-    raise WrongInputError(f"--evaluator {given}: {what}; leave --evaluator out")
+    raise WrongInputError(f"--evaluator {address}: {what}; leave --evaluator out")
 
 
 def _only_here(name: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -35,14 +36,14 @@ def follow_to_the_end(
     run: str,
     out: Path | None,
     as_json: bool,
-    given: Launch,
+    launch: Launch,
     reused: str | None = None,
     cancel: bool = False,
     source: Source | None = None,
 ) -> int:
     """Show a run until it has ended, save its files; returns the exit code.
 
-    given: the files of a CI job; reused: why the run is an earlier one; cancel: an interrupt cancels the run; source:
+    launch: the files of a CI job; reused: why the run is an earlier one; cancel: an interrupt cancels the run; source:
     the campaign file.
     """
     from clearance.client import UnreachableError
@@ -58,8 +59,8 @@ def follow_to_the_end(
     ended = _as_ended(service, found, reused)
     # Before the files, which the service may be unable to deliver.
     typer.echo(json.dumps(found.document, indent=2) if as_json else "\n".join(_ended(service, found, ended)))
-    if given.wanted:
-        write_files(_complete(service, ended, given, out, source), given)
+    if launch.wanted:
+        write_files(_complete(service, ended, launch, out, source), launch)
     if out is not None:
         save(service, run, out, FILES)
         typer.echo(f"Files in {out}", err=True)
@@ -121,6 +122,12 @@ def plain(text: str) -> str:
     return legible(text, "\n")
 
 
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """The rows of a table as lines."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
 def superseded(found: Run) -> str:
     """Why a run of a group was cancelled; empty if it was not."""
     if not found.superseded_by:
@@ -134,13 +141,13 @@ def _case(found: Finding) -> Case:
     return Case(found.label, stated, found.margin + (stated - found.cost), found.parameters)
 
 
-def _complete(service: Client, ended: EndedRun, given: Launch, out: Path | None, source: Source | None) -> EndedRun:
+def _complete(service: Client, ended: EndedRun, launch: Launch, out: Path | None, source: Source | None) -> EndedRun:
     """The run with what only its files state: findings, the campaign's text, the picture of the worst case."""
     cases = tuple(_case(f) for f in service.findings(ended.run))
-    if given.sarif is not None and source is None:
+    if launch.sarif is not None and source is None:
         address = f"{service.address}/api/v1/runs/{ended.run}/campaign.yaml"
         source = Source(address, service.campaign_text(ended.run))
-    picture = "" if given.summary is None or not cases else _picture(service, ended.run, given.summary, out)
+    picture = "" if launch.summary is None or not cases else _picture(service, ended.run, launch.summary, out)
     return replace(ended, findings=cases, source=source, picture=picture)
 
 
@@ -192,7 +199,10 @@ def _line(found: Run, figures: bool) -> str:
     if not figures:
         return f"{found.id} {name}"
     best = "" if stage.best is None else f", best {stage.best:.6g} {found.unit}"
-    planned = "about" if stage.kind == "validate" else "at most"
+    from campaigns.stages.found import declared
+
+    known = declared().get(stage.kind)  # a service of another version may have further ones
+    planned = "about" if known is not None and known.of_findings else "at most"
     return f"{found.id} {name}, {stage.evaluations:,} of {planned} {stage.planned:,} evaluations{best}"
 
 

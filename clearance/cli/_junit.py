@@ -78,16 +78,16 @@ def _verdict(suite: Xml.Element, ended: EndedRun) -> None:
 def _criterion(suite: Xml.Element, ended: EndedRun, verdict: Verdict) -> None:
     """The test case of the criterion: every violating finding is a failure; else only a cleared verdict passes."""
     case = _added(suite, ended, f"criterion: {ended.quantity or verdict.quantity or 'value'}")
-    told = "\n".join(filter(None, ["\n\n".join(_told(ended, found) for found in ended.violating), ended.link]))
+    text = "\n".join(filter(None, ["\n\n".join(_violation(ended, found) for found in ended.violating), ended.link]))
     violated = bool(ended.violating) or verdict.verdict == "violated"
     if violated and ended.accepted:
         # no failure of the job, and not met either
         skipped = Xml.SubElement(case, "skipped", message=_clean(exit_sentence(verdict)))
-        skipped.text = _clean(told)
+        skipped.text = _clean(text)
     elif violated:
         labels = ", ".join(found.label for found in ended.violating) or "a stored evaluation"
         message = f"{labels} violate the criterion" if len(ended.violating) > 1 else f"{labels} violates the criterion"
-        Xml.SubElement(case, "failure", message=_clean(message), type="violation").text = _clean(told)
+        Xml.SubElement(case, "failure", message=_clean(message), type="violation").text = _clean(text)
     elif verdict.verdict == "cleared":
         Xml.SubElement(case, "system-out").text = _clean(verdict.sentence)
     else:
@@ -110,7 +110,7 @@ def _requirement(suite: Xml.Element, ended: EndedRun, requirement: str) -> None:
         Xml.SubElement(case, "failure", message=_clean(verdict.sentence), type=str(verdict.verdict))
 
 
-def _told(ended: EndedRun, found: Case) -> str:
+def _violation(ended: EndedRun, found: Case) -> str:
     """A violating finding: its value, parameters and replay command."""
     unit = f" {ended.unit}" if ended.unit else ""
     head = f"{found.label}: {found.cost:.6g}{unit}, margin {signed(found.margin)}{unit}"

@@ -74,6 +74,6 @@ def _line(cells: list[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def _text(given: str) -> str:
+def _text(text: str) -> str:
     """Text in which Markdown and HTML see nothing but words."""
-    return _SPECIAL.sub(r"\\\1", " ".join(given.split())).replace("&", "&amp;")
+    return _SPECIAL.sub(r"\\\1", " ".join(text.split())).replace("&", "&amp;")

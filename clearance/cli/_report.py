@@ -12,14 +12,14 @@ from rich.table import Table
 from rich.text import Text
 
 from campaigns import Campaign
-from campaigns.claims.numbers import count, number, signed
+from campaigns.claims.numbers import NONE, count, number, signed
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
-from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
+from campaigns.results import NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from campaigns.results.regression import Regression, Standing
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.rules import SAME_COST, SAME_PLACE, percent
-from clearance.cli import _since
 from clearance.cli._ended import changes
 from clearance.local.failures import lines as failures
 from clearance.local.progress import named
@@ -33,6 +33,14 @@ VERDICTS = {
     "violated": ("✗", "Violated", "red"),
     "inconclusive": ("?", "Inconclusive", "yellow"),
 }
+COLOURS = {
+    Standing.NEW: "yellow",
+    Standing.WORSE: "red",
+    Standing.BETTER: "green",
+    Standing.FIXED: "green",
+    Standing.NOT_COMPARED: "yellow",
+}
+"""Of what has become of a finding since a baseline."""
 
 
 def print_report(
@@ -64,7 +72,7 @@ def print_report(
     if note:
         console.print(Text(note), soft_wrap=not console.is_terminal)
     if verdict.regression is not None:
-        console.print(_since.table(verdict.regression))
+        console.print(_changes(verdict.regression))
     sign, word, colour = VERDICTS[verdict.verdict]
     console.print(Text(f"{sign} {word}", style=f"bold {colour}"))
     for line in [verdict.reason, *changes(verdict)]:
@@ -106,8 +114,8 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
 
 
 def _ended(result: StageResult | None) -> str:
-    if isinstance(result, SearchResult | CertifyResult) and result.stop is not None:
-        return result.stop.text
+    if result is not None and result.ended is not None:
+        return result.ended.text
     if isinstance(result, NominalResult):
         return "" if result.measured is None else result.measured.text
     return result.text if isinstance(result, ValidateResult) else ""
@@ -192,6 +200,21 @@ def _checks(verdict: Verdict) -> Table:
         text = f"{check.text}; {check.but}" if check.but else check.text
         table.add_row(Text(sign, style=colour), Text(check.title), Text(text))
     return table
+
+
+def _changes(regression: Regression) -> Table:
+    """The changes since a baseline, a row for each finding of either run."""
+    found = Table(f"Since {regression.run}", "")
+    unit = f" [{regression.unit}]" if regression.unit else ""
+    for heading in (f"Margin there{unit}", f"Same case here{unit}", f"Lowest here{unit}", f"FindingChange{unit}"):
+        found.add_column(escape(heading), justify="right")
+    found.add_column("Here")
+    for case in regression.cases:
+        margins = (case.margin_before, case.margin_again, case.margin, case.change)
+        standing = Text(f"{case.standing}{', fails' if case.fails else ''}", style=COLOURS.get(case.standing, ""))
+        numbers = (NONE if margin is None else signed(margin) for margin in margins)
+        found.add_row(case.before or "", standing, *numbers, case.now or "")
+    return found
 
 
 def _again(store: MemoryStore) -> list[str]:

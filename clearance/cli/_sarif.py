@@ -110,7 +110,7 @@ def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, 
     violated = ended.verdict.verdict == "violated"
     level = "note" if ended.accepted else "error" if violated else "warning"
     for case in ended.violating:
-        result = _result(ended, known, VIOLATION, case.label, level, _told(ended, case, violated), ("criterion",))
+        result = _result(ended, known, VIOLATION, case.label, level, _violation(ended, case, violated), ("criterion",))
         result["relatedLocations"] = _ranges(ended, known, case.parameters)
         result["properties"] = {"cost": case.cost, "margin": case.margin, "parameters": dict(case.parameters)}
         yield result
@@ -123,17 +123,17 @@ def _results(ended: EndedRun, known: Mapping[str, Place]) -> Iterator[dict[str, 
         yield _changed(ended, known, change)
 
 
-def _told(ended: EndedRun, case: Case, confirmed: bool) -> str:
+def _violation(ended: EndedRun, case: Case, confirmed: bool) -> str:
     unit = f" {ended.unit}" if ended.unit else ""
     limit = "" if ended.threshold is None else f" to the threshold {ended.threshold:g}{unit}"
     value = f"{case.label}: {ended.quantity or 'the criterion'} = {case.cost:.6g}{unit}"
-    told = [
+    parts = [
         f"{value}, margin {signed(case.margin)}{unit}{limit}.",
         "" if confirmed else "The verdict does not confirm it: " + (ended.verdict.reason if ended.verdict else ""),
         *(f"{path} = {value!r}" for path, value in case.parameters.items()),
         f"{ended.replay} {case.label}" if ended.replay else "",
     ]
-    return "\n".join(filter(None, told))
+    return "\n".join(filter(None, parts))
 
 
 def _changed(ended: EndedRun, known: Mapping[str, Place], change: FindingChange) -> dict[str, object]:

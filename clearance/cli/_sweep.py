@@ -21,11 +21,11 @@ HOW = "give a parameter and its values, such as --sweep avoider.d_0=1,2,3"
 TABLE = "sweep.csv"
 
 
-def parsed(given: str) -> tuple[str, list[float]]:
+def parsed(option: str) -> tuple[str, list[float]]:
     """The parameter and its values; `WrongInputError` if the text is anything else."""
-    path, sign, values = given.partition("=")
+    path, sign, values = option.partition("=")
     if not sign or not path.strip() or not values.strip():
-        raise WrongInputError(f"invalid sweep {given!r}: {HOW}")
+        raise WrongInputError(f"invalid sweep {option!r}: {HOW}")
     numbers = []
     for text in values.split(","):
         try:
@@ -33,7 +33,7 @@ def parsed(given: str) -> tuple[str, list[float]]:
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            raise WrongInputError(f"invalid value {text.strip()!r} in the sweep {given!r}: {HOW}")
+            raise WrongInputError(f"invalid value {text.strip()!r} in the sweep {option!r}: {HOW}")
         numbers.append(number)
     return path.strip(), numbers
 
@@ -41,7 +41,7 @@ def parsed(given: str) -> tuple[str, list[float]]:
 def sweep(
     service: Client,
     launch: Callable[[str, list[float]], Sweep],
-    given: str,
+    option: str,
     wait: bool,
     out: Path | None,
     as_json: bool,
@@ -49,7 +49,7 @@ def sweep(
     """Launch the sweep; returns the exit code: that of the worst of its runs. launch: over a path and its values."""
     from clearance.client import UnreachableError
 
-    path, values = parsed(given)
+    path, values = parsed(option)
     found = launch(path, values)
     if not wait:
         typer.echo(found.id)

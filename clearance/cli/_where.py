@@ -1,7 +1,8 @@
-"""The options for the location of the data, shared by the commands."""
+"""The options for the location of the data, shared by the commands; and who uses them."""
 
 from __future__ import annotations
 
+import getpass
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -62,10 +63,17 @@ def loaded_run(
     run_id = stored_run(run)
     if run_id is None:
         return of_folder(Path(run))
-    engine = connect(existing_url_of(data, database))
+    with reading(existing_url_of(data, database)) as connection:
+        return of_database(connection, run_id)
+
+
+@contextmanager
+def reading(url: str) -> Iterator[sa.Connection]:
+    """A read transaction on the database."""
+    engine = connect(url)
     try:
         with read(engine) as connection:
-            return of_database(connection, run_id)
+            yield connection
     finally:
         engine.dispose()
 
@@ -81,3 +89,16 @@ def opened(data: Path, database: str, *, create: bool = False) -> Iterator[sa.Co
             yield connection
     finally:
         engine.dispose()
+
+
+def operator() -> str:
+    """The operating-system user, whom the audit trail names; `unknown` where there is none, as in some containers."""
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return "unknown"
+
+
+def counted(number: int, what: str) -> str:
+    """A number of things, such as 1 run or 20 runs."""
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"

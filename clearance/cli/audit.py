@@ -14,7 +14,6 @@ import typer
 from typer.core import TyperGroup
 
 from clearance.cli import VIOLATED, WrongInputError
-from clearance.cli._renamed import renamed
 from clearance.cli._where import DATA, Data, Database, loaded_run
 from clearance.cli.trail import print_head, verify_trail
 
@@ -23,6 +22,13 @@ if TYPE_CHECKING:
     from worker.evidence.audit.record import Record
 
 WORDS = {True: "agree", False: "disagree", None: "not auditable"}
+
+
+def renamed(before: str, now: str) -> None:
+    """Print the note of a command that is called by its earlier name, so that the output stays what a script reads."""
+    typer.echo(
+        f"Note: `clearance {before}` is now `clearance {now}`; the earlier name goes with the next version.", err=True
+    )
 
 
 class _RunFirst(TyperGroup):

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 
 def cancel(
@@ -16,7 +16,6 @@ def cancel(
     patience: Patience = PATIENCE,
 ) -> None:
     """Cancel runs of a service; those that have ended are unchanged."""
-    from clearance.cli._service import numbered, opened
 
     for run in runs:
         numbered(run)

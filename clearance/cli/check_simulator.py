@@ -18,7 +18,7 @@ from clearance.cli._where import DATA, Database, opened
 if TYPE_CHECKING:
     from campaigns import Campaign
     from campaigns.catalogue import SimulatorEntry
-    from campaigns.results.nominal import Measured
+    from campaigns.results.measured import Measured
     from worker.engine.stages.parts.store import Columns
 
 MOST_UNCERTAIN = 64
@@ -82,29 +82,28 @@ def check_simulator(
 
 def _entry(name: str) -> SimulatorEntry:
     from campaigns.checked import texts
-    from worker.engine.systems.simulators.declared.descriptor import unusable
-    from worker.running.catalogue.files import unusable_files
+    from worker.running.catalogue.files import unusable_simulators
     from worker.running.catalogue.installed import catalogue
 
     known = catalogue()
     entry = known.simulator(name)
     if entry is None:
-        for problem in [*unusable(), *unusable_files()]:
+        for problem in unusable_simulators():
             typer.echo(problem, err=True)
         names = [s.name for s in known.simulators]
         raise WrongInputError(f"no simulator {name!r} in this installation; {texts.known(name, names)}")
     return entry
 
 
-def _decides(entry: SimulatorEntry, asked: str) -> str:
+def _decides(entry: SimulatorEntry, result: str) -> str:
     low = [r.name for r in entry.results if r.worse == "low"]
-    if asked and asked not in low:
+    if result and result not in low:
         raise WrongInputError(
-            f"--result {asked}: {entry.name} has no such result that is worse when low: {low or 'none'}"
+            f"--result {result}: {entry.name} has no such result that is worse when low: {low or 'none'}"
         )
     if not low:
         raise WrongInputError(f"no result of {entry.name} is worse when low, so none can decide a campaign")
-    return asked or low[0]
+    return result or low[0]
 
 
 def _campaign(entry: SimulatorEntry, result: str) -> Campaign:
@@ -185,10 +184,10 @@ def _store(data: Path, database: str, entry: SimulatorEntry, digest: str, measur
 def _propose(measured: Measured, parameters: int) -> None:
     """The command that proposes methods and budgets for the time that was measured."""
     if measured.call_seconds is not None:
-        given = f"--cost {measured.call_seconds:.3g} --parameters {parameters} --slots {measured.slots}"
+        options = f"--cost {measured.call_seconds:.3g} --parameters {parameters} --slots {measured.slots}"
         if measured.start_seconds:
-            given += f" --start {measured.start_seconds:.3g}" + (f" --recycle {n}" if (n := measured.recycle) else "")
-        typer.echo(f"methods and budgets for it: clearance propose {given}")
+            options += f" --start {measured.start_seconds:.3g}" + (f" --recycle {n}" if (n := measured.recycle) else "")
+        typer.echo(f"methods and budgets for it: clearance propose {options}")
 
 
 def _advise(measured: Measured, values: bool, unit: str) -> None:

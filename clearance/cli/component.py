@@ -87,8 +87,8 @@ def _checked(file: Path) -> OwnFile:
     from worker.engine.components.own import FOLDERS, folders
     from worker.running.catalogue import own
 
-    given = [file.parent, *(folder for folder in folders() if folder != file.parent)]
-    os.environ[FOLDERS] = os.pathsep.join(map(str, given))
+    searched = [file.parent, *(folder for folder in folders() if folder != file.parent)]
+    os.environ[FOLDERS] = os.pathsep.join(map(str, searched))
     found = own.examine(file)
     if found.text:
         return found

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from clearance.cli._following import FILES
-from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+from clearance.cli._following import FILES, save
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 
 def export(
@@ -24,9 +24,7 @@ def export(
     patience: Patience = PATIENCE,
 ) -> None:  # fmt: skip
     """Save the files of a run of a service: campaign, tables, traces, report, picture."""
-    from clearance.cli._following import save
     from clearance.cli._out import writable
-    from clearance.cli._service import numbered, opened
 
     numbered(run)
     folder = out if out != Path() else Path(run)

@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 from clearance.cli import _launch as launch
-from clearance.cli._following import AsJson, Out
-from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+from clearance.cli._following import AsJson, Out, follow_to_the_end
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 
 def follow(
@@ -23,12 +23,10 @@ def follow(
     sarif: launch.Sarif = None,
 ) -> None:
     """Wait for the verdict of a run of a service, which is the exit code."""
-    from clearance.cli._following import follow_to_the_end
     from clearance.cli._out import writable
-    from clearance.cli._service import numbered, opened
 
     numbered(run)
     writable(out)
-    given = launch.Launch.read(None, "", junit, summary, sarif)
+    options = launch.Launch.read(None, "", junit, summary, sarif)
     with opened(service, token_file, patience) as client:
-        raise typer.Exit(follow_to_the_end(client, client.run(run).id, out, as_json, given))
+        raise typer.Exit(follow_to_the_end(client, client.run(run).id, out, as_json, options))

@@ -10,8 +10,7 @@ import typer
 from backend.db import access, audit
 from backend.db.registered import Running, folder, services
 from clearance.cli import WrongInputError
-from clearance.cli._operator import operator
-from clearance.cli._where import DATA, Database, opened
+from clearance.cli._where import DATA, Database, opened, operator
 
 STANDARD = "http://127.0.0.1:8000"
 

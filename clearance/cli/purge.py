@@ -10,8 +10,7 @@ import typer
 
 from campaigns.runs import run_name
 from clearance.cli import WrongInputError
-from clearance.cli._operator import operator
-from clearance.cli._where import DATA, Data, Database, existing_url_of
+from clearance.cli._where import DATA, Data, Database, counted, existing_url_of, operator
 
 if TYPE_CHECKING:
     import sqlalchemy as sa
@@ -51,7 +50,7 @@ def purge(
         elif not runs or yes or _agreed(runs):
             gone = [run for run in runs if stored.purge(engine, run.id, age, operator())]
             if runs:
-                typer.echo(f"{_counted(len(gone))} purged.")
+                typer.echo(f"{counted(len(gone), 'run')} purged.")
             _reclaim(engine)
         else:
             typer.echo("Nothing was deleted.")
@@ -82,12 +81,12 @@ def _tell(runs: list[Removed], older_than: str) -> None:
         )
     if len(runs) > LISTED:
         typer.echo(f"and {len(runs) - LISTED} more")
-    typer.echo(f"{_counted(len(runs))}, {_size(sum(run.size for run in runs))} of evaluations and trajectories.")
+    typer.echo(f"{counted(len(runs), 'run')}, {_size(sum(run.size for run in runs))} of evaluations and trajectories.")
 
 
 def _agreed(runs: list[Removed]) -> bool:
     try:
-        return typer.confirm(f"Delete the results of {_counted(len(runs))}? This cannot be undone.")
+        return typer.confirm(f"Delete the results of {counted(len(runs), 'run')}? This cannot be undone.")
     except typer.Abort:
         raise WrongInputError(
             "no confirmation was given; use --yes where there is no terminal. Nothing was deleted"
@@ -118,10 +117,6 @@ def _reclaim(engine: sa.Engine) -> None:
         )
         return
     typer.echo(f"The file was reduced from {_size(space.before)} to {_size(space.after)}.")
-
-
-def _counted(number: int) -> str:
-    return f"{number} run" if number == 1 else f"{number} runs"
 
 
 def _size(number: float) -> str:

@@ -97,7 +97,7 @@ def replay(
 def of_folder(folder: Path) -> Recorded:
     """The run that `clearance run --out` wrote."""
     from campaigns.results import Finding, earlier
-    from campaigns.results.nominal import Measured
+    from campaigns.results.measured import Measured
     from campaigns.stages.found import stage_result
     from clearance.local.results import read_folder, versions_of
     from worker.running.runs.replay import Recorded
@@ -105,8 +105,8 @@ def of_folder(folder: Path) -> Recorded:
     try:
         campaign, store = read_folder(folder)
         stated = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-        held = folder / "evidence.json"
-        results = json.loads(held.read_text(encoding="utf-8"))["results"] if held.exists() else []
+        evidence = folder / "evidence.json"
+        results = json.loads(evidence.read_text(encoding="utf-8"))["results"] if evidence.exists() else []
         kinds = [stage.plan.kind for stage in store.stages]
         results, findings = earlier.brought_up(kinds, results, stated["findings"])
         typed = [Finding.model_validate(found) for found in findings]
@@ -134,7 +134,6 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
     from backend.db import continuation as stored
     from campaigns import CampaignError
     from campaigns.asked.load import load_document
-    from campaigns.results import NominalResult
     from campaigns.runs import run_name
     from worker.running.runs.replay import Recorded
 
@@ -155,7 +154,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
         versions,
         codes.modules(connection, versions.code),
         drawn,
-        next((s.result.measured for s in stages if isinstance(s.result, NominalResult)), None),
+        next((s.result.repeatability for s in stages if s.result is not None), None),
         seeds,
     )
 

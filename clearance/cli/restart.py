@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 
 def restart(
@@ -19,7 +19,6 @@ def restart(
     patience: Patience = PATIENCE,
 ) -> None:
     """Begin a run again that other code began, without its evaluations, or continue it as a new run (--keep)."""
-    from clearance.cli._service import numbered, opened
 
     numbered(run)
     with opened(service, token_file, patience) as client:

@@ -21,7 +21,6 @@ from clearance.cli import _evaluator as evaluators
 from clearance.cli import _launch as launch
 from clearance.cli._ended import Case, EndedRun, Source, write_files
 from clearance.cli._out import writable
-from clearance.cli._skipped import report_unusable
 from clearance.cli._where import DATA, Data, Database
 from clearance.local import interrupt
 
@@ -67,9 +66,9 @@ def run(
     """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.running.runs import sources as sources  # first: it records the files before they are loaded
 
-    _asked_right(file, onward, budget, bool(label or baseline))
+    _check_options(file, onward, budget, bool(label or baseline))
     writable(out)
-    given = launch.Launch.read(label, baseline, junit, markdown, sarif)
+    options = launch.Launch.read(label, baseline, junit, markdown, sarif)
     evaluators.use(evaluator)
     execute = _executing(threads or None, quiet=as_json, evaluator=evaluator)
     note = ""
@@ -80,13 +79,13 @@ def run(
         campaign, store, verdict, cites = execute_continued(onward, budget, data, database, execute)
     else:
         assert file is not None
-        asked, note = _asked(file, allow_code, given.baseline, data, database)
-        campaign, store, verdict = _fresh(file, asked, _announcing(execute, data, database, quiet=as_json))
+        campaign, note = _with_baseline(file, allow_code, options.baseline, data, database)
+        campaign, store, verdict = _fresh(file, campaign, _announcing(execute, data, database, quiet=as_json))
         cites = None
     from clearance.local.summary import summary
 
     result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {}) | code.stated(campaign)
-    result |= ({"labels": given.labels} if given.labels else {}) | ({"baseline": note} if note else {})
+    result |= ({"labels": options.labels} if options.labels else {}) | ({"baseline": note} if note else {})
     if out is not None:
         from clearance.cli._capsule import write_capsules
         from clearance.local.results import write_evidence, write_results
@@ -101,13 +100,13 @@ def run(
         from clearance.cli._report import print_report
 
         print_report(campaign, store, verdict, out, cites, note)
-    ended = _ended(campaign, store, verdict, out, given, note, file)
-    write_files(ended, given)
+    ended = _ended(campaign, store, verdict, out, options, note, file)
+    write_files(ended, options)
     raise typer.Exit(ended.code)
 
 
 def _ended(
-    campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, given: launch.Launch, note: str,
+    campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, options: launch.Launch, note: str,
     file: Path | None,
 ) -> EndedRun:  # fmt: skip
     return EndedRun(
@@ -116,24 +115,24 @@ def _ended(
         state=RunState.DONE,
         verdict=verdict,
         replay="" if out is None else f"clearance replay {shlex.quote(str(out))}",
-        labels=given.labels,
+        labels=options.labels,
         notes=(note,) if note else (),
         seconds=sum(stage.seconds for stage in store.stages),
-        compared=campaign.baseline is not None or not given.baseline,
+        compared=campaign.baseline is not None or not options.baseline,
         quantity=verdict.quantity,
         unit=verdict.unit,
         threshold=campaign.criterion.threshold,
         findings=tuple(
             Case(f.label, f.granted, f.granted - campaign.criterion.threshold, f.parameters) for f in store.found()
         ),
-        source=_source(file, given),
+        source=_source(file, options),
         requirements=tuple(one.id for one in campaign.criterion.requirements),
     )
 
 
-def _source(file: Path | None, given: launch.Launch) -> Source | None:
+def _source(file: Path | None, options: launch.Launch) -> Source | None:
     """The campaign file, for a report that points at its lines."""
-    if file is None or given.sarif is None:
+    if file is None or options.sarif is None:
         return None
     from campaigns.asked.load import read_text
     from clearance.cli._campaign import found
@@ -141,7 +140,7 @@ def _source(file: Path | None, given: launch.Launch) -> Source | None:
     return Source(str(found(file)), read_text(found(file)))
 
 
-def _asked_right(file: Path | None, onward: str, budget: str, launched: bool) -> None:
+def _check_options(file: Path | None, onward: str, budget: str, launched: bool) -> None:
     if onward and launched:
         raise WrongInputError("an extended run has the labels and the baseline of the earlier one: give neither")
     if onward and file is not None:
@@ -152,7 +151,7 @@ def _asked_right(file: Path | None, onward: str, budget: str, launched: bool) ->
         raise WrongInputError("--continue RUN and --budget +N belong together: give both")
 
 
-def _asked(file: Path, allow_code: bool, baseline: str, data: Path, database: str) -> tuple[Campaign, str]:
+def _with_baseline(file: Path, allow_code: bool, baseline: str, data: Path, database: str) -> tuple[Campaign, str]:
     """The campaign of the file with its baseline, and the sentence that states it."""
     campaign = code.read(file, allow_code)
     if not baseline:
@@ -170,7 +169,7 @@ def _fresh(file: Path, campaign: Campaign, execute: Execute) -> tuple[Campaign, 
 
     if problems := check(campaign, catalogue()):
         if any(problem.field == "simulator.name" for problem in problems):
-            report_unusable()
+            code.report_unusable()
         raise CampaignError(str(file), problems)
     store = MemoryStore()
     try:
@@ -213,12 +212,12 @@ def _executing(threads: int | None, quiet: bool, evaluator: str = "") -> Execute
             raise UnreachableError(str(error)) from None
 
     def simulated(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
-        with interrupt.deferred(cancelled) as asked:
+        with interrupt.deferred(cancelled) as stopped:
             if quiet:
-                return execute(campaign, store, asked, threads=threads)
+                return execute(campaign, store, stopped, threads=threads)
             from clearance.local.progress import Progress
 
             with Progress(campaign) as shown:
-                return execute(campaign, store, asked, progress=shown.show, threads=threads)
+                return execute(campaign, store, stopped, progress=shown.show, threads=threads)
 
     return executed

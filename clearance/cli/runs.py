@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, opened
 
 if TYPE_CHECKING:
     from clearance.client.answers import Run
@@ -37,10 +37,10 @@ def runs(
     import itertools
     import json
 
-    from clearance.cli._service import opened
+    from clearance.cli._following import aligned
 
     several = {"label": label, "state": state, "verdict": verdict, "campaign": campaign, "owner": owner, "tag": tag}
-    filters: dict[str, Any] = {name: tuple(given or ()) for name, given in several.items()}
+    filters: dict[str, Any] = {name: tuple(values or ()) for name, values in several.items()}
     with opened(service, token_file, patience) as client:
         found = client.runs(words, **filters)
         listed = list(itertools.islice(found, limit))
@@ -49,7 +49,7 @@ def runs(
     elif not listed:
         typer.echo("No runs", err=True)
     else:
-        typer.echo("\n".join(_aligned([_row(run) for run in listed])))
+        typer.echo("\n".join(aligned([_row(run) for run in listed])))
 
 
 def _row(run: Run) -> list[str]:
@@ -65,8 +65,3 @@ def _row(run: Run) -> list[str]:
         plain(run.name),
         labels,
     ]
-
-
-def _aligned(rows: list[list[str]]) -> list[str]:
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]

@@ -18,10 +18,10 @@ from typing import Annotated
 import typer
 
 from backend.db import access, workers
-from backend.db.engine import connect, migrate, read
+from backend.db.engine import connect, migrate
 from backend.db.private import SharedFolderError, keep_private
 from clearance.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
-from clearance.cli._where import DATA, Data, Database, url_of
+from clearance.cli._where import DATA, Data, Database, counted, reading, url_of
 from clearance.cli.login_link import ADDRESS_FILE
 from worker.engine.kernels import jit
 from worker.running.processes.lifeline import Wakeup
@@ -83,7 +83,7 @@ class _Serving:
 
     def run(self) -> int:
         """Returns the exit code."""
-        _say(f"Starting the service and {_counted(len(self.workers), 'worker')} on {self.data} ...")
+        _say(f"Starting the service and {counted(len(self.workers), 'worker')} on {self.data} ...")
         begun = time.time()
         self.servers.start()
         try:
@@ -120,12 +120,8 @@ class _Serving:
         return None
 
     def _published(self) -> float:
-        engine = connect(self.url)
-        try:
-            with read(engine) as connection:
-                return workers.published(connection) or 0.0
-        finally:
-            engine.dispose()
+        with reading(self.url) as connection:
+            return workers.published(connection) or 0.0
 
     def _welcome(self) -> None:
         engine = connect(self.url)
@@ -198,10 +194,6 @@ def _answers(url: str) -> bool:
 
 def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def _say(text: str) -> None:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clearance.cli._following import AsJson
-from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+from clearance.cli._following import AsJson, counts, plain, superseded
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, numbered, opened
 
 if TYPE_CHECKING:
     from clearance.client.answers import Finding, RunDetail
@@ -23,8 +23,6 @@ def show(
     """Print a run of a service: its verdict, the checks, the worst cases. The exit code is not the verdict."""
     import json
 
-    from clearance.cli._service import numbered, opened
-
     with opened(service, token_file, patience) as client:
         found = client.run(numbered(run))
         if as_json:
@@ -35,7 +33,6 @@ def show(
 
 
 def _head(found: RunDetail) -> list[str]:
-    from clearance.cli._following import counts, plain, superseded
 
     state = found.verdict or found.state
     lines = [f"{found.id} {state.capitalize()}: {plain(found.name)}"]
@@ -53,7 +50,6 @@ def _head(found: RunDetail) -> list[str]:
 
 
 def _checks(found: RunDetail) -> list[str]:
-    from clearance.cli._following import plain
 
     checks = [] if found.summary is None else found.summary.checks
     return [f"  {check.standing:5}  {check.title}: {plain(check.text)}" for check in checks]

@@ -14,8 +14,8 @@ import typer
 
 from clearance.cli import WrongInputError
 from clearance.cli import _launch as launch
-from clearance.cli._following import AsJson, Out
-from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token
+from clearance.cli._following import AsJson, Out, follow_to_the_end
+from clearance.cli._service import PATIENCE, SERVICE, Patience, Service, Token, opened
 
 if TYPE_CHECKING:
     from clearance.client.answers import Submitted
@@ -65,30 +65,28 @@ def submit(
     from campaigns.asked.load import load_text, read_text
     from clearance.cli._campaign import found
     from clearance.cli._ended import Source
-    from clearance.cli._following import follow_to_the_end
     from clearance.cli._out import writable
-    from clearance.cli._service import opened
     from clearance.cli._sweep import parsed
     from clearance.cli._sweep import sweep as launched
     from clearance.local.interrupt import terminated
 
     writable(out)
-    given = launch.Launch.read(label, baseline, junit, summary, sarif)
-    _asked_right(given, sweep, wait, reuse, cancel_on_exit, group)
+    options = launch.Launch.read(label, baseline, junit, summary, sarif)
+    _check_options(options, sweep, wait, reuse, cancel_on_exit, group)
     if sweep:
         parsed(sweep)  # before anything is sent
     path = found(file)
     text = read_text(path)
     document = load_text(text, str(file)).document()
-    called, tags, compared = name or None, tag or None, given.baseline or None
+    called, tags, compared = name or None, tag or None, options.baseline or None
     with opened(service, token_file, patience, str(file)) as client:
         if sweep:
-            made = partial(client.sweep, document, name=called, tags=tags, labels=given.labels, priority=priority)
+            made = partial(client.sweep, document, name=called, tags=tags, labels=options.labels, priority=priority)
             raise typer.Exit(launched(client, made, sweep, wait, out, as_json))
         with terminated() if cancel_on_exit else nullcontext():
             try:
                 queued = client.submit(
-                    document, text=text, name=called, tags=tags, labels=given.labels, priority=priority,
+                    document, text=text, name=called, tags=tags, labels=options.labels, priority=priority,
                     baseline=compared, reuse=reuse, group=group or None,
                 )  # fmt: skip
             except KeyboardInterrupt:
@@ -103,7 +101,7 @@ def submit(
             _print_superseded(queued)
             typer.echo(f"{run} is at {client.link(run)}", err=True)
             source, cancel = Source(str(path), text), cancel_on_exit and not reused
-            raise typer.Exit(follow_to_the_end(client, run, out, as_json, given, reused, cancel, source))
+            raise typer.Exit(follow_to_the_end(client, run, out, as_json, options, reused, cancel, source))
 
 
 def _print_superseded(queued: Submitted) -> None:
@@ -119,13 +117,13 @@ def _print_submitted(queued: Submitted) -> None:
     typer.echo(queued.id)
 
 
-def _asked_right(given: launch.Launch, sweep: str, wait: bool, reuse: bool, cancel: bool, group: str) -> None:
+def _check_options(options: launch.Launch, sweep: str, wait: bool, reuse: bool, cancel: bool, group: str) -> None:
     """Raises `WrongInputError` for options that do not belong together."""
-    if sweep and (given.baseline or given.wanted or reuse or cancel or group):
+    if sweep and (options.baseline or options.wanted or reuse or cancel or group):
         raise WrongInputError(
             "--sweep takes none of --baseline, --junit, --summary, --sarif, --reuse, --group and --cancel-on-exit"
         )
-    if not wait and (given.wanted or cancel):
+    if not wait and (options.wanted or cancel):
         raise WrongInputError(
             "--no-wait does not wait for the verdict: --junit, --summary, --sarif and --cancel-on-exit need it"
         )

@@ -9,8 +9,8 @@ import typer
 
 from backend.db import access, audit
 from backend.db.roles import Scope
-from clearance.cli._operator import operator
-from clearance.cli._where import DATA, Data, Database, opened
+from clearance.cli._following import aligned
+from clearance.cli._where import DATA, Data, Database, opened, operator
 
 app = typer.Typer(help="API tokens for programs: create, list, revoke.", no_args_is_help=True)
 
@@ -34,8 +34,8 @@ def create(
     """Create a token and print it: the only time it is shown. Send it as `Authorization: Bearer TOKEN`."""
     with opened(data, database, create=True) as connection:
         token = access.create_token(connection, name, owner, scope, None if days is None else days * 86400.0)
-        told = {"owner": owner, "scope": scope, "days": days}
-        audit.note_command(connection, operator(), "token.created", name, told)
+        details = {"owner": owner, "scope": scope, "days": days}
+        audit.note_command(connection, operator(), "token.created", name, details)
     typer.echo(f"Token {name!r}, shown only once:", err=True)
     typer.echo(token)
 
@@ -49,9 +49,7 @@ def list_(data: Data = DATA, database: Database = "") -> None:
     for row in rows:
         times = (row.created, row.expires, row.last_used, row.revoked)
         table.append((row.name, row.owner, row.scope, *map(_shown, times)))
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    for line in table:
-        typer.echo("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
+    typer.echo("\n".join(aligned(table)))
 
 
 @app.command()

@@ -12,9 +12,8 @@ import typer
 
 from backend.db import audit
 from backend.db.chain import COVERED, FIRST, Head, Verified, head, verify
-from backend.db.engine import connect, read
 from clearance.cli import VIOLATED, WrongInputError
-from clearance.cli._where import DATA, Data, Database, existing_url_of
+from clearance.cli._where import DATA, Data, Database, existing_url_of, reading
 
 CANNOT = (
     "This shows that no row was changed, removed or reordered after it was written, unless whoever did so computed all "
@@ -48,7 +47,8 @@ def verify_trail(
         typer.echo(f"{fault[0].upper()}{fault[1:]}.")
     if found.faults:
         raise typer.Exit(VIOLATED)
-    typer.echo(f"The audit trail is unbroken: {_counted(found.head.row)}.")
+    rows = "1 row" if found.head.row == 1 else f"{found.head.row:,} rows"
+    typer.echo(f"The audit trail is unbroken: {rows}.")
     typer.echo(f"Head: {found.head}")
     if expected is None:
         typer.echo(CANNOT)
@@ -57,25 +57,18 @@ def verify_trail(
 @app.command("head")
 def print_head(data: Data = DATA, database: Database = "") -> None:
     """Print number and hash of the newest row, to be noted where the service cannot write."""
-    engine = connect(existing_url_of(data, database))
-    try:
-        with read(engine) as reader:
-            _migrated(reader)
-            typer.echo(str(audit.head(reader)))
-    finally:
-        engine.dispose()
+    with reading(existing_url_of(data, database)) as reader:
+        _migrated(reader)
+        typer.echo(str(audit.head(reader)))
 
 
 def _of_database(data: Path, database: str, noted: Head | None) -> Verified:
-    engine = connect(existing_url_of(data, database))
     try:
-        with read(engine) as reader:
+        with reading(existing_url_of(data, database)) as reader:
             _migrated(reader)
             return audit.verified(reader, noted)
     except sa.exc.DBAPIError as error:  # such as text that is not UTF-8
         return Verified([f"the trail cannot be read to its end: {error.orig}"], Head(0, FIRST))
-    finally:
-        engine.dispose()
 
 
 def _of_file(file: Path, noted: Head | None) -> Verified:
@@ -113,7 +106,3 @@ def _head(text: str) -> Head:
         return head(text)
     except ValueError as error:
         raise WrongInputError(f"{error}") from None
-
-
-def _counted(number: int) -> str:
-    return "1 row" if number == 1 else f"{number:,} rows"

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from clearance.cli import WrongInputError
+from clearance.cli import WRONG_INPUT, WrongInputError, _explain
 from clearance.cli import _code as code
-from clearance.cli._service import PATIENCE, Patience, Token
-from clearance.cli._skipped import report_unusable
+from clearance.cli._service import PATIENCE, Patience, Token, opened
 
 if TYPE_CHECKING:
     from campaigns import Campaign
@@ -37,7 +36,6 @@ def validate(
     import json
 
     from campaigns import Campaign, CampaignError
-    from clearance.cli import WRONG_INPUT, _explain
 
     if schema:
         typer.echo(json.dumps(Campaign.model_json_schema(), indent=2))
@@ -73,7 +71,7 @@ def _here(file: Path, normal: bool, allow_code: bool) -> None:
     problems = check(campaign, catalogue())
     if problems:
         if campaign.simulator is not None:
-            report_unusable()
+            code.report_unusable()
         raise CampaignError(str(file), problems)
     if normal:
         typer.echo(json.dumps(campaign.document(), indent=2))
@@ -85,7 +83,6 @@ def _by_service(file: Path, service: str, token_file: str, patience: float) -> N
     """The service's own answer: its components, methods and simulators are those that would run the campaign."""
     from campaigns import CampaignError, Problem
     from clearance.cli._campaign import read_campaign
-    from clearance.cli._service import opened
 
     campaign = read_campaign(file)
     with opened(service, token_file, patience, str(file)) as client:
@@ -101,6 +98,7 @@ def _by_service(file: Path, service: str, token_file: str, patience: float) -> N
 
 
 def _print_usable(campaign: Campaign, where: str) -> None:
+    from campaigns.stages.found import declared
     from campaigns.stages.plan import plan
 
     stages = plan(campaign)
@@ -108,5 +106,5 @@ def _print_usable(campaign: Campaign, where: str) -> None:
     typer.echo(f"{len(campaign.uncertain)} uncertain parameters, about {sum(s.planned for s in stages)} evaluations:")
     for stage in stages:
         # How many validation takes depends on the worst cases found: the plan has an estimate.
-        number = f"about {stage.planned}" if stage.kind == "validate" else f"{stage.planned}"
+        number = f"about {stage.planned}" if declared()[stage.kind].of_findings else f"{stage.planned}"
         typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {number}")

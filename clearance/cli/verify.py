@@ -6,9 +6,8 @@ from typing import Annotated
 
 import typer
 
-from clearance.cli._renamed import renamed
 from clearance.cli._where import DATA, Data, Database
-from clearance.cli.audit import audit
+from clearance.cli.audit import audit, renamed
 
 
 def verify(

@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from clearance.cli import _evaluator as evaluators
-from clearance.cli._where import DATA, Data, Database, url_of
+from clearance.cli._where import DATA, Data, Database, reading, url_of
 
 
 def worker(
@@ -33,8 +33,7 @@ def worker(
     from backend.db.engine import migrate
     from backend.db.private import UMASK
     from worker.engine.kernels import jit
-    from worker.engine.systems.simulators.declared.descriptor import unusable
-    from worker.running.catalogue.files import unusable_files
+    from worker.running.catalogue.files import unusable_simulators
     from worker.running.processes.supervisor import Supervisor, default_name
 
     if check:
@@ -44,7 +43,7 @@ def worker(
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     os.umask(UMASK)
-    for problem in [*unusable(), *unusable_files()]:
+    for problem in unusable_simulators():
         logging.warning("a simulator is skipped: %s", problem)
     url = url_of(data, database)
     migrate(url)
@@ -54,8 +53,6 @@ def worker(
 
 def _alive(data: Path, database: str) -> bool:
     from backend.db import workers
-    from backend.db.engine import connect, read
 
-    engine = connect(url_of(data, database))
-    with read(engine) as connection:
+    with reading(url_of(data, database)) as connection:
         return workers.alive(connection, socket.gethostname())

@@ -19,10 +19,10 @@ class Answer(Documented):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _kept(cls, given: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        made = handler(given)
-        if isinstance(given, dict):
-            made._document = given
+    def _kept(cls, document: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        made = handler(document)
+        if isinstance(document, dict):
+            made._document = document
         return made
 
     @property

@@ -1,6 +1,6 @@
 """What the service answers, as types. Times are `datetime` in UTC; costs and margins are in the run's unit.
 
-Written by tools/client_answers.py from the OpenAPI document. A field that is not described here is ignored, and is
+Written by `python -m tools.generated` from the OpenAPI document. A field that is not described here is ignored, and is
 still in `document`, the JSON as it was sent; what earlier versions did not send has a default. So a client works with
 services of other versions. Start reading at `Run`.
 """

@@ -115,11 +115,11 @@ class Trace:
     complete: bool
 
     @staticmethod
-    def of(given: answers.TraceData) -> Trace:
+    def of(answer: answers.TraceData) -> Trace:
         """The trace from the answer of the service."""
-        data = {c.name: _fixed(np.array(given.data[c.name], dtype=np.float64)) for c in given.columns}
+        data = {c.name: _fixed(np.array(answer.data[c.name], dtype=np.float64)) for c in answer.columns}
         here = len(next(iter(data.values()), ()))
-        return Trace(given.name, data, {c.name: c.unit for c in given.columns if c.unit}, here == given.rows)
+        return Trace(answer.name, data, {c.name: c.unit for c in answer.columns if c.unit}, here == answer.rows)
 
     def __getitem__(self, name: str) -> Floats:
         return self.data[name]

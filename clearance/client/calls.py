@@ -68,9 +68,9 @@ def _of(run: Named, **more: str) -> dict[str, str]:
     return {"run": name_of(run), **more}
 
 
-def _set(**given: Any) -> dict[str, Any]:
+def _set(**arguments: Any) -> dict[str, Any]:
     """The arguments that were given."""
-    return {name: value for name, value in given.items() if value not in (None, [], {}, "")}
+    return {name: value for name, value in arguments.items() if value not in (None, [], {}, "")}
 
 
 def document(campaign: Given) -> dict[str, object]:
@@ -139,12 +139,13 @@ def run_page(
 ) -> Call[answers.RunPage]:
     """One page of the list of runs."""
     several = {"state": state, "verdict": verdict, "tag": tag, "campaign": campaign, "owner": owner, "label": label}
-    query = _set(q=q, sort=sort, cursor=cursor, limit=limit, **{name: _list(given) for name, given in several.items()})
+    lists = {name: _list(values) for name, values in several.items()}
+    query = _set(q=q, sort=sort, cursor=cursor, limit=limit, **lists)
     return Call("GET", "/runs", answers.RunPage, query=query)
 
 
-def _list(given: Iterable[str]) -> list[str]:
-    return [given] if isinstance(given, str) else list(given)
+def _list(values: Iterable[str]) -> list[str]:
+    return [values] if isinstance(values, str) else list(values)
 
 
 def cancel(run: Named) -> Call[answers.Run]:

@@ -92,11 +92,11 @@ class Reply:
     @property
     def retry_after(self) -> float | None:
         """Seconds, from either form of the header (RFC 9110, 10.2.3)."""
-        given = str(self.headers.get("retry-after", "")).strip()
-        if given.isascii() and given.isdigit():
-            return float(given)
+        header = str(self.headers.get("retry-after", "")).strip()
+        if header.isascii() and header.isdigit():
+            return float(header)
         try:
-            return max(0.0, (parsedate_to_datetime(given) - datetime.now(UTC)).total_seconds())
+            return max(0.0, (parsedate_to_datetime(header) - datetime.now(UTC)).total_seconds())
         except (ValueError, TypeError):
             return None
 
@@ -107,7 +107,7 @@ class Reply:
         return self.status == 0 or (self.status in BUSY and not final)
 
     @property
-    def told(self) -> str:
+    def message(self) -> str:
         """What was answered, in words."""
         if self.status == 0:
             return self.content.decode(errors="replace")

@@ -60,7 +60,7 @@ def _answered(session: Session, effect: Send | Save, call: Call[Any]) -> Script[
         if session.clock() + pause > until:
             if reply.status == 500:
                 break
-            raise UnreachableError(f"{session.address} did not respond for {session.patience:g} s: {reply.told}")
+            raise UnreachableError(f"{session.address} did not respond for {session.patience:g} s: {reply.message}")
         yield Pause(pause)
         tries += 1
     if reply.status >= 300:
@@ -71,8 +71,8 @@ def _answered(session: Session, effect: Send | Save, call: Call[Any]) -> Script[
 def asking(call: Callable[P, Call[T]]) -> Callable[Concatenate[Session, P], Script[T]]:
     """The script that makes one request, with the arguments and the description of its call."""
 
-    def script(session: Session, /, *given: P.args, **named: P.kwargs) -> Script[T]:
-        return (yield from ask(session, call(*given, **named)))
+    def script(session: Session, /, *positional: P.args, **named: P.kwargs) -> Script[T]:
+        return (yield from ask(session, call(*positional, **named)))
 
     functools.update_wrapper(script, call)
     return script
@@ -185,7 +185,7 @@ def runs(
 
     q: words in the name, campaign, tags, owner or number. label: KEY=VALUE. sort: as in the list, such as -created.
     """
-    asked = functools.partial(
+    request = functools.partial(
         calls.run_page,
         q=q,
         state=state,
@@ -198,7 +198,7 @@ def runs(
     )
     cursor: str | None = None
     while True:
-        page = yield from ask(session, asked(cursor=cursor, limit=200))
+        page = yield from ask(session, request(cursor=cursor, limit=200))
         for item in page.items:
             yield Emit(item)
         cursor = page.next_cursor
@@ -231,9 +231,9 @@ def evaluations(session: Session, run: Named) -> Script[Evaluations]:
     """Every evaluation at full precision as arrays, in the order of the stages; `to_dataframe()` makes a table."""
     from clearance.client.arrays import Evaluations
 
-    asked = yield from ask(session, calls.run(run))
+    detail = yield from ask(session, calls.run(run))
     content = yield from ask(session, calls.export_file(run, "evaluations.csv"))
-    return Evaluations.of(content, asked)
+    return Evaluations.of(content, detail)
 
 
 def trace(session: Session, run: Named, name: str = "F1") -> Script[Trace]:
@@ -254,10 +254,10 @@ def export(session: Session, run: Named, folder: str | Path, files: Iterable[str
 
     files: campaign.yaml, report.html, report.pdf, and those that `exports` lists: the `file` of each.
     """
-    asked = [(name, calls.file(run, name)) for name in files]
+    requests = [(name, calls.file(run, name)) for name in files]
     Path(folder).mkdir(parents=True, exist_ok=True)
     written = []
-    for name, call in asked:
+    for name, call in requests:
         written.append((yield from download(session, call, Path(folder) / name)))
     return written
 

@@ -11,7 +11,7 @@ import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from clearance.function.result import Result
 from worker.engine.systems.simulators.declared.function import (
@@ -27,9 +27,6 @@ from worker.engine.systems.simulators.declared.function import (
     only_loaded,
 )
 
-if TYPE_CHECKING:
-    pass
-
 PER_PARAMETER = 500
 """Evaluations of each search, for each parameter."""
 MAX_SEED = 2**53
@@ -38,7 +35,7 @@ Range = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """The declaration of the function, where it is, and what is searched: ranges [unit] and nominal values [unit]."""
 
     declaration: Declaration
@@ -94,11 +91,11 @@ def search(
             "put the call of clearance.search under `if __name__ == '__main__':`"
         )
     _plain(threshold, budget, certify, seed, worse)
-    asked = _asked(fly, parameters, nominal, vectorized, quantity, unit, result)
-    document = _document(asked, threshold, name, _searches(methods, budget, len(asked.ranges)), certify, seed)
+    request = _request_of(fly, parameters, nominal, vectorized, quantity, unit, result)
+    document = _document(request, threshold, name, _searches(methods, budget, len(request.ranges)), certify, seed)
     from clearance.function.running import run
 
-    return run(asked, document, progress)
+    return run(request, document, progress)
 
 
 def _plain(threshold: object, budget: object, certify: object, seed: object, worse: object) -> None:
@@ -117,9 +114,9 @@ def _plain(threshold: object, budget: object, certify: object, seed: object, wor
             raise ValueError(f"{label} must be a whole number of at least {least}, given {value!r:.60}")
 
 
-def _asked(
+def _request_of(
     fly: object, parameters: object, nominal: object, vectorized: bool | None, quantity: str, unit: str, result: str
-) -> Asked:
+) -> Request:
     if isinstance(fly, Function):
         for label, own in (("vectorized", vectorized), ("quantity", quantity), ("unit", unit)):
             if own:
@@ -131,19 +128,19 @@ def _asked(
         raise ValueError("result: only a function decorated with clearance.simulator has several results")
     ranges = _ranges(parameters)
     middle = _nominal(nominal, {name: low + 0.5 * (high - low) for name, (low, high) in ranges.items()}, ranges)
-    given = {n: Parameter(low, high, middle[n], text=n) for n, (low, high) in ranges.items()}
+    declared = {n: Parameter(low, high, middle[n], text=n) for n, (low, high) in ranges.items()}
     label = str(getattr(fly, "__name__", type(fly).__name__))
     settings = Settings(vectorized=bool(vectorized), isolated=False)
     output = Output(unit=_line("unit", unit, 30), quantity=_line("quantity", quantity, 60) or "value")
     declaration = Declaration(
-        _named(label), _title(label), inspect.getdoc(fly) or "", given, {"value": output}, settings
+        _named(label), _title(label), inspect.getdoc(fly) or "", declared, {"value": output}, settings
     )
     check(declaration)
-    accepts(fly, given)
-    return Asked(declaration, fly, {}, ranges, middle, "value")
+    accepts(fly, declared)
+    return Request(declaration, fly, {}, ranges, middle, "value")
 
 
-def _of_decorated(fly: Function[..., Any], parameters: object, nominal: object, result: str) -> Asked:
+def _of_decorated(fly: Function[..., Any], parameters: object, nominal: object, result: str) -> Request:
     declaration = fly.declaration
     declared = {name: (float(p.low), float(p.high)) for name, p in declaration.parameters.items()}
     ranges = declared if parameters is None else _ranges(parameters)
@@ -165,7 +162,7 @@ def _of_decorated(fly: Function[..., Any], parameters: object, nominal: object, 
             f"result: {result or 'none'} of {declaration.name} cannot decide; "
             f"a result that is worse when low is needed ({', '.join(may) or 'it has none'})"
         )
-    return Asked(declaration, fly.call, _place(fly), ranges, middle, result or may[0])
+    return Request(declaration, fly.call, _place(fly), ranges, middle, result or may[0])
 
 
 def _place(fly: Function[..., Any]) -> dict[str, str]:
@@ -188,11 +185,11 @@ def _ranges(parameters: object) -> dict[str, Range]:
     if not isinstance(parameters, Mapping) or not parameters:
         raise TypeError(f"parameters must be a dict such as {{'mass': (1.5, 2.3)}}, given {parameters!r:.60}")
     found = {}
-    for name, given in parameters.items():
+    for name, bounds in parameters.items():
         try:
-            low, high = given
+            low, high = bounds
         except (TypeError, ValueError):
-            raise TypeError(f"{name}: give a range (low, high), given {given!r:.60}") from None
+            raise TypeError(f"{name}: give a range (low, high), given {bounds!r:.60}") from None
         for value in (low, high):
             if not finite(value):
                 raise ValueError(f"{name}: low and high must be finite numbers, at most 1e12, given {value!r:.60}")
@@ -202,18 +199,18 @@ def _ranges(parameters: object) -> dict[str, Range]:
     return found
 
 
-def _nominal(given: object, usual: Mapping[str, float], limits: Mapping[str, Range]) -> dict[str, float]:
-    if given is None:
+def _nominal(nominal: object, usual: Mapping[str, float], limits: Mapping[str, Range]) -> dict[str, float]:
+    if nominal is None:
         return dict(usual)
-    if not isinstance(given, Mapping):
-        raise TypeError(f"nominal must be a dict of values by parameter, given {given!r:.60}")
-    for name, value in given.items():
+    if not isinstance(nominal, Mapping):
+        raise TypeError(f"nominal must be a dict of values by parameter, given {nominal!r:.60}")
+    for name, value in nominal.items():
         if name not in limits:
             raise ValueError(f"nominal: there is no parameter {name!r}; there is {', '.join(limits)}")
         low, high = limits[name]
         if not finite(value) or not low <= value <= high:
             raise ValueError(f"nominal: {name} must be a number within {low:g} to {high:g}, given {value!r:.60}")
-    return {name: float(given.get(name, value)) for name, value in usual.items()}
+    return {name: float(nominal.get(name, value)) for name, value in usual.items()}
 
 
 def _searches(methods: object, budget: int | None, dimension: int) -> list[dict[str, object]]:
@@ -238,17 +235,17 @@ def _searches(methods: object, budget: int | None, dimension: int) -> list[dict[
 
 
 def _document(
-    asked: Asked, threshold: float | None, name: str, searches: list[dict[str, object]], certify: int, seed: int
+    request: Request, threshold: float | None, name: str, searches: list[dict[str, object]], certify: int, seed: int
 ) -> dict[str, object]:
     """The campaign as `clearance run` reads one."""
     return {
-        "name": _line("name", name, 120) or asked.declaration.title,
+        "name": _line("name", name, 120) or request.declaration.title,
         "simulator": {
-            "name": asked.declaration.name,
-            "parameters": dict(asked.nominal),
+            "name": request.declaration.name,
+            "parameters": dict(request.nominal),
         },
-        "uncertain": {f"simulator.{n}": {"low": low, "high": high} for n, (low, high) in asked.ranges.items()},
-        "criterion": {"result": asked.result, "threshold": threshold},
+        "uncertain": {f"simulator.{n}": {"low": low, "high": high} for n, (low, high) in request.ranges.items()},
+        "criterion": {"result": request.result, "threshold": threshold},
         "stages": {"search": searches, **({"certify": {"samples": certify}} if certify else {})},
         "seed": seed,
     }

@@ -82,7 +82,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Held:
+class Origin:
     """What a result is made from, for its pictures, its report and its folder."""
 
     campaign: Campaign
@@ -112,7 +112,7 @@ class Evaluations:
     threshold: float
     quantity: str
     unit: str
-    held: Held
+    origin: Origin
 
     def to_dataframe(self) -> Any:
         """A data frame with a row for each evaluation; our columns end with `_` if a parameter has their name.
@@ -158,13 +158,13 @@ class Result(Evaluations):
         """Write the folder of `clearance run --out`, which `clearance audit` checks; returns its path."""
         from clearance.function.saving import save
 
-        return save(self.held, Path(folder))
+        return save(self.origin, Path(folder))
 
     def report(self, file: str | Path) -> Path:
         """Write the report of the run as one self-contained HTML file; returns its path."""
         from clearance.function.saving import report
 
-        return report(self.held, Path(file))
+        return report(self.origin, Path(file))
 
     def __repr__(self) -> str:
         lowest = (
@@ -195,7 +195,7 @@ class Interrupted(KeyboardInterrupt):
         )
 
 
-def of(held: Held, verdict: Concluded) -> Result:
+def of(origin: Origin, verdict: Concluded) -> Result:
     """The result of a run that has ended."""
     from campaigns.results import NominalResult
     from campaigns.results.verdicts import described
@@ -204,38 +204,38 @@ def of(held: Held, verdict: Concluded) -> Result:
     checks = [
         Check(c.title, c.standing, f"{c.text}; {c.but}" if c.but else c.text) for c in described(verdict.checks, failed)
     ]
-    first = held.store.stages[0].result
+    first = origin.store.stages[0].result
     assert isinstance(first, NominalResult)
-    nominal = Nominal(_by_name(held, first.parameters), first.cost, first.margin, first.reason)
+    nominal = Nominal(_by_name(origin, first.parameters), first.cost, first.margin, first.reason)
     return Result(
-        **vars(evaluations(held)),
+        **vars(evaluations(origin)),
         verdict=Verdict(verdict.verdict.value, verdict.sentence, verdict.scope, checks),
-        findings=tuple(_finding(held, f) for f in held.store.found()),
+        findings=tuple(_finding(origin, f) for f in origin.store.found()),
         nominal=nominal,
     )
 
 
-def _finding(held: Held, f: Stored) -> Finding:
+def _finding(origin: Origin, f: Stored) -> Finding:
     from campaigns.results.verdicts import validated
 
     bounds = {path.removeprefix("simulator."): str(at) for path, at in f.at_bounds.items()}
     return Finding(
-        f.label, f.cost, f.margin, _by_name(held, f.parameters), tuple(f.methods), bounds, validated(f.validation)
+        f.label, f.cost, f.margin, _by_name(origin, f.parameters), tuple(f.methods), bounds, validated(f.validation)
     )
 
 
-def _by_name(held: Held, parameters: Mapping[str, float]) -> dict[str, float]:
+def _by_name(origin: Origin, parameters: Mapping[str, float]) -> dict[str, float]:
     """Values by path as values by the user's names, in the user's order."""
-    return {name: parameters[f"simulator.{name}"] for name in held.names}
+    return {name: parameters[f"simulator.{name}"] for name in origin.names}
 
 
-def evaluations(held: Held) -> Evaluations:
+def evaluations(origin: Origin) -> Evaluations:
     """What was evaluated until now, such as before an interrupt."""
     from campaigns.results.base import STATUS
 
-    problem, store = held.problem, held.store
+    problem, store = origin.problem, origin.store
     paths = [r.path for r in problem.ranges]
-    order = [paths.index(f"simulator.{name}") for name in held.names]
+    order = [paths.index(f"simulator.{name}") for name in origin.names]
     points, costs, status, stage, method = [], [], [], list[str](), list[str]()
     reasons: dict[int, str] = {}
     for position, record in enumerate(store.stages):
@@ -249,7 +249,7 @@ def evaluations(held: Held) -> Evaluations:
         stage += [record.plan.kind] * len(columns.status)
         method += [record.plan.method or ""] * len(columns.status)
     return Evaluations(
-        names=held.names,
+        names=origin.names,
         points=_fixed(np.concatenate(points) if points else np.empty((0, len(order)))),
         costs=_fixed(np.concatenate(costs) if costs else np.empty(0)),
         status=_fixed(np.array(status, dtype=np.str_)),
@@ -259,7 +259,7 @@ def evaluations(held: Held) -> Evaluations:
         threshold=problem.threshold,
         quantity=problem.quantity,
         unit=problem.unit,
-        held=held,
+        origin=origin,
     )
 
 

@@ -12,8 +12,8 @@ from worker.running.runs import sources as sources  # first: it records the file
 # isort: split
 from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.asked.load import load_document
-from clearance.function.request import Asked
-from clearance.function.result import Held, Interrupted, Result, evaluations, of
+from clearance.function.request import Request
+from clearance.function.result import Interrupted, Origin, Result, evaluations, of
 from clearance.local.interrupt import deferred
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import Tally
@@ -27,23 +27,23 @@ from worker.running.runs.store import MemoryStore
 Show = Callable[[int, Tally], None]
 
 
-def run(asked: Asked, document: dict[str, object], progress: bool) -> Result:
+def run(request: Request, document: dict[str, object], progress: bool) -> Result:
     """The result of the campaign; raises ValueError for one that cannot be run, `Interrupted` after Ctrl-C."""
-    function = PythonFunction(asked.declaration, dict(asked.place), asked.call)
+    function = PythonFunction(request.declaration, dict(request.place), request.call)
     known = catalogue().model_copy(update={"simulators": [function.entry]})
     campaign = _campaign(document, known)
     problem = Problem(campaign, opened.simulated(campaign, function, known))
     store = MemoryStore()
-    held = Held(campaign, problem, store, known, tuple(asked.ranges))
+    origin = Origin(campaign, problem, store, known, tuple(request.ranges))
     try:
         with _interruptible() as stopped, _shown(campaign, progress) as show:
             verdict = execute(campaign, store, stopped, progress=show, problem=problem)
     except CampaignUnusable as error:
         raise ValueError("; ".join(problem.message for problem in error.problems)) from None
     except KeyboardInterrupt:
-        partial = evaluations(held)
+        partial = evaluations(origin)
         raise Interrupted(partial) from None
-    return of(held, verdict)
+    return of(origin, verdict)
 
 
 def _campaign(document: dict[str, object], known: Catalogue) -> Campaign:

@@ -11,30 +11,31 @@ import sqlalchemy as sa
 from backend.db import queue
 from backend.db.engine import connect, migrate, now, read, write
 from backend.db.store import PATIENCE, RunStore
-from clearance.function.result import Held
+from campaigns.stages.found import declared
+from clearance.function.result import Origin
 from clearance.local.results import write_evidence, write_results
 from clearance.local.summary import summary
 from worker.running.runs import identity
 
 
-def save(held: Held, folder: Path) -> Path:
+def save(origin: Origin, folder: Path) -> Path:
     """Write everything into the folder, which is made if there is none; raises OSError if it cannot be written."""
     folder.mkdir(parents=True, exist_ok=True)
-    assert held.store.verdict is not None
-    result = summary(held.campaign, held.store, held.store.verdict)
-    write_results(folder, held.campaign, held.store, result, held.problem)
-    write_evidence(folder, held.campaign, held.store, held.known)
+    assert origin.store.verdict is not None
+    result = summary(origin.campaign, origin.store, origin.store.verdict)
+    write_results(folder, origin.campaign, origin.store, result, origin.problem)
+    write_evidence(folder, origin.campaign, origin.store, origin.known)
     return folder
 
 
-def report(held: Held, file: Path) -> Path:
+def report(origin: Origin, file: Path) -> Path:
     """Write the report; the run is stored in a temporary database, from which the service makes it."""
     with tempfile.TemporaryDirectory(prefix="clearance-report-", ignore_cleanup_errors=True) as folder:
         url = f"sqlite:///{Path(folder) / 'run.db'}"
         migrate(url)
         engine = connect(url)
         try:
-            page = _page(engine, held)
+            page = _page(engine, origin)
         finally:
             engine.dispose()
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -42,17 +43,17 @@ def report(held: Held, file: Path) -> Path:
     return file
 
 
-def _page(engine: sa.Engine, held: Held) -> str:
+def _page(engine: sa.Engine, origin: Origin) -> str:
     from backend.reports.service import report_html
 
-    campaign, store = held.campaign, held.store
+    campaign, store = origin.campaign, origin.store
     planned = sum(record.plan.planned for record in store.stages)
     submitted = partial(
         queue.submit, campaign=campaign, name=campaign.name, tags=campaign.tags, owner="clearance.search",
-        planned=planned, catalogue=held.known,
+        planned=planned, catalogue=origin.known,
     )  # fmt: skip
     run = write(engine, submitted, PATIENCE)
-    claim = queue.Queue(engine).claim("clearance.search", [s.version for s in held.known.simulators])
+    claim = queue.Queue(engine).claim("clearance.search", [s.version for s in origin.known.simulators])
     assert claim is not None
     stored = RunStore(engine, claim)
     stored.plan([record.plan for record in store.stages])
@@ -67,7 +68,7 @@ def _page(engine: sa.Engine, held: Held) -> str:
         if columns is not None:
             stored.append(position, 0, columns)
         assert record.result is not None
-        findings = store.findings if record.plan.kind == "validate" else ()
+        findings = store.findings if declared()[record.plan.kind].of_findings else ()
         stored.finish(position, record.result, record.seconds, findings)
     stored.conclude(store.verdict)
     with read(engine) as reader:

@@ -106,8 +106,8 @@ def _table(result: Result) -> str:
 def _convergence(result: Result) -> str:
     """The best value so far of every search over its evaluations, and the threshold."""
     lines: list[Line] = []
-    for name in dict.fromkeys(result.method[result.stage == "search"].tolist()):
-        costs = np.where(np.isnan(c := result.costs[(result.stage == "search") & (result.method == name)]), np.inf, c)
+    for name in dict.fromkeys(result.method[result.method != ""].tolist()):
+        costs = np.where(np.isnan(c := result.costs[result.method == name]), np.inf, c)
         best = np.minimum.accumulate(costs)
         steps = np.flatnonzero(np.isfinite(best))
         if len(steps):

@@ -57,10 +57,10 @@ def lines(store: MemoryStore) -> list[str]:
     found = failures(store)
     if not found:
         return []
-    told = ["Failed evaluations by reason, with the stage and index of the first:"]
+    text = ["Failed evaluations by reason, with the stage and index of the first:"]
     for one in found[:MOST]:
         output = f"{OUTPUT}{' '.join(one.output.split())}" if one.output else ""
-        told.append(f"  {one.evaluations:,} {one.status} ({one.stage}:{one.index}): {one.reason}{output}")
+        text.append(f"  {one.evaluations:,} {one.status} ({one.stage}:{one.index}): {one.reason}{output}")
     if len(found) > MOST:
-        told.append(f"  and {len(found) - MOST:,} further reasons, in evaluations.csv and result.json of --out")
-    return told
+        text.append(f"  and {len(found) - MOST:,} further reasons, in evaluations.csv and result.json of --out")
+    return text

@@ -28,14 +28,14 @@ def deferred(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
         came = True
         signal.default_int_handler(number, frame)
 
-    def asked() -> bool:
+    def stopped() -> bool:
         if came:
             raise KeyboardInterrupt
         return cancelled()
 
     before = signal.signal(signal.SIGINT, interrupt)
     try:
-        yield asked
+        yield stopped
     finally:
         signal.signal(signal.SIGINT, before)
 
@@ -56,9 +56,9 @@ def explained(store: MemoryStore) -> Iterator[None]:
 
 def _completed(store: MemoryStore) -> int:
     """How many evaluations it contains, also those that ended before an earlier one of their stage."""
-    held = [store.evaluations(at) for at in range(len(store.stages))]
+    columns = [store.evaluations(at) for at in range(len(store.stages))]
     ahead = [store.ahead(at) for at in range(len(store.stages))]
-    return sum(len(c.status) for c in held if c is not None) + sum(len(a.indices) for a in ahead if a is not None)
+    return sum(len(c.status) for c in columns if c is not None) + sum(len(a.indices) for a in ahead if a is not None)
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from rich.progress import Progress as Bars
 
 from campaigns import Campaign
 from campaigns.claims.numbers import number
+from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 from worker.engine.stages.parts.base import Tally
 from worker.running.catalogue.installed import methods
@@ -39,7 +40,9 @@ class Progress:
         self._bars.start()  # not before the first evaluation: a campaign may turn out to be unusable
         if position not in self._tasks:
             name = named(stage.kind, stage.method)
-            total = None if stage.kind == "validate" else stage.planned  # how much it repeats depends on what was found
+            total = (
+                None if declared()[stage.kind].of_findings else stage.planned
+            )  # how much it repeats depends on what was found
             self._tasks[position] = self._bars.add_task(name, total=total, best="")
         best = "" if tally.best is None else f"best {number(tally.best)}"
         self._bars.update(self._tasks[position], completed=tally.evaluations, best=best)

@@ -93,8 +93,8 @@ def refuse_other_campaign(folder: Path, campaign: Campaign) -> None:
     try:
         stated = str(json.loads((folder / "result.json").read_text(encoding="utf-8"))["digest"])
         file = folder / "evidence.json"  # earlier versions wrote none
-        held = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
-        components = Catalogue.model_validate(held["components"]) if "components" in held else None
+        evidence = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        components = Catalogue.model_validate(evidence["components"]) if "components" in evidence else None
         others = [] if components is None else values_changed(campaign, components, catalogue())
     except UNREADABLE as error:
         raise CannotContinue(f"its results cannot be read ({error}); run the campaign again") from None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from campaigns import Campaign
-from campaigns.results import CertifyResult, SearchResult, ValidateResult, Verdict, verdicts
+from campaigns.results import SearchResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from clearance.local.failures import failures
 from worker.running.runs.store import MemoryStore
@@ -47,7 +47,7 @@ def _stage(store: MemoryStore, position: int) -> dict[str, object]:
     best = None
     if columns is not None and status.count(OK):
         best = float(columns.costs[columns.status == OK, 0].min())
-    stop = result.stop if isinstance(result, SearchResult | CertifyResult) else None
+    stop = None if result is None else result.ended
     return {
         "kind": record.plan.kind,
         "method": record.plan.method,

@@ -31,74 +31,46 @@ class ComponentContract:
     component: ClassVar[Component]
 
     def test_it_is_documented(self) -> None:
-        it_is_documented(self.component)
+        described = entry(self.component)
+        assert described.title[0].isupper()
+        assert len(described.text.splitlines()) >= 2, "the file's docstring tells what it is and where it comes from"
+        assert described.text.splitlines()[0].endswith((".", ":"))
+        assert (source_of(self.component).__doc__ or "").strip() == described.text
+        if self.component.role in ("vehicle", "controller", "avoider", "criterion"):
+            assert "Source: " in described.text
 
     def test_its_names_can_be_written_in_a_campaign(self) -> None:
-        its_names_can_be_written_in_a_campaign(self.component)
+        described = entry(self.component)
+        assert re.fullmatch(r"[a-z][a-z0-9_]*", described.name)
+        assert source_of(self.component).__name__.rpartition(".")[2] == described.name
+        for entries in (described.parameters, described.starts, described.goals):
+            names = [p.name for p in entries]
+            assert len(set(names)) == len(names)
+            assert all(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*", name) for name in names)
 
     def test_its_parameters_have_unit_text_and_limits(self) -> None:
-        its_parameters_have_unit_text_and_limits(self.component)
+        for path, p in own(self.component).items():
+            assert p.unit in PURE or UNIT.fullmatch(p.unit), f"{path}: what is the unit {p.unit!r}?"
+            assert p.text[0].isupper(), path
+            assert not p.text.endswith("."), path
+            assert p.symbol, path
+            assert -1e12 <= p.low < p.high <= 1e12, path
+            assert p.default is None or p.low <= p.default <= p.high, path
 
     def test_it_can_be_simulated_with_the_first_other_components_that_fit(self) -> None:
-        it_can_be_simulated_with_the_first_other_components_that_fit(self.component)
+        made = load_document(around(self.component))
+        assert check(made, catalogue()) == []
+        batch, reasons = problem(self.component, compiled=False).evaluate(np.array([[0.0], [0.5], [1.0]]))
+        assert batch.status.tolist() == [OK] * 3, reasons
 
     def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(self) -> None:
-        within_its_limits_nothing_crashes_and_nothing_is_hidden(self.component)
+        unbreakable(problem(self.component, compiled=False), own(self.component), 6)
 
     def test_a_nan_fails_the_simulation_or_changes_nothing(self) -> None:
-        a_nan_fails_the_simulation_or_changes_nothing(self.component)
+        no_number_shows(problem(self.component, compiled=False), own(self.component))
 
     def test_compiled_it_is_as_in_plain_python(self) -> None:
-        compiled_it_is_as_in_plain_python(self.component)
-
-
-def it_is_documented(component: Component) -> None:
-    described = entry(component)
-    assert described.title[0].isupper()
-    assert len(described.text.splitlines()) >= 2, "the file's docstring tells what it is and where it comes from"
-    assert described.text.splitlines()[0].endswith((".", ":"))
-    assert (source_of(component).__doc__ or "").strip() == described.text
-    if component.role in ("vehicle", "controller", "avoider", "criterion"):
-        assert "Source: " in described.text
-
-
-def its_names_can_be_written_in_a_campaign(component: Component) -> None:
-    described = entry(component)
-    assert re.fullmatch(r"[a-z][a-z0-9_]*", described.name)
-    assert source_of(component).__name__.rpartition(".")[2] == described.name
-    for entries in (described.parameters, described.starts, described.goals):
-        names = [p.name for p in entries]
-        assert len(set(names)) == len(names)
-        assert all(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*", name) for name in names)
-
-
-def its_parameters_have_unit_text_and_limits(component: Component) -> None:
-    for path, p in own(component).items():
-        assert p.unit in PURE or UNIT.fullmatch(p.unit), f"{path}: what is the unit {p.unit!r}?"
-        assert p.text[0].isupper(), path
-        assert not p.text.endswith("."), path
-        assert p.symbol, path
-        assert -1e12 <= p.low < p.high <= 1e12, path
-        assert p.default is None or p.low <= p.default <= p.high, path
-
-
-def it_can_be_simulated_with_the_first_other_components_that_fit(component: Component) -> None:
-    made = load_document(around(component))
-    assert check(made, catalogue()) == []
-    batch, reasons = problem(component, compiled=False).evaluate(np.array([[0.0], [0.5], [1.0]]))
-    assert batch.status.tolist() == [OK] * 3, reasons
-
-
-def within_its_limits_nothing_crashes_and_nothing_is_hidden(component: Component) -> None:
-    unbreakable(problem(component, compiled=False), own(component), 6)
-
-
-def a_nan_fails_the_simulation_or_changes_nothing(component: Component) -> None:
-    no_number_shows(problem(component, compiled=False), own(component))
-
-
-def compiled_it_is_as_in_plain_python(component: Component) -> None:
-    """This compiles a loop, which takes seconds."""
-    compiled = problem(component)
-    in_any_order(compiled, own(component), 40)
-    as_in_plain_python(compiled, problem(component, compiled=False), own(component), 4)
+        """This compiles a loop, which takes seconds."""
+        compiled = problem(self.component)
+        in_any_order(compiled, own(self.component), 40)
+        as_in_plain_python(compiled, problem(self.component, compiled=False), own(self.component), 4)

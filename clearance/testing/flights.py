@@ -32,7 +32,7 @@ def unbreakable(flown: Problem, of: Entries, count: int) -> None:
 def in_any_order(flown: Problem, of: Entries, count: int) -> None:
     """Compiled, several are simulated side by side: none depends on its neighbours. In plain Python each is alone."""
     vectors = drawn(flown, of, count)
-    batch, again = (flown.system.simulate_vectors(given)[0] for given in (vectors, vectors[::-1]))
+    batch, again = (flown.system.simulate_vectors(rows)[0] for rows in (vectors, vectors[::-1]))
     assert again.costs[::-1].tobytes() == batch.costs.tobytes()
 
 

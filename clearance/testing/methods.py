@@ -106,15 +106,15 @@ def points_are_points_of_the_unit_cube(method: Method, name: str, dimension: int
 
 
 def the_budget_is_never_exceeded(method: Method, budget: int) -> None:
-    asked: list[int] = []
+    sizes: list[int] = []
 
     def evaluate(points: Floats) -> Answer:
-        asked.append(len(points))
+        sizes.append(len(points))
         return batch(rough(points)), {}
 
     budget = at_most(method, budget)
     found = driven(method, evaluate, budget)
-    assert sum(asked) == found.tally.evaluations <= budget
+    assert sum(sizes) == found.tally.evaluations <= budget
     assert found.stop == "rule" or found.tally.evaluations == budget
 
 
@@ -159,11 +159,11 @@ def it_is_not_begun_before_it_is_asked(method: Method) -> None:
 def answers_may_be_changed_after_they_were_given(method: Method) -> None:
     def play(spoil: bool) -> Floats:
         search = plain(method.search(space(2, BUDGET), method.options()))
-        asked: list[Floats] = []
+        batches: list[Floats] = []
         try:
             points = next(search)
-            while sum(map(len, asked)) < at_most(method, BUDGET):
-                asked.append(points.copy())
+            while sum(map(len, batches)) < at_most(method, BUDGET):
+                batches.append(points.copy())
                 answer = batch(rough(points))
                 points, before = search.send(answer), points
                 if spoil:
@@ -172,7 +172,7 @@ def answers_may_be_changed_after_they_were_given(method: Method) -> None:
         except StopIteration:
             pass
         search.close()
-        return np.concatenate(asked)
+        return np.concatenate(batches)
 
     assert np.array_equal(play(False), play(True))
 
@@ -204,9 +204,9 @@ def its_options_are_described(method: Method) -> None:
 def its_options_pass_the_check_and_come_back(method: Method) -> None:
     known: TypeAdapter[Any] = TypeAdapter(method.options)
     defaults = known.dump_python(method.options())
-    asked = _searching({"method": method.name, "evaluations": 10, "options": defaults})
-    assert check(asked, _catalogue(method)) == []
-    assert known.validate_python(asked.stages.search[0].options) == method.options()
+    campaign = _searching({"method": method.name, "evaluations": 10, "options": defaults})
+    assert check(campaign, _catalogue(method)) == []
+    assert known.validate_python(campaign.stages.search[0].options) == method.options()
 
 
 def whatever_the_check_lets_pass_the_method_takes(method: Method) -> None:
@@ -215,11 +215,11 @@ def whatever_the_check_lets_pass_the_method_takes(method: Method) -> None:
     known: TypeAdapter[Any] = TypeAdapter(method.options)
     for name in described.options.get("properties", {}):
         for value in values:
-            asked = _searching({"method": method.name, "evaluations": 10, "options": {name: value}})
-            if check(asked, _catalogue(method)):
+            campaign = _searching({"method": method.name, "evaluations": 10, "options": {name: value}})
+            if check(campaign, _catalogue(method)):
                 continue
             try:
-                made = known.validate_python(asked.stages.search[0].options)
+                made = known.validate_python(campaign.stages.search[0].options)
             except ValidationError as error:
                 raise AssertionError(f"{name} = {value!r} passes the check and not the method: {error}") from None
             assert getattr(made, name) == value

@@ -78,15 +78,15 @@ def run(
     """Run a method until it ends, its budget is reached or `until` is true; NaN values have `status`."""
     found = Searched()
     search = plain(method.search(space(dimension, budget, found.minima, starts, seed), method.options(**options or {})))
-    asked = 0
+    evaluations = 0
     try:
         points = next(search)
         while True:
             found.batches.append(points.copy())
-            asked += len(points)
+            evaluations += len(points)
             values = function(points)
             found.values.append(values)
-            if asked >= budget or until(found):
+            if evaluations >= budget or until(found):
                 return found
             points = search.send(batch(values, status))
     except StopIteration as stopped:

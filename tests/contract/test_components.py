@@ -10,13 +10,22 @@ import pytest
 
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
-from clearance.testing import components as contract
+from clearance.testing import ComponentContract
 from clearance.testing.problems import Problem
 from clearance.testing.scenes import entry, problem
 from worker.engine.kernels.component import Component, Criterion, Vehicle, declared
 from worker.running.catalogue.installed import catalogue, components
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
+
+
+def contract(tested: Component) -> ComponentContract:
+    """The checks of this component."""
+
+    class Contract(ComponentContract):
+        component = tested
+
+    return Contract()
 
 
 def test_there_are_components_of_every_kind() -> None:
@@ -26,17 +35,17 @@ def test_there_are_components_of_every_kind() -> None:
 
 @EACH
 def test_it_is_documented(component: Component) -> None:
-    contract.it_is_documented(component)
+    contract(component).test_it_is_documented()
 
 
 @EACH
 def test_its_names_can_be_written_in_a_campaign(component: Component) -> None:
-    contract.its_names_can_be_written_in_a_campaign(component)
+    contract(component).test_its_names_can_be_written_in_a_campaign()
 
 
 @EACH
 def test_its_parameters_have_unit_text_and_limits(component: Component) -> None:
-    contract.its_parameters_have_unit_text_and_limits(component)
+    contract(component).test_its_parameters_have_unit_text_and_limits()
 
 
 VEHICLES = [c for (role, _), c in components().items() if role == "vehicle"]
@@ -82,17 +91,17 @@ def test_a_vehicle_declares_its_states_and_limits(vehicle: Vehicle) -> None:
 
 @EACH
 def test_it_can_be_simulated_with_the_first_other_components_that_fit(component: Component) -> None:
-    contract.it_can_be_simulated_with_the_first_other_components_that_fit(component)
+    contract(component).test_it_can_be_simulated_with_the_first_other_components_that_fit()
 
 
 @EACH
 def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(component: Component) -> None:
-    contract.within_its_limits_nothing_crashes_and_nothing_is_hidden(component)
+    contract(component).test_within_its_limits_nothing_crashes_and_nothing_is_hidden()
 
 
 @EACH
 def test_a_nan_fails_the_simulation_or_changes_nothing(component: Component) -> None:
-    contract.a_nan_fails_the_simulation_or_changes_nothing(component)
+    contract(component).test_a_nan_fails_the_simulation_or_changes_nothing()
 
 
 def test_a_far_obstacle_does_not_fail_a_flight() -> None:

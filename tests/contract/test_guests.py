@@ -38,18 +38,18 @@ method = Method(
 )
 broken = replace(method, search=outside)
 '''
-PILLAR = '''"""Pillar: a cylinder whose parameters have other names.
+PILLAR = '''"""Pillar: a circle whose parameters have other names.
 
 For a test.
 """
 from dataclasses import replace
-from worker.engine.components.obstacles import cylinder
-component = replace(cylinder.component, name="pillar")
+from worker.engine.components.obstacles import circle
+component = replace(circle.component, name="pillar")
 '''
 HIDDEN = '''"""hidden"""
 from dataclasses import replace
-from worker.engine.components.obstacles import cylinder
-component = replace(cylinder.component, name="hidden", title="hidden")
+from worker.engine.components.obstacles import circle
+component = replace(circle.component, name="hidden", title="hidden")
 '''
 TESTS = """
 import numpy as np

@@ -69,7 +69,7 @@ def test_every_stage_that_is_declared_can_be_run_and_no_other() -> None:
 
 DECLARED = '''
 from typing import Literal
-from campaigns.results.base import StageResult
+from campaigns.results.stage import StageResult
 from campaigns.stages.declared import Declared
 
 class CornerResult(StageResult):

@@ -20,6 +20,8 @@ from tests import results
 from tests.faults.cases import PLAN, campaign
 from tests.simulators import package, two_basins
 
+KILLED = "the worker process ended with signal 9 (SIGKILL)"
+
 
 def put(engine: sa.Engine, **given: Any) -> int:
     values: dict[str, Any] = {"name": "a run", "tags": ["x"], "owner": "ada", "planned": 111} | given
@@ -115,19 +117,14 @@ def test_three_attempts_then_failed_with_a_sentence(database: sa.Engine) -> None
         store = RunStore(database, claim)
         store.plan(PLAN)
         store.begin(1)
-        queue.retry(claim, "the worker process ended with signal 9 (SIGKILL)", delay=3600)
+        queue.retry(claim, KILLED, delay=3600)
         if attempt < 3:
             assert queue.claim("early") is None
-            assert row(database, run_id).error == (
-                f"Attempt {attempt} of 3: the worker process ended with signal 9 (SIGKILL)."
-            )
+            assert row(database, run_id).error == f"Attempt {attempt} of 3: {KILLED}."
             ready(database, run_id)
     ended = row(database, run_id)
     assert (ended.state, ended.finished is None) == ("failed", False)
-    assert ended.error == (
-        "Failed after 3 attempts in the search stage (direct); "
-        "last attempt: the worker process ended with signal 9 (SIGKILL)."
-    )
+    assert ended.error == f"Failed after 3 attempts in the search stage (direct); last attempt: {KILLED}."
     assert queue.claim("w") is None
 
 

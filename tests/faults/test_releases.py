@@ -81,6 +81,7 @@ class Edit(NamedTuple):
 
 EDITS = {
     "the words of a verdict": Edit("worker/evidence/verdicts/sentence.py", "Nothing may be claimed: ", "No claim: "),
+    "a sentence of a stage": Edit("campaigns/claims/stages/ends.py", "evaluated the nominal case", "simulated it"),
     "the audit": Edit("worker/evidence/audit/__init__.py", '"""', '"""Edited. '),
     "a component that it does not use": Edit("worker/engine/components/avoiders/orca.py", IMPORTS, EDITED),
     "a component that it uses": Edit(*SHIFTED, "worker.engine.components.vehicles.unicycle"),

@@ -40,7 +40,11 @@ NORMAL = {
 
 PAIR = [{"between": ["vehicle.m", "vehicle.J"], "value": 0.5}]
 
-NOISE = [{"component": "sensor_noise", "parameters": {"sigma": 0.01}}]
+NOISE = {
+    "scenario__faults": [{"component": "sensor_noise", "parameters": {"sigma": 0.01}}],
+    "scenario__guidance": {"period": 0.1},
+}
+"""Of sampled guidance, so that it shares its compiled loop with other tests of noise."""
 
 CERTIFY, GRID = 4, 9
 
@@ -57,7 +61,7 @@ RUNS: dict[str, Callable[[], Campaign]] = {
     "cleared": lambda: certifying(150, uncertain=NORMAL, correlations=PAIR),
     "violated": lambda: searching(DIRECT, SQP, SAMPLE, criterion__threshold=0.94175, **SHORT),
     "inconclusive": lambda: searching(DIRECT, scenario__horizon=1.0),
-    "noisy": lambda: certifying(60, scenario__faults=NOISE),
+    "noisy": lambda: certifying(60, **NOISE),
     "excluded": lambda: searching(
         {"method": "monte_carlo", "evaluations": 100, "options": {"interval": 0.5}},
         uncertain={"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}},

@@ -12,7 +12,7 @@ from backend.db.store import RunStore
 from campaigns.results import CertifyResult, Finding, SensitivityResult, ValidateResult
 from campaigns.results.finding import FoundBy
 from campaigns.results.sample import Histogram, QuantileBound, Sample
-from campaigns.results.sensitivity import Curve, Slices
+from campaigns.results.slices import Curve, Slices
 from campaigns.results.validate import Compared
 from campaigns.results.verdict import Check, Provenance, Statistics
 from campaigns.stored.records import StagePlan, Trace

@@ -9,7 +9,7 @@ from backend.db.queue import Queue
 from backend.db.store import RunStore
 from campaigns.asked.load import load_document
 from campaigns.catalogue import Catalogue
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.stored.records import StagePlan
 from campaigns.versions import Code, Versions
 from tests import results

@@ -13,6 +13,7 @@ from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost, 
 from campaigns.results.sample import QuantileBound, Sample
 from campaigns.results.search import Best
 from campaigns.results.validate import Compared, Encounter, Gathered, SpotChecks, Spread, Unseen, Violations
+from campaigns.results.verdict import Check
 from campaigns.versions import Versions
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import case1
@@ -163,20 +164,23 @@ def spot_checks(**changes: Any) -> SpotChecks:
 
 def evidence(basins: dict[str, str | None] | None = None, **changes: Any) -> Evidence:
     """Evidence for cleared, with changes; basins: the finding whose basin contains a method's best, if not F1."""
-    given = Evidence(
-        nominal=nominal(),
-        searches=[search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())],
-        validation=validation(),
+    first = [changes.pop("nominal", None) or nominal(), changes.pop("baseline", None)]
+    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())]
+    searches = changes.pop("searches", searches)
+    rows = [_row(at, s, (basins or {}).get(s.method, "F1")) for at, s in enumerate(searches, 2)]
+    validated = changed(changes.pop("validation", None) or validation(), comparison=rows)
+    results = [*first, *searches, changes.pop("certificate", None), validated]
+    made = Evidence(
+        results=[result for result in results if result is not None],
         finding=finding(),
         evaluations=3343,
         failed=0,
         excluded=0,
     )
-    made = replace(given, **changes)
+    made = replace(made, **changes)
     if made.finding is not None and "lowest" not in changes:
         made = replace(made, lowest=min(f.cost for f in made.findings))
-    rows = [_row(at, s, (basins or {}).get(s.method, "F1")) for at, s in enumerate(made.searches, 2)]
-    return replace(made, validation=changed(made.validation, comparison=rows))
+    return made
 
 
 def _row(position: int, search: SearchResult, basin: str | None) -> Compared:
@@ -200,26 +204,26 @@ def _row(position: int, search: SearchResult, basin: str | None) -> Compared:
 VERSIONS = Versions(clearance="test")
 
 
-def concluded(asked: Campaign | None = None, **changes: Any) -> Verdict:
+def concluded(campaign: Campaign | None = None, **changes: Any) -> Verdict:
     """The verdict over this evidence."""
-    problem = case1() if asked is None else Problem(asked)
+    problem = case1() if campaign is None else Problem(campaign)
     return conclude(problem, evidence(**changes), VERSIONS)
 
 
-def barred(name: str, asked: Campaign | None = None, **changes: Any) -> str:
-    """The sentence of the one check that does not hold; the verdict must be inconclusive and give it."""
-    conclusion = concluded(asked, **changes)
-    wrong = [c for c in conclusion.checks if not c.ok]
-    assert [c.name for c in wrong] == [name]
+def barred(code: str, campaign: Campaign | None = None, **changes: Any) -> Check:
+    """The one check that does not hold; the verdict must be inconclusive and give its sentence."""
+    conclusion = concluded(campaign, **changes)
+    (check,) = (c for c in conclusion.checks if not c.ok)
+    assert check.code == code
     assert conclusion.verdict == "inconclusive"
-    assert conclusion.reason.startswith(f"Nothing may be claimed: {wrong[0].text}. ")
-    return wrong[0].text
+    assert conclusion.reason.startswith(f"Nothing may be claimed: {check.text}. ")
+    return check
 
 
-def said_by(name: str, conclusion: Verdict) -> str:
-    """The sentence of one check."""
-    (text,) = (c.text for c in conclusion.checks if c.name == name)
-    return text
+def check_of(code: str, conclusion: Verdict) -> Check:
+    """One check of a verdict."""
+    (check,) = (c for c in conclusion.checks if c.code == code)
+    return check
 
 
 def violation(**changes: Any) -> dict[str, Any]:

@@ -15,10 +15,10 @@ from campaigns import Campaign, check, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.base import FAILED, OK
 from clearance.testing.problems import Problem
+from tests.given.reference_in_python import PlainReference
 from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.scenes import uncompiled
 from worker.engine.kernels.layout import Parts
-from worker.engine.reference import Reference
 from worker.engine.systems.closed_loop.assemble import Loop
 from worker.engine.systems.closed_loop.trace import trace
 from worker.running.catalogue.installed import catalogue, components
@@ -218,7 +218,7 @@ class TestTogether:
     def test_the_other_integrator_confirms_the_one_that_decides(self) -> None:
         problem = Problem(several(*THREE, horizon=4.0))
         vector = problem.vectors(POINTS[:1])[0]
-        found = Reference(problem.system, compiled=False).simulate(vector)
+        found = PlainReference(problem.system).simulate(vector)
         assert found.cost == pytest.approx(problem.system.simulate_vectors(vector[None])[0].costs[0, 0], abs=1e-6)
 
     def test_a_failed_simulation_has_no_values(self) -> None:

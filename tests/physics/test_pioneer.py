@@ -16,6 +16,7 @@ from campaigns import library, load_file
 from campaigns.results.base import FAILED
 from clearance.testing.problems import Problem
 from tests.bench.reference_pioneer import Reference
+from tests.given.reference_in_python import PlainReference
 from tests.physics.scenes import changed, cost, flight, uncompiled
 from worker.engine import reference
 from worker.engine.components.vehicles import pioneer_3dx
@@ -120,7 +121,7 @@ class TestIntegrator:
     @pytest.mark.parametrize("values", [{}, CORNER])
     def test_agrees_with_dop853_where_nothing_switches(self, values: dict[str, float]) -> None:
         given = {k: v for k, v in values.items() if k in ALONE.paths}
-        other = reference.Reference(ALONE.system, compiled=False).simulate(ALONE.vector(given))
+        other = PlainReference(ALONE.system).simulate(ALONE.vector(given))
         assert not other.reason
         assert other.cost == pytest.approx(cost(ALONE, given), abs=1e-6)
 

@@ -20,8 +20,10 @@ from campaigns import library, load_file
 from campaigns.results.base import OK
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign
+from tests.given.reference_in_python import PlainReference
 from tests.physics.scenes import changed
-from worker.engine.reference import Flight, Reference, compiled, flight, stepper
+from worker.engine.reference import Reference, compiled, flight, stepper
+from worker.engine.systems.closed_loop.confirm import Flight
 
 SMOOTH, SLIDING = 1e-8, 1e-3
 WHOLE = 1e-5
@@ -38,7 +40,7 @@ SOME = {
 def agree(problem: Problem, vector: Any, floor: float = 0.0) -> None:
     ours, theirs = (
         Reference(problem.system).simulate(vector),
-        Reference(problem.system, compiled=False).simulate(vector),
+        PlainReference(problem.system).simulate(vector),
     )
     if theirs.cost is None or ours.cost is None:
         assert ours == theirs
@@ -164,15 +166,17 @@ def test_cancelled_it_stops_with_what_there_is(case1: Problem, monkeypatch: pyte
 
 
 class TestWhatCannotBeFlown:
-    @pytest.mark.parametrize("by", [True, False], ids=["compiled", "plain"])
-    def test_an_excluded_start_is_excluded_here_too(self, case1: Problem, by: bool) -> None:
+    @pytest.mark.parametrize("by", [Reference, PlainReference])
+    def test_an_excluded_start_is_excluded_here_too(self, case1: Problem, by: type[Reference]) -> None:
         vector = case1.vector({"criterion.threshold": 100.0})
         _, reasons = case1.system.simulate_vectors(vector[None])
-        assert Reference(case1.system, compiled=by).simulate(vector) == Flight(None, f"DOP853: {reasons[0]}")
+        assert by(case1.system).simulate(vector) == Flight(None, f"DOP853: {reasons[0]}")
 
-    @pytest.mark.parametrize("by", [True, False], ids=["compiled", "plain"])
+    @pytest.mark.parametrize("by", [Reference, PlainReference])
     @pytest.mark.parametrize("value", [1e-300, 0.0, np.nan, np.inf, -1.0])
-    def test_wrong_parameters_are_refused_with_a_sentence(self, case1: Problem, by: bool, value: float) -> None:
-        found = Reference(case1.system, compiled=by).simulate(case1.vector({"vehicle.J": value}))
+    def test_wrong_parameters_are_refused_with_a_sentence(
+        self, case1: Problem, by: type[Reference], value: float
+    ) -> None:
+        found = by(case1.system).simulate(case1.vector({"vehicle.J": value}))
         assert found.cost is None
         assert found.reason.startswith("DOP853")

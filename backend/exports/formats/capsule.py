@@ -28,7 +28,6 @@ from backend.runs import service as runs
 from backend.runs.versions import readable
 from campaigns.capsules.capsule import Origin, Trajectory
 from campaigns.capsules.packing import Content, packed
-from campaigns.results import NominalResult
 from campaigns.results.trace import TraceColumn, TraceHead
 from campaigns.runs import run_name
 
@@ -60,7 +59,7 @@ def content(reader: sa.Connection, run_id: int, label: str) -> Content:
         versions=versions,
         modules=codes.modules(reader, versions.code),
         components=snapshots.of_run(reader, run_id),
-        measured=nominal.measured if isinstance(nominal, NominalResult) else None,
+        measured=None if nominal is None else nominal.repeatability,
         trajectories=trajectories,
         sources=sources.of_run(reader, run_id),
     )

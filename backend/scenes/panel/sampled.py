@@ -28,6 +28,7 @@ from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import tables
 from backend.scenes.panel.again import of_run
+from campaigns.stages.found import declared
 
 MOST = 36
 """Maximum number of flights."""
@@ -134,12 +135,16 @@ def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, 
     stages = reader.execute(query.order_by(Stage.position)).all()
     catalogue = described(reader, run_id)
     titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods if m.kind == "random"}
-    certified = (setting.document.get("stages", {}).get("certify") or {}).get("samples", MOST)
-    asked = itertools.chain(
-        ((stage, min(MOST, certified)) for stage in stages if stage.kind == "certify"),
-        ((stage, MOST) for stage in stages if stage.method in titles),
+    independent = {kind for kind, stage in declared().items() if stage.independent}
+    requests = setting.document.get("stages", {})
+    sampled = itertools.chain(
+        (
+            (f"the {stage.kind} stage", stage, min(MOST, (requests.get(stage.kind) or {}).get("samples", MOST)))
+            for stage in stages
+            if stage.kind in independent
+        ),
+        ((titles[stage.method], stage, MOST) for stage in stages if stage.method in titles),
     )
-    for stage, most in asked:
-        name = "the certify stage" if stage.kind == "certify" else titles[stage.method]
+    for name, stage, most in sampled:
         return name, evaluations.drawn_first(reader, run_id, stage.position, most)
     return "", []

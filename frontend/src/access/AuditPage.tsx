@@ -7,8 +7,9 @@ import { listAudit } from '../api/access'
 import type { AuditEntry, AuditPage as Page } from '../client'
 import { count } from '../format/numbers'
 import { moment } from '../format/time'
-import { Loading, Trouble } from '../page/Trouble'
+import { Loaded } from '../page/Trouble'
 import { Card } from '../ui/Card'
+import { type Column, DataTable } from '../ui/DataTable'
 import { Digests } from '../ui/Digests'
 import { CopyButton } from '../ui/files'
 import { AccessFrame } from './AccessFrame'
@@ -16,7 +17,6 @@ import { at } from '../format/root'
 import styles from './access.module.css'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
-import tables from '../ui/tables.module.css'
 
 const auditQuery = (actor: string, action: string) =>
   infiniteQueryOptions({
@@ -44,36 +44,34 @@ export function AuditPage() {
         )
       }
     >
-      {query.isError && !query.data ? (
-        <Trouble error={query.error} retry={() => void query.refetch()} below />
-      ) : !first ? (
-        <Loading what="audit trail" failed={query.failureReason} />
-      ) : (
-        <>
-          <Filters page={first} actor={actor} action={action} />
-          <Card
-            title="What was done"
-            note={`${count(first.total)} ${first.total === 1 ? 'row' : 'rows'} in all; each holds the hash of the one before`}
-            flush
-            footer={
-              query.hasNextPage && (
-                <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
-                  {query.isFetchingNextPage ? 'Loading …' : 'Show earlier ones'}
-                </button>
-              )
-            }
-          >
-            <Table entries={query.data?.pages.flatMap((page) => page.items) ?? []} onAll={() => void navigate({ search: {}, replace: true })} />
-          </Card>
-          <Card title="Head" note="Number and hash of the newest row" right={<CopyButton text={() => first.head}>Copy the head</CopyButton>}>
-            <code className={`mono ${styles.secret ?? ''}`}>{first.head}</code>
-            <p className="small sec">
-              Note it where this service cannot write. <code>clearance trail verify --head HEAD</code> then shows whether rows up to it were changed
-              or are missing; without a noted head, whoever may write the database could compute the whole chain again.
-            </p>
-          </Card>
-        </>
-      )}
+      <Loaded query={query} what="audit trail">
+        {(data) => first && (
+          <>
+            <Filters page={first} actor={actor} action={action} />
+            <Card
+              title="What was done"
+              note={`${count(first.total)} ${first.total === 1 ? 'row' : 'rows'} in all; each holds the hash of the one before`}
+              flush
+              footer={
+                query.hasNextPage && (
+                  <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
+                    {query.isFetchingNextPage ? 'Loading …' : 'Show earlier ones'}
+                  </button>
+                )
+              }
+            >
+              <Table entries={data.pages.flatMap((page) => page.items)} onAll={() => void navigate({ search: {}, replace: true })} />
+            </Card>
+            <Card title="Head" note="Number and hash of the newest row" right={<CopyButton text={() => first.head}>Copy the head</CopyButton>}>
+              <code className={`mono ${styles.secret ?? ''}`}>{first.head}</code>
+              <p className="small sec">
+                Note it where this service cannot write. <code>clearance trail verify --head HEAD</code> then shows whether rows up to it were changed
+                or are missing; without a noted head, whoever may write the database could compute the whole chain again.
+              </p>
+            </Card>
+          </>
+        )}
+      </Loaded>
     </AccessFrame>
   )
 }
@@ -122,46 +120,26 @@ function Table({ entries, onAll }: { entries: readonly AuditEntry[]; onAll: () =
         </button>
       </p>
     )
-  return (
-    <table className={clsx(tables.table, tables.stack)}>
-      <thead>
-        <tr>
-          <th className="num">Row</th>
-          <th>When</th>
-          <th>User</th>
-          <th>Action</th>
-          <th>Subject</th>
-          <th>Detail</th>
-          <th>Hash</th>
-        </tr>
-      </thead>
-      <tbody>
-        {entries.map((entry) => (
-          <tr key={entry.id}>
-            <td className="num" data-label="Row">{entry.id}</td>
-            <td className="sec nw" data-label="When">{moment(entry.at)}</td>
-            <td className={styles.who} data-label="User">
-              {entry.user} <span className="mut">{entry.via}</span>
-            </td>
-            <td className="nw" data-label="Action">{entry.action}</td>
-            <td className={styles.who} data-label="Subject">{entry.subject}</td>
-            <td className={`small sec ${styles.detail ?? ''}`} data-label={Object.keys(entry.detail).length > 0 ? 'Detail' : undefined}>
-              <Digests text={told(entry.detail)} />
-            </td>
-            <td data-label="Hash">
-              <span className="mono" title={entry.hash}>
-                {entry.hash.slice(0, 8)}
-              </span>
-            </td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
-  )
+  return <DataTable kind="stack" items={entries} keyOf={({ id }) => id} columns={COLUMNS} />
 }
 
+const COLUMNS: readonly Column<AuditEntry>[] = [
+  { head: 'Row', align: 'num', label: 'Row', cell: ({ id }) => id },
+  { head: 'When', look: 'sec nw', label: 'When', cell: ({ at }) => moment(at) },
+  { head: 'User', look: styles.who, label: 'User', cell: ({ user, via }) => [`${user} `, <span key="via" className="mut">{via}</span>] },
+  { head: 'Action', look: 'nw', label: 'Action', cell: ({ action }) => action },
+  { head: 'Subject', look: styles.who, label: 'Subject', cell: ({ subject }) => subject },
+  {
+    head: 'Detail',
+    look: clsx('small sec', styles.detail),
+    label: ({ detail }) => (Object.keys(detail).length > 0 ? 'Detail' : undefined),
+    cell: ({ detail }) => <Digests text={detailText(detail)} />,
+  },
+  { head: 'Hash', label: 'Hash', title: ({ hash }) => hash, cell: ({ hash }) => <span className="mono">{hash.slice(0, 8)}</span> },
+]
+
 /** The details as `name: value`, in the order in which they were stored. */
-function told(detail: AuditEntry['detail']): string {
+function detailText(detail: AuditEntry['detail']): string {
   return Object.entries(detail)
     .map(([name, value]) => `${name}: ${typeof value === 'string' ? value : JSON.stringify(value)}`)
     .join(', ')

@@ -1,10 +1,9 @@
 // The form that makes an invitation or a token: a name, what it may do, and the foot with what was refused.
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
+import { DialogForm } from '../ui/DialogForm'
 import styles from './access.module.css'
-import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
 
 interface MakingFormProps {
   name: string
@@ -23,13 +22,7 @@ interface MakingFormProps {
 
 export function MakingForm({ name, onName, hint, children, error, pending, make, making, onMake, onDone }: MakingFormProps) {
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        onMake()
-      }}
-    >
+    <DialogForm error={error} submit={pending ? making : make} disabled={pending || !name.trim()} onSubmit={onMake} onLeave={onDone}>
       <label className={fields.lbl}>
         Name
         <input
@@ -46,20 +39,7 @@ export function MakingForm({ name, onName, hint, children, error, pending, make,
         <span className={clsx('small mut', styles.hint)}>{hint}</span>
       </label>
       {children}
-      {error && (
-        <p className={fields.ferr} role="alert">
-          {error.message}
-        </p>
-      )}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Not now
-        </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={pending || !name.trim()}>
-          {pending ? making : make}
-        </button>
-      </div>
-    </form>
+    </DialogForm>
   )
 }
 

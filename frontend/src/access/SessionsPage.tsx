@@ -7,19 +7,19 @@ import { changePassword, revokeSession, sessionsQuery } from '../api/access'
 import { sessionQuery } from '../api/queries'
 import type { BrowserSession } from '../client'
 import { moment, when } from '../format/time'
-import { Loading, Trouble } from '../page/Trouble'
+import { Loaded } from '../page/Trouble'
 import { Card } from '../ui/Card'
+import { type Column, DataTable, hidden } from '../ui/DataTable'
+import { DialogForm, Refused } from '../ui/DialogForm'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
 import { browserOf } from './browser'
 import styles from './access.module.css'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
 
 export function SessionsPage() {
-  const { data, error, isError, failureReason, refetch } = useQuery(sessionsQuery)
+  const sessions = useQuery(sessionsQuery)
   const self = useQuery(sessionQuery).data
   const [changing, setChanging] = useState(false)
   const word = self?.has_password ? 'Change password' : 'Set a password'
@@ -35,16 +35,14 @@ export function SessionsPage() {
         )
       }
     >
-      {isError && !data ? (
-        <Trouble error={error} retry={() => void refetch()} below />
-      ) : !data ? (
-        <Loading what="sessions" failed={failureReason} />
-      ) : (
-        <Card title="Browsers that are signed in" note="Two weeks after signing in, a session ends" flush={data.length > 0}>
-          {data.length === 0 ? <p className="sec">No browser is signed in.</p> : <Table sessions={data} />}
-        </Card>
-      )}
-      <Modal opened={changing} onClose={() => setChanging(false)} title={word} centered lockScroll={false}>
+      <Loaded query={sessions} what="sessions">
+        {(data) => (
+          <Card title="Browsers that are signed in" note="Two weeks after signing in, a session ends" flush={data.length > 0}>
+            {data.length === 0 ? <p className="sec">No browser is signed in.</p> : <Table sessions={data} />}
+          </Card>
+        )}
+      </Loaded>
+      <Modal opened={changing} onClose={() => setChanging(false)} title={word}>
         {changing && <PasswordForm has={self?.has_password ?? false} user={self?.account ?? ''} onDone={() => setChanging(false)} />}
       </Modal>
     </AccessFrame>
@@ -57,57 +55,42 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
     mutationFn: revokeSession,
     onSettled: () => cache.invalidateQueries({ queryKey: ['sessions'] }),
   })
+  const columns: Column<BrowserSession>[] = [
+    { head: 'User', look: clsx('m', styles.who), cell: ({ user }) => user },
+    { head: 'Browser', look: 'nw', label: 'Browser', title: ({ agent }) => agent, cell: ({ agent }) => browserOf(agent) },
+    { head: 'Address', look: 'sec', label: 'Address', cell: ({ address }) => address || 'not recorded' },
+    {
+      head: 'Signed in',
+      look: 'sec nw',
+      label: 'Signed in',
+      title: ({ created }) => moment(created),
+      cell: ({ created, via }) => `${when(created)}, by ${{ link: 'login link', password: 'password', provider: 'single sign-on' }[via]}`,
+    },
+    { head: 'Last used', look: 'sec nw', label: 'Last used', cell: ({ last_used: last }) => (last === null ? 'not since the service started' : when(last)) },
+    { head: 'Ends', look: 'sec nw', label: 'Ends', cell: ({ expires }) => moment(expires) },
+    {
+      head: hidden('Sign out'),
+      look: 'num',
+      cell: ({ id, current, user, agent }) =>
+        current ? (
+          <span className="mut">this browser</span>
+        ) : (
+          <button
+            type="button"
+            className={clsx(buttons.btn, buttons.s)}
+            disabled={revoke.isPending}
+            aria-label={`Sign out ${user}, ${browserOf(agent)}`}
+            onClick={() => revoke.mutate(id)}
+          >
+            Sign out
+          </button>
+        ),
+    },
+  ]
   return (
     <>
-      {revoke.isError && (
-        <p className={fields.ferr} role="alert">
-          {revoke.error.message}
-        </p>
-      )}
-      <table className={clsx(tables.table, tables.stack)}>
-        <thead>
-          <tr>
-            <th>User</th>
-            <th>Browser</th>
-            <th>Address</th>
-            <th>Signed in</th>
-            <th>Last used</th>
-            <th>Ends</th>
-            <th>
-              <span className="sr">Sign out</span>
-            </th>
-          </tr>
-        </thead>
-        <tbody>
-          {sessions.map((session) => (
-            <tr key={session.id}>
-              <td className={`m ${styles.who ?? ''}`}>{session.user}</td>
-              <td className="nw" data-label="Browser" title={session.agent}>{browserOf(session.agent)}</td>
-              <td className="sec" data-label="Address">{session.address || 'not recorded'}</td>
-              <td className="sec nw" data-label="Signed in" title={moment(session.created)}>
-                {when(session.created)}, by {{ link: 'login link', password: 'password', provider: 'single sign-on' }[session.via]}
-              </td>
-              <td className="sec nw" data-label="Last used">{session.last_used === null ? 'not since the service started' : when(session.last_used)}</td>
-              <td className="sec nw" data-label="Ends">{moment(session.expires)}</td>
-              <td className="num">
-                {session.current ? (
-                  <span className="mut">this browser</span>
-                ) : (
-                  <button
-                    type="button"
-                    className={clsx(buttons.btn, buttons.s)}
-                    disabled={revoke.isPending}
-                    aria-label={`Sign out ${session.user}, ${browserOf(session.agent)}`}
-                    onClick={() => revoke.mutate(session.id)}
-                  >
-                    Sign out
-                  </button>
-                )}
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
+      <Refused error={revoke.error} />
+      <DataTable kind="stack" items={sessions} keyOf={({ id }) => id} columns={columns} />
     </>
   )
 }
@@ -126,12 +109,12 @@ function PasswordForm({ has, user, onDone }: { has: boolean; user: string; onDon
   })
   const differ = again !== '' && again !== next
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        change.mutate()
-      }}
+    <DialogForm
+      error={change.error}
+      submit={has ? 'Change' : 'Set'}
+      disabled={change.isPending || !next || again !== next}
+      onSubmit={() => change.mutate()}
+      onLeave={onDone}
     >
       <p className="sec">At least 12 characters; several words make a good one. All other browsers of {user} are signed out.</p>
       <input type="hidden" autoComplete="username" value={user} readOnly />
@@ -139,20 +122,7 @@ function PasswordForm({ has, user, onDone }: { has: boolean; user: string; onDon
       <Password label="New password" kind="new-password" value={next} onChange={setNext} />
       <Password label="The same again" kind="new-password" value={again} onChange={setAgain} />
       {differ && <p className={fields.ferr}>The two new passwords differ.</p>}
-      {change.isError && (
-        <p className={fields.ferr} role="alert">
-          {change.error.message}
-        </p>
-      )}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Not now
-        </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={change.isPending || !next || again !== next}>
-          {has ? 'Change' : 'Set'}
-        </button>
-      </div>
-    </form>
+    </DialogForm>
   )
 }
 

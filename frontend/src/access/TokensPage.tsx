@@ -7,8 +7,10 @@ import { createToken, hasRole, revokeToken, tokensQuery } from '../api/access'
 import { sessionQuery } from '../api/queries'
 import type { Token } from '../client'
 import { moment, when } from '../format/time'
-import { Loading, Trouble } from '../page/Trouble'
+import { Loaded } from '../page/Trouble'
 import { Card } from '../ui/Card'
+import { type Column, DataTable, hidden } from '../ui/DataTable'
+import { DialogForm } from '../ui/DialogForm'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
 import { MakingForm, MayChoice } from './MakingForm'
@@ -16,8 +18,6 @@ import { Secret } from './Secret'
 import styles from './access.module.css'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
 
 const SCOPES = [
   { value: 'read', may: 'reads everything', least: 'viewer' },
@@ -33,40 +33,38 @@ const LIFETIMES = [
 ] as const
 
 export function TokensPage() {
-  const { data, error, isError, failureReason, refetch } = useQuery(tokensQuery)
+  const tokens = useQuery(tokensQuery)
   const [creating, setCreating] = useState(false)
   const [leaving, setLeaving] = useState<Token | null>(null)
   return (
     <AccessFrame
       title="API tokens"
       actions={
-        data && (
+        tokens.data && (
           <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={() => setCreating(true)}>
             <IconKey className="i s" aria-hidden /> New token
           </button>
         )
       }
     >
-      {isError && !data ? (
-        <Trouble error={error} retry={() => void refetch()} below />
-      ) : !data ? (
-        <Loading what="tokens" failed={failureReason} />
-      ) : (
-        <Card title="Tokens" note="A token never has more than its owner's role" flush={data.length > 0}>
-          {data.length === 0 ? (
-            <p className="sec">
-              There are no tokens. A program sends one as <code>Authorization: Bearer TOKEN</code>; for the command line put it into{' '}
-              <code>CLEARANCE_TOKEN</code>.
-            </p>
-          ) : (
-            <Table tokens={data} onRevoke={setLeaving} />
-          )}
-        </Card>
-      )}
-      <Modal opened={creating} onClose={() => setCreating(false)} title="New API token" centered lockScroll={false}>
+      <Loaded query={tokens} what="tokens">
+        {(data) => (
+          <Card title="Tokens" note="A token never has more than its owner's role" flush={data.length > 0}>
+            {data.length === 0 ? (
+              <p className="sec">
+                There are no tokens. A program sends one as <code>Authorization: Bearer TOKEN</code>; for the command line put it into{' '}
+                <code>CLEARANCE_TOKEN</code>.
+              </p>
+            ) : (
+              <Table tokens={data} onRevoke={setLeaving} />
+            )}
+          </Card>
+        )}
+      </Loaded>
+      <Modal opened={creating} onClose={() => setCreating(false)} title="New API token">
         {creating && <CreateForm onDone={() => setCreating(false)} />}
       </Modal>
-      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title={`Revoke ${leaving?.name ?? ''}`} centered lockScroll={false}>
+      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title={`Revoke ${leaving?.name ?? ''}`}>
         {leaving && <RevokeForm token={leaving} onDone={() => setLeaving(null)} />}
       </Modal>
     </AccessFrame>
@@ -74,48 +72,31 @@ export function TokensPage() {
 }
 
 function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (token: Token) => void }) {
-  return (
-    <table className={clsx(tables.table, tables.stack)}>
-      <thead>
-        <tr>
-          <th>Name</th>
-          <th>Owner</th>
-          <th>Scope</th>
-          <th>State</th>
-          <th>Created</th>
-          <th>Last use</th>
-          <th>
-            <span className="sr">Revoke</span>
-          </th>
-        </tr>
-      </thead>
-      <tbody>
-        {tokens.map((token) => (
-          <tr key={token.name}>
-            <td className={clsx('m', styles.who)}>{token.name}</td>
-            <td className={styles.who} data-label="Owner">{token.owner}</td>
-            <td data-label="Scope">{token.scope}</td>
-            <td className="nw" data-label="State">
-              <State token={token} />
-            </td>
-            <td className="sec nw" data-label="Created" title={moment(token.created)}>
-              {when(token.created)}
-            </td>
-            <td className="sec nw" data-label="Last use" title={token.last_used === null ? undefined : moment(token.last_used)}>
-              {token.last_used === null ? 'never' : when(token.last_used)}
-            </td>
-            <td className="num">
-              {token.state === 'active' && (
-                <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>
-                  Revoke …
-                </button>
-              )}
-            </td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
-  )
+  const columns: Column<Token>[] = [
+    { head: 'Name', look: clsx('m', styles.who), cell: ({ name }) => name },
+    { head: 'Owner', look: styles.who, label: 'Owner', cell: ({ owner }) => owner },
+    { head: 'Scope', label: 'Scope', cell: ({ scope }) => scope },
+    { head: 'State', look: 'nw', label: 'State', cell: (token) => <State token={token} /> },
+    { head: 'Created', look: 'sec nw', label: 'Created', title: ({ created }) => moment(created), cell: ({ created }) => when(created) },
+    {
+      head: 'Last use',
+      look: 'sec nw',
+      label: 'Last use',
+      title: ({ last_used: last }) => (last === null ? undefined : moment(last)),
+      cell: ({ last_used: last }) => (last === null ? 'never' : when(last)),
+    },
+    {
+      head: hidden('Revoke'),
+      look: 'num',
+      cell: (token) =>
+        token.state === 'active' && (
+          <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>
+            Revoke …
+          </button>
+        ),
+    },
+  ]
+  return <DataTable kind="stack" items={tokens} keyOf={({ name }) => name} columns={columns} />
 }
 
 function State({ token }: { token: Token }) {
@@ -179,21 +160,8 @@ function RevokeForm({ token, onDone }: { token: Token; onDone: () => void }) {
     onSuccess: () => cache.invalidateQueries({ queryKey: ['tokens'] }).then(onDone),
   })
   return (
-    <div className={fields.panel}>
+    <DialogForm error={revoke.error} submit="Revoke" danger disabled={revoke.isPending} onSubmit={() => revoke.mutate()} leave="Keep it" onLeave={onDone}>
       <p className="sec">Programs that use it are refused from now on. This cannot be undone, and the name cannot be used again.</p>
-      {revoke.isError && (
-        <p className={fields.ferr} role="alert">
-          {revoke.error.message}
-        </p>
-      )}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Keep it
-        </button>
-        <button type="button" className={clsx(buttons.btn, buttons.danger, buttons.p)} disabled={revoke.isPending} onClick={() => revoke.mutate()}>
-          Revoke
-        </button>
-      </div>
-    </div>
+    </DialogForm>
   )
 }

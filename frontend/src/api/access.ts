@@ -1,18 +1,6 @@
 // The requests of the pages about users, tokens, sessions and the audit trail.
 import { queryOptions } from '@tanstack/react-query'
-import type {
-  AccessSettings,
-  AuditPage,
-  BrowserSession,
-  Invitation,
-  NewToken,
-  SessionInfo,
-  Token,
-  TokenRequest,
-  User,
-  UserChange,
-  UserInvite,
-} from '../client'
+import type { AccessSettings, SessionInfo, TokenRequest, User, UserChange, UserInvite } from '../client'
 import * as sdk from '../client'
 import { answer } from './calls'
 
@@ -29,28 +17,21 @@ export const ROLES: readonly { role: Role; may: string }[] = [
 export const hasRole = (role: Role | undefined, least: Role): boolean =>
   role !== undefined && ROLES.findIndex((one) => one.role === role) >= ROLES.findIndex((one) => one.role === least)
 
-export const usersQuery = queryOptions({ queryKey: ['users'], queryFn: (): Promise<User[]> => answer(sdk.listUsers()), staleTime: 0 })
-export const settingsQuery = queryOptions({
-  queryKey: ['settings'],
-  queryFn: (): Promise<AccessSettings> => answer(sdk.getSettings()),
-})
-export const tokensQuery = queryOptions({ queryKey: ['tokens'], queryFn: (): Promise<Token[]> => answer(sdk.listTokens()), staleTime: 0 })
-export const sessionsQuery = queryOptions({
-  queryKey: ['sessions'],
-  queryFn: (): Promise<BrowserSession[]> => answer(sdk.listSessions()),
-  staleTime: 0,
-})
+export const usersQuery = queryOptions({ queryKey: ['users'], queryFn: () => answer(sdk.listUsers()), staleTime: 0 })
+export const settingsQuery = queryOptions({ queryKey: ['settings'], queryFn: () => answer(sdk.getSettings()) })
+export const tokensQuery = queryOptions({ queryKey: ['tokens'], queryFn: () => answer(sdk.listTokens()), staleTime: 0 })
+export const sessionsQuery = queryOptions({ queryKey: ['sessions'], queryFn: () => answer(sdk.listSessions()), staleTime: 0 })
 
-export const inviteUser = (body: UserInvite): Promise<Invitation> => answer(sdk.inviteUser({ body }))
-export const renewInvitation = (user: string): Promise<Invitation> => answer(sdk.renewInvitation({ path: { user } }))
+export const inviteUser = (body: UserInvite) => answer(sdk.inviteUser({ body }))
+export const renewInvitation = (user: string) => answer(sdk.renewInvitation({ path: { user } }))
 /** Refused with 412 if another administrator has changed the user since they were read. */
-export const changeUser = (user: User, body: UserChange): Promise<User> =>
+export const changeUser = (user: User, body: UserChange) =>
   answer(sdk.changeUser({ path: { user: user.name }, body, headers: { 'If-Match': user.etag } }))
-export const changeSettings = (body: AccessSettings): Promise<AccessSettings> => answer(sdk.changeSettings({ body }))
-export const createToken = (body: TokenRequest): Promise<NewToken> => answer(sdk.createToken({ body }))
-export const revokeToken = (token: string): Promise<Token> => answer(sdk.revokeToken({ path: { token } }))
-export const revokeSession = (session: string): Promise<unknown> => answer(sdk.revokeSession({ path: { session } }))
-export const changePassword = (current: string, next: string): Promise<unknown> =>
+export const changeSettings = (body: AccessSettings) => answer(sdk.changeSettings({ body }))
+export const createToken = (body: TokenRequest) => answer(sdk.createToken({ body }))
+export const revokeToken = (token: string) => answer(sdk.revokeToken({ path: { token } }))
+export const revokeSession = (session: string) => answer(sdk.revokeSession({ path: { session } }))
+export const changePassword = (current: string, next: string) =>
   answer(sdk.changePassword({ body: { current: current || null, new: next } }))
-export const listAudit = (actor: string, action: string, cursor: string | null): Promise<AuditPage> =>
+export const listAudit = (actor: string, action: string, cursor: string | null) =>
   answer(sdk.listAudit({ query: { actor, action, ...(cursor ? { cursor } : {}) } }))

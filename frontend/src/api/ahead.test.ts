@@ -11,8 +11,8 @@ beforeEach(() => {
   ended = []
   vi.resetModules()
   vi.stubGlobal('document', { fonts: { load: () => Promise.resolve([]) } })
-  vi.stubGlobal('fetch', (asked: string | Request, init?: RequestInit) => {
-    const url = typeof asked === 'string' ? asked : asked.url.replace(BASE, '')
+  vi.stubGlobal('fetch', (request: string | Request, init?: RequestInit) => {
+    const url = typeof request === 'string' ? request : request.url.replace(BASE, '')
     sent.push(url)
     init?.signal?.addEventListener('abort', () => ended.push(url))
     return Promise.resolve(Response.json(url.endsWith('/traces') ? [{ name: 'nominal' }, { name: 'F1' }, { name: 'F2' }] : url))
@@ -55,9 +55,9 @@ it('takes no answer that has become old, and lets its connection go', async () =
 it.each(['refused', 'lost'])('gives a request that was %s only to who waits for it', async (how) => {
   let fails = true
   const { fetch } = globalThis
-  vi.stubGlobal('fetch', (asked: string | Request) => {
-    if (!fails) return fetch(asked)
-    sent.push(typeof asked === 'string' ? asked : asked.url)
+  vi.stubGlobal('fetch', (request: string | Request) => {
+    if (!fails) return fetch(request)
+    sent.push(typeof request === 'string' ? request : request.url)
     return how === 'lost' ? Promise.reject(new TypeError('no network')) : Promise.resolve(Response.json({}, { status: 422 }))
   })
   const { askAhead, fetchOnce } = await fresh()

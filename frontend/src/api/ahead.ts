@@ -5,7 +5,7 @@ import { at, inside } from '../format/root'
 /** How long a response counts as fresh, as in the query cache [ms]. */
 const FRESH = 15_000
 
-const asked = new Map<string, Promise<Response>>()
+const responses = new Map<string, Promise<Response>>()
 /** False from the page's own first request on. */
 let open = true
 
@@ -18,7 +18,7 @@ export function askAhead({ pathname, search }: Pick<Location, 'pathname' | 'sear
 
 function askRun(run: string, chosen: string): void {
   ask('/api/v1/session', run, `${run}/traces`, `${run}/stages`, `${run}/findings`, `${run}/components`)
-  void namesOf(asked.get(`${run}/traces`)).then((names) => {
+  void namesOf(responses.get(`${run}/traces`)).then((names) => {
     const shown = names.filter((name) => name === 'nominal' || name === chosen)
     ask(...shown.map((name) => `${run}/traces/${name}?max_points=1500`), `${run}/evaluations?max_points=2000`)
   })
@@ -30,9 +30,9 @@ function askRun(run: string, chosen: string): void {
 export function fetchOnce(request: Request): Promise<Response> {
   open = false
   const { pathname, search } = new URL(request.url)
-  const found = request.method === 'GET' && asked.get(inside(pathname) + search)
+  const found = request.method === 'GET' && responses.get(inside(pathname) + search)
   if (!found) return fetch(request)
-  asked.delete(inside(pathname) + search)
+  responses.delete(inside(pathname) + search)
   return found
 }
 
@@ -41,12 +41,12 @@ function ask(...urls: string[]): void {
   for (const url of urls) {
     const end = new AbortController()
     const answer = fetch(at(url), { signal: end.signal })
-    asked.set(url, answer)
+    responses.set(url, answer)
     // A failure reaches only who already waits for it: a later request, such as after "Try again", is sent anew.
-    const drop = () => asked.delete(url)
+    const drop = () => responses.delete(url)
     answer.then((response) => response.ok || drop(), drop)
     // An unread response would block one of the browser's six connections.
-    setTimeout(() => asked.delete(url) && end.abort(), FRESH)
+    setTimeout(() => responses.delete(url) && end.abort(), FRESH)
   }
 }
 

@@ -2,41 +2,34 @@
 // hidden, because a browser has only six connections to a service; if it fails, polling continues. Start: `useStream`.
 import type { InfiniteData, QueryClient } from '@tanstack/react-query'
 import { useQueryClient } from '@tanstack/react-query'
-import { useEffect, useLayoutEffect, useSyncExternalStore } from 'react'
+import { useEffect, useLayoutEffect } from 'react'
 import type { EvaluationSeries, Evaluations, RunDetail, RunPage, RunSummary, StageProgress, Workers } from '../client'
 import { refreshRuns } from './lists'
 import { pulse } from './pulse'
 import { isLive } from './queries'
 import { at } from '../format/root'
+import { storeOf } from '../ui/store'
 
 const FLUSH = 250
 
 type Status = 'closed' | 'connecting' | 'open'
 
-let status: Status = 'closed'
+const status = storeOf<Status>('closed')
 /** How many parts of the page have a stream of their own: never more than one, besides while one replaces another. */
-let own = 0
+const own = storeOf(0)
 let streams = 0
-const listeners = new Set<() => void>()
 
 function set(next: Status): void {
   // While one stream replaces another the first one to close does not count.
-  if (next === 'closed' && streams > 0) return
-  status = next
-  for (const listener of listeners) listener()
-}
-
-function subscribe(listener: () => void): () => void {
-  listeners.add(listener)
-  return () => listeners.delete(listener)
+  if (next !== 'closed' || streams === 0) status.set(next)
 }
 
 /** The state of this tab's stream, for display. */
-export const useStreamStatus = (): Status => useSyncExternalStore(subscribe, () => status)
+export const useStreamStatus = status.useValue
 
 /** The stream of all pages without one of their own: all runs, and the workers in the header. */
 export function useBaseStream(): void {
-  useSource(null, useSyncExternalStore(subscribe, () => own) === 0)
+  useSource(null, own.useValue() === 0)
 }
 
 export interface Improvements {
@@ -52,12 +45,8 @@ export interface Improvements {
 export function useStream(run: string, on = true): void {
   useLayoutEffect(() => {
     if (!on) return
-    const count = (by: number) => {
-      own += by
-      for (const listener of listeners) listener()
-    }
-    count(1)
-    return () => count(-1)
+    own.set(own.get() + 1)
+    return () => own.set(own.get() - 1)
   }, [on])
   useSource(run, on)
 }

@@ -44,7 +44,7 @@ export function barredFromOwn(
 
 export function useBarredFromOwn(least: Role, ...things: readonly Owned[]): string | undefined {
   const session = useQuery(sessionQuery).data
-  const asked = hasRole(session?.role, least) && notByName(session, things).length > 0
-  const tokens = useQuery({ ...tokensQuery, enabled: asked, staleTime: 60_000 }).data
-  return barredFromOwn(session, asked ? tokens : [], least, things)
+  const byToken = hasRole(session?.role, least) && notByName(session, things).length > 0
+  const tokens = useQuery({ ...tokensQuery, enabled: byToken, staleTime: 60_000 }).data
+  return barredFromOwn(session, byToken ? tokens : [], least, things)
 }

@@ -12,11 +12,11 @@ afterEach(() => {
 /** A service that hangs, refuses connections, or answers, as told. */
 class Service {
   state: 'hangs' | 'refuses' | 'answers' = 'answers'
-  asked = 0
+  requests = 0
   private waiting: (() => void)[] = []
 
   readonly ask = (signal: AbortSignal): Promise<void> => {
-    this.asked++
+    this.requests++
     if (this.state === 'refuses') return Promise.reject(new TypeError('Failed to fetch'))
     if (this.state === 'answers') return Promise.resolve()
     return new Promise((resolve, reject) => {
@@ -41,12 +41,12 @@ it('reports a request without an answer after 3 s, and takes it back', async () 
   const [service, pulse] = made('hangs')
   const request = pulse.follow(new Promise(() => undefined))
   await vi.advanceTimersByTimeAsync(PATIENCE - 1)
-  expect(pulse.contact.state).toBe('well')
+  expect(pulse.contact.get().state).toBe('well')
   await vi.advanceTimersByTimeAsync(1)
-  expect(pulse.contact).toEqual({ state: 'silent', since: 1_000_000 })
+  expect(pulse.contact.get()).toEqual({ state: 'silent', since: 1_000_000 })
   service.wakes()
   await vi.advanceTimersByTimeAsync(0)
-  expect(pulse.contact.state).toBe('well')
+  expect(pulse.contact.get().state).toBe('well')
   void request
 })
 
@@ -56,7 +56,7 @@ it('says nothing of a request that takes long while the service answers others',
   for (let i = 0; i < 60; i++) {
     await vi.advanceTimersByTimeAsync(1000)
     pulse.tick()
-    expect(pulse.contact.state).toBe('well')
+    expect(pulse.contact.get().state).toBe('well')
   }
 })
 
@@ -66,15 +66,15 @@ it('asks on a quiet page, and goes on asking until there is an answer', async ()
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(pulse.contact.state).toBe('silent')
+  expect(pulse.contact.get().state).toBe('silent')
   for (let i = 0; i < 30; i++) {
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(service.asked).toBeGreaterThan(2)
+  expect(service.requests).toBeGreaterThan(2)
   service.wakes()
   await vi.advanceTimersByTimeAsync(0)
-  expect(pulse.contact.state).toBe('well')
+  expect(pulse.contact.get().state).toBe('well')
 })
 
 it('distinguishes a service that is not there, with a pause between the questions', async () => {
@@ -83,14 +83,14 @@ it('distinguishes a service that is not there, with a pause between the question
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(pulse.contact.state).toBe('unreachable')
-  expect(service.asked).toBeLessThan(7)
+  expect(pulse.contact.get().state).toBe('unreachable')
+  expect(service.requests).toBeLessThan(7)
   service.state = 'answers'
   for (let i = 0; i < 3; i++) {
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(pulse.contact.state).toBe('well')
+  expect(pulse.contact.get().state).toBe('well')
 })
 
 it('asks nothing while answers come', async () => {
@@ -100,5 +100,5 @@ it('asks nothing while answers come', async () => {
     pulse.tick()
     await vi.advanceTimersByTimeAsync(1000)
   }
-  expect(service.asked).toBe(0)
+  expect(service.requests).toBe(0)
 })

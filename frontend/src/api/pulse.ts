@@ -1,7 +1,7 @@
 // Whether the service answers. Every answer and event is a sign of life; without one the service is asked, and after 3 s
 // without an answer all pages say so, until it answers again.
-import { useSyncExternalStore } from 'react'
 import { at } from '../format/root'
+import { storeOf } from '../ui/store'
 
 /** Time without an answer after which it is reported [ms]. */
 export const PATIENCE = 3000
@@ -21,10 +21,9 @@ const WELL: Contact = { state: 'well' }
 
 /** `ask` resolves with any answer of the service, and rejects if there is no connection or the signal aborts it. */
 export class Pulse {
-  contact: Contact = WELL
+  readonly contact = storeOf<Contact>(WELL)
   private heard: number
   private asking = false
-  private readonly listeners = new Set<() => void>()
 
   constructor(
     private readonly ask: (signal: AbortSignal) => Promise<unknown>,
@@ -33,15 +32,10 @@ export class Pulse {
     this.heard = now()
   }
 
-  readonly subscribe = (listener: () => void): (() => void) => {
-    this.listeners.add(listener)
-    return () => this.listeners.delete(listener)
-  }
-
   /** The service has answered something. */
   beat(): void {
     this.heard = this.now()
-    if (this.contact.state !== 'well') this.set(WELL)
+    if (this.contact.get().state !== 'well') this.contact.set(WELL)
   }
 
   /** Follows a request: its answer is a sign of life, and the service is asked if it takes long. */
@@ -58,7 +52,7 @@ export class Pulse {
 
   /** Asks if nothing was heard for long, or if the service did not answer before. */
   tick(): void {
-    if (this.contact.state !== 'well' || this.now() - this.heard >= QUIET) void this.check()
+    if (this.contact.get().state !== 'well' || this.now() - this.heard >= QUIET) void this.check()
   }
 
   /** Asks the service, one question at a time. `since`: when it should have begun to answer. */
@@ -84,17 +78,12 @@ export class Pulse {
   }
 
   private lost(state: 'silent' | 'unreachable', since: number): void {
-    if (this.contact.state === state) return
-    this.set({ state, since: this.contact.state === 'well' ? since : this.contact.since })
-  }
-
-  private set(contact: Contact): void {
-    this.contact = contact
-    for (const listener of this.listeners) listener()
+    const before = this.contact.get()
+    if (before.state !== state) this.contact.set({ state, since: before.state === 'well' ? since : before.since })
   }
 }
 
 /** Of this tab. Any answer counts, also a refusal. */
 export const pulse = new Pulse((signal) => fetch(at('/api/v1/health'), { signal, cache: 'no-store' }))
 
-export const useContact = (): Contact => useSyncExternalStore(pulse.subscribe, () => pulse.contact)
+export const useContact = pulse.contact.useValue

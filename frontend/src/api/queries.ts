@@ -2,7 +2,8 @@
 import { infiniteQueryOptions, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
 import type { RunSummary } from '../client'
 import { learnMethods } from '../ui/methods'
-import * as calls from './calls'
+import * as sdk from '../client'
+import { answer, getRun, getSchema, listRuns, type RunFilter } from './calls'
 import { Refusal } from './problems'
 import { signedOut } from './session'
 
@@ -26,10 +27,10 @@ export const queryClient = new QueryClient({
 export const isLive = (run: Pick<RunSummary, 'state'>): boolean =>
   run.state === 'queued' || run.state === 'running' || run.state === 'cancelling'
 
-export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: calls.getSession, staleTime: 60_000 })
+export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: () => answer(sdk.getSession()), staleTime: 60_000 })
 
 /** Who executes runs; kept up to date by the event stream where there is one. */
-export const workersQuery = queryOptions({ queryKey: ['workers'], queryFn: calls.getWorkers, staleTime: 4000 })
+export const workersQuery = queryOptions({ queryKey: ['workers'], queryFn: () => answer(sdk.listWorkers()), staleTime: 4000 })
 
 /** A worker publishes the catalogue when it starts; until then the service returns 503. */
 const untilPublished = {
@@ -40,42 +41,42 @@ const untilPublished = {
 export const catalogueQuery = queryOptions({
   ...untilPublished,
   queryKey: ['catalogue'],
-  queryFn: async () => learnMethods(await calls.getCatalogue()),
+  queryFn: async () => learnMethods(await answer(sdk.listComponents())),
   staleTime: 10_000, // a component may have been edited in another window
 })
 
-export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: calls.getLibrary, staleTime: 300_000 })
+export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: () => answer(sdk.listCampaigns()), staleTime: 300_000 })
 
 export const schemaQuery = queryOptions({
   queryKey: ['schema'],
-  queryFn: calls.getSchema,
+  queryFn: getSchema,
   staleTime: Number.POSITIVE_INFINITY,
 })
 
-export const draftsQuery = queryOptions({ queryKey: ['drafts'], queryFn: calls.listDrafts })
+export const draftsQuery = queryOptions({ queryKey: ['drafts'], queryFn: () => answer(sdk.listDrafts()) })
 
 /** Read once: edits are based on the version that was opened. */
 export const draftQuery = (id: string) =>
   queryOptions({
     queryKey: ['draft', id],
-    queryFn: () => calls.getDraft(id),
+    queryFn: () => answer(sdk.getDraft({ path: { draft: id } })),
     staleTime: Number.POSITIVE_INFINITY,
     gcTime: 0,
   })
 
-export const runsQuery = (filter: calls.RunFilter) =>
+export const runsQuery = (filter: RunFilter) =>
   infiniteQueryOptions({
     queryKey: ['runs', filter],
-    queryFn: ({ pageParam }) => calls.listRuns(filter, pageParam),
+    queryFn: ({ pageParam }) => listRuns(filter, pageParam),
     initialPageParam: null as string | null,
     getNextPageParam: (page) => page.next_cursor,
     placeholderData: (before) => before,
   })
 
 /** The values by which the list can be filtered. */
-export const facetsQuery = queryOptions({ queryKey: ['facets'], queryFn: calls.getFacets })
+export const facetsQuery = queryOptions({ queryKey: ['facets'], queryFn: () => answer(sdk.listFacets()) })
 
-export const runQuery = (id: string) => queryOptions({ queryKey: ['run', id], queryFn: () => calls.getRun(id) })
+export const runQuery = (id: string) => queryOptions({ queryKey: ['run', id], queryFn: () => getRun(id) })
 
 /** The descriptions of a run's components, stored with it and therefore independent of the installation. */
 export const componentsQuery = (id: string) =>
@@ -83,7 +84,7 @@ export const componentsQuery = (id: string) =>
     ...untilPublished,
     queryKey: ['components', id],
     queryFn: async () => {
-      const components = await calls.getComponents(id)
+      const components = await answer(sdk.listRunComponents({ path: { run: id } }))
       learnMethods(components.catalogue, true)
       return components
     },
@@ -92,27 +93,30 @@ export const componentsQuery = (id: string) =>
 
 /** Between the code of two runs, which no longer changes once both have started. */
 export const codeQuery = (id: string, against: string) =>
-  queryOptions({ queryKey: ['code', id, against], queryFn: () => calls.getCodeChanges(id, against), staleTime: 300_000 })
+  queryOptions({ queryKey: ['code', id, against], queryFn: () => answer(sdk.compareCode({ path: { run: id }, query: { against } })), staleTime: 300_000 })
 
 export const stagesQuery = (id: string) =>
-  queryOptions({ queryKey: ['stages', id], queryFn: () => calls.getStages(id) })
+  queryOptions({ queryKey: ['stages', id], queryFn: () => answer(sdk.listStages({ path: { run: id } })) })
 
 /** Whether cases of a run's simulator can be evaluated; asked when the what-if opens, because it starts a process. */
 export const caseInstalledQuery = (id: string) =>
-  queryOptions({ queryKey: ['case installed', id], queryFn: () => calls.getCaseInstalled(id), staleTime: 60_000, retry: false })
+  queryOptions({ queryKey: ['case installed', id], queryFn: () => answer(sdk.caseInstalled({ path: { run: id } })), staleTime: 60_000, retry: false })
 
 export const evaluationsQuery = (id: string) =>
-  queryOptions({ queryKey: ['evaluations', id], queryFn: () => calls.getEvaluations(id) })
+  queryOptions({ queryKey: ['evaluations', id], queryFn: () => answer(sdk.getEvaluations({ path: { run: id }, query: { max_points: 2000 } })) })
 
 export const findingsQuery = (id: string) =>
-  queryOptions({ queryKey: ['findings', id], queryFn: () => calls.getFindings(id) })
+  queryOptions({ queryKey: ['findings', id], queryFn: () => answer(sdk.listFindings({ path: { run: id } })) })
 
 export const tracesQuery = (id: string) =>
-  queryOptions({ queryKey: ['traces', id], queryFn: () => calls.getTraces(id) })
+  queryOptions({ queryKey: ['traces', id], queryFn: () => answer(sdk.listTraces({ path: { run: id } })) })
+
+const getTrace = (run: string, name: string, most: number) =>
+  answer(sdk.getTrace({ path: { run, name }, query: { max_points: most } }))
 
 export const traceQuery = (id: string, name: string) =>
-  queryOptions({ queryKey: ['trace', id, name], queryFn: () => calls.getTrace(id, name), staleTime: 300_000 })
+  queryOptions({ queryKey: ['trace', id, name], queryFn: () => getTrace(id, name, 1500), staleTime: 300_000 })
 
 /** A flight with few rows, for a thumbnail. */
 export const sketchQuery = (id: string, name: string) =>
-  queryOptions({ queryKey: ['trace', id, name, 'sketch'], queryFn: () => calls.getTrace(id, name, 160), staleTime: 300_000 })
+  queryOptions({ queryKey: ['trace', id, name, 'sketch'], queryFn: () => getTrace(id, name, 160), staleTime: 300_000 })

@@ -1,6 +1,6 @@
 // The requests of the page of requirements.
 import { infiniteQueryOptions, queryOptions } from '@tanstack/react-query'
-import type { Imported, RequirementFileOut, RequirementPage, RequirementRow } from '../client'
+import type { Imported, RequirementFileOut } from '../client'
 import * as sdk from '../client'
 import { client } from '../client/client.gen'
 import { at } from '../format/root'
@@ -21,7 +21,7 @@ export const contentOf = (file: RequirementFileOut): string => at(`${AT}/files/$
 export const requirementsQuery = (q: string) =>
   infiniteQueryOptions({
     queryKey: ['requirements', q],
-    queryFn: ({ pageParam }): Promise<RequirementPage> =>
+    queryFn: ({ pageParam }) =>
       answer(sdk.listRequirements({ query: { q, ...(pageParam ? { cursor: pageParam } : {}) } })),
     initialPageParam: null as string | null,
     getNextPageParam: (page) => page.next_cursor,
@@ -31,18 +31,18 @@ export const requirementsQuery = (q: string) =>
 
 export const importsQuery = queryOptions({
   queryKey: ['requirement-files'],
-  queryFn: (): Promise<RequirementFileOut[]> => answer(sdk.listImports()),
+  queryFn: () => answer(sdk.listImports()),
   staleTime: 0,
 })
 
-export interface GivenFile {
+export interface RequirementImport {
   file: File
   idAttribute: string
   textAttribute: string
 }
 
 /** Sends a file as it is. */
-export const importFile = ({ file, idAttribute, textAttribute }: GivenFile): Promise<Imported> =>
+export const importFile = ({ file, idAttribute, textAttribute }: RequirementImport): Promise<Imported> =>
   answer(
     client.post({
       url: `${AT}/files`,
@@ -56,10 +56,10 @@ export const importFile = ({ file, idAttribute, textAttribute }: GivenFile): Pro
 /** What a file is, by its name. */
 export const kindOf = (name: string): 'csv' | 'reqif' => (/\.(reqifz?|xml)$/i.test(name) ? 'reqif' : 'csv')
 
-export const deleteImport = (file: number): Promise<unknown> => answer(sdk.deleteImport({ path: { file } }))
+export const deleteImport = (file: number) => answer(sdk.deleteImport({ path: { file } }))
 const matching = (etag: string | undefined) => (etag === undefined ? {} : { headers: { 'If-Match': etag } })
 /** etag: of the text that was read; another one is not overwritten. */
-export const writeRequirement = (id: string, text: string, etag?: string): Promise<RequirementRow> =>
+export const writeRequirement = (id: string, text: string, etag?: string) =>
   answer(sdk.writeRequirement({ body: { id, text }, ...matching(etag) }))
-export const deleteRequirement = (requirement: string, etag?: string): Promise<unknown> =>
+export const deleteRequirement = (requirement: string, etag?: string) =>
   answer(sdk.deleteRequirement({ query: { requirement }, ...matching(etag) }))

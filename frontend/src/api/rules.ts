@@ -1,4 +1,4 @@
-// The rules of a claim: the limits by name, and the checks in their order, as `python -m tools.rules` wrote them.
+// The rules of a claim: the limits by name, and the checks in their order, as `python -m tools.generated` wrote them.
 import rules from './rules.json'
 
 export const LIMITS = rules.limits

@@ -1,17 +1,8 @@
 // Whether this browser is signed in; any 401 means that it is not.
-import { useSyncExternalStore } from 'react'
+import { storeOf } from '../ui/store'
 
-let out = false
-const listeners = new Set<() => void>()
+const out = storeOf(false)
 
-export function signedOut(): void {
-  out = true
-  for (const listener of listeners) listener()
-}
+export const signedOut = (): void => out.set(true)
 
-function subscribe(listener: () => void): () => void {
-  listeners.add(listener)
-  return () => listeners.delete(listener)
-}
-
-export const useSignedOut = (): boolean => useSyncExternalStore(subscribe, () => out)
+export const useSignedOut = out.useValue

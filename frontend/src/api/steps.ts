@@ -21,8 +21,8 @@ export function stepsOf(checks: readonly Pick<DescribedCheck, 'name' | 'remedies
 }
 
 /** The steps that an address of the launch page names; unknown ones are omitted. */
-export function stepsIn(asked: string, checks: readonly Pick<DescribedCheck, 'name' | 'remedies'>[]): Step[] {
-  const keys = asked.split(',')
+export function stepsIn(named: string, checks: readonly Pick<DescribedCheck, 'name' | 'remedies'>[]): Step[] {
+  const keys = named.split(',')
   return stepsOf(checks).filter(({ key }) => keys.includes(key))
 }
 

@@ -58,7 +58,7 @@ const KEYS: { title: string; keys: [string[], string][] }[] = [
 
 export function Keys({ opened, onClose }: { opened: boolean; onClose: () => void }) {
   return (
-    <Modal opened={opened} onClose={onClose} title="Keys" centered lockScroll={false} size={620}>
+    <Modal opened={opened} onClose={onClose} title="Keys" size={620}>
       <div className={styles.keys}>
         {KEYS.map(({ title, keys }) => (
           <section key={title}>

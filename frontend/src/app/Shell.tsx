@@ -39,6 +39,8 @@ import styles from './app.module.css'
 
 const Jump = lazy(() => import('../jump/Jump').then((module) => ({ default: module.Jump })))
 
+const PAGES = ['runs', 'launch', 'compare', 'requirements', 'reports', 'help'] as const
+
 export function Shell() {
   return useSignedOut() ? <SignedOut /> : <Frame />
 }
@@ -66,24 +68,11 @@ function Frame() {
       <header className={styles.top}>
         <Brand />
         <nav className={styles.nav} aria-label="Main">
-          <Link to="/runs" activeProps={{ 'aria-current': 'page' }}>
-            Runs
-          </Link>
-          <Link to="/launch" activeProps={{ 'aria-current': 'page' }}>
-            Launch
-          </Link>
-          <Link to="/compare" activeProps={{ 'aria-current': 'page' }}>
-            Compare
-          </Link>
-          <Link to="/requirements" activeProps={{ 'aria-current': 'page' }}>
-            Requirements
-          </Link>
-          <Link to="/reports" activeProps={{ 'aria-current': 'page' }}>
-            Reports
-          </Link>
-          <Link to="/help" activeProps={{ 'aria-current': 'page' }}>
-            Help
-          </Link>
+          {PAGES.map((name) => (
+            <Link key={name} to={`/${name}`} activeProps={{ 'aria-current': 'page' }}>
+              {name.charAt(0).toUpperCase() + name.slice(1)}
+            </Link>
+          ))}
         </nav>
         <div className={styles.topR}>
           <button type="button" className={clsx(fields.inp, styles.jump)} onClick={() => setJump('open')} aria-keyshortcuts="Control+K">

@@ -6,11 +6,11 @@ import { type MouseEvent, type ReactNode, useState } from 'react'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { save } from '../ui/files'
-import { type DataTable, toCsv } from './csv'
+import { Table } from '../ui/Table'
+import { type DataTable, toCsv, type Value } from './csv'
 import { isDrawing, savePng, saveSvg } from './figure'
 import buttonsCss from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
 import styles from './charts.module.css'
 
 const MOST_ROWS = 400
@@ -92,28 +92,14 @@ function Rows({ table }: { table: DataTable }) {
         </p>
       )}
       <div data-control className={styles.datagrid} tabIndex={0} role="region" aria-label="Data of the chart">
-        <table className={tables.table}>
-          <thead>
-            <tr>
-              {table.columns.map((column) => (
-                <th key={column} className="num">
-                  {column}
-                </th>
-              ))}
-            </tr>
-          </thead>
-          <tbody>
-            {rows.map((row, i) => (
-              <tr key={i}>
-                {row.map((value, j) => (
-                  <td key={table.columns[j]} className="num">
-                    {typeof value === 'number' ? plain(value, 8) : (value ?? '')}
-                  </td>
-                ))}
-              </tr>
-            ))}
-          </tbody>
-        </table>
+        <Table
+          rows={rows}
+          columns={table.columns.map((head, k) => ({
+            head,
+            num: true,
+            cell: (row: Value[]) => (typeof row[k] === 'number' ? plain(row[k], 8) : (row[k] ?? '')),
+          }))}
+        />
       </div>
     </>
   )

@@ -52,7 +52,6 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
   const structure = [
     theme,
     spec.xLog,
-    spec.yLog,
     spec.height,
     spec.sync,
     spec.xSplits !== undefined,

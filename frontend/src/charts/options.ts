@@ -13,7 +13,7 @@ export function rangeOf(spec: PlotSpec, hidden: ReadonlySet<string>): [number, n
   const values: number[] = []
   for (const line of spec.lines) if (!hidden.has(line.key)) for (const y of line.y) if (y !== null) values.push(y)
   if (spec.criterion) values.push(spec.criterion.value)
-  return padded(values, spec.yLog)
+  return padded(values)
 }
 
 function domainOf(spec: PlotSpec): [number, number] {
@@ -45,7 +45,7 @@ export function optionsFor(
     },
     scales: {
       x: { time: false, distr: spec.xLog ? 3 : 1, range: () => domainOf(read()) },
-      y: { distr: spec.yLog ? 3 : 1, range: () => rangeOf(read(), hidden()) },
+      y: { range: () => rangeOf(read(), hidden()) },
     },
     axes: [axis(read, 'x'), axis(read, 'y')],
     series: [
@@ -73,13 +73,13 @@ export function optionsFor(
 const splitsOf = (spec: PlotSpec, u: uPlot, low: number, high: number) => spec.xSplits?.(low, high, Math.max(2, u.width / 110)) ?? []
 
 /** The width of the left axis [px]: as requested, unless its labels would be cut. */
-function leftOf(asked: number | undefined, labels: readonly string[]): number {
-  if (asked === undefined) return 14 + 6.4 * Math.max(2, ...labels.map((label) => label.length))
-  return Math.max(asked, 7 + Math.ceil(Math.max(0, ...labels.map(labelWidth))))
+function leftOf(width: number | undefined, labels: readonly string[]): number {
+  if (width === undefined) return 14 + 6.4 * Math.max(2, ...labels.map((label) => label.length))
+  return Math.max(width, 7 + Math.ceil(Math.max(0, ...labels.map(labelWidth))))
 }
 
 function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
-  const log = () => (side === 'x' ? read().xLog : read().yLog)
+  const log = () => side === 'x' && read().xLog === true
   return {
     font: font().replace(/[\d.]+px/, '11px'),
     stroke: () => colour('--ink-3'),

@@ -15,9 +15,9 @@ export interface Reach {
 }
 
 export function useReach(values: readonly number[], threshold: number | null, unit: string, axis: string): Reach {
-  const [asked, setAsked] = useState<'near' | 'all'>('near')
+  const [extent, setExtent] = useState<'near' | 'all'>('near')
   if (threshold === null || !isFar(values, threshold)) return { criterion: threshold, choice: null, note: null }
-  const out = asked === 'near'
+  const out = extent === 'near'
   return {
     criterion: out ? null : threshold,
     choice: (
@@ -27,8 +27,8 @@ export function useReach(values: readonly number[], threshold: number | null, un
           { value: 'near', label: 'Values' },
           { value: 'all', label: 'With criterion' },
         ]}
-        value={asked}
-        onChange={setAsked}
+        value={extent}
+        onChange={setExtent}
       />
     ),
     note: out && (

@@ -39,7 +39,6 @@ export interface PlotSpec {
   xTitle?: ReactNode
   yTitle?: ReactNode
   xLog?: boolean
-  yLog?: boolean
   xRange?: [number, number]
   yRange?: [number, number]
   /** Custom ticks of x. */

@@ -38,7 +38,7 @@ function Two({ a, b }: { a: Compared; b: Compared }) {
   if (before === null || after === null) return <p>At least one of them has no worst case.</p>
   const decimals = decimalsFor([before, after])
   const apart = after - before
-  const told = fixed(Math.abs(apart), decimalsFor([apart], 3))
+  const difference = fixed(Math.abs(apart), decimalsFor([apart], 3))
   const moved = Math.abs(apart) < 1e-9 * Math.max(1, Math.abs(before))
   const margins = [a.run.margin, b.run.margin]
   const level = moved && a.run.threshold === b.run.threshold
@@ -48,7 +48,7 @@ function Two({ a, b }: { a: Compared; b: Compared }) {
       {!moved && (
         <>
           {' '}
-          by <b>{`${told} ${unit}`}</b>, from {fixed(before, decimals)} {unit} to <b>{`${fixed(after, decimals)} ${unit}`}</b>
+          by <b>{`${difference} ${unit}`}</b>, from {fixed(before, decimals)} {unit} to <b>{`${fixed(after, decimals)} ${unit}`}</b>
         </>
       )}
       ; the margin {level ? 'stays' : `goes from ${signed(margins[0], decimals)} to`} {signed(margins[1], decimals)} {unit}.{' '}

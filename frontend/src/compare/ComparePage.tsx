@@ -3,6 +3,7 @@ import { clsx } from 'clsx'
 import { IconAlertTriangle, IconArrowsExchange, IconGitCompare } from '@tabler/icons-react'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { type ReactNode, useMemo } from 'react'
+import { PageHead } from '../page/PageHead'
 import { Loading } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { CopyButton } from '../ui/files'
@@ -21,6 +22,7 @@ import { Samples, samplesIn } from './Samples'
 import { idsOf, MOST } from './search'
 import { Tracks } from './Tracks'
 import { WorstParameters } from './WorstParameters'
+import { Button } from '../ui/Button'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
@@ -39,22 +41,16 @@ export function ComparePage() {
     })
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>Compare runs</h1>
-        </div>
-        <div className={layout.acts}>
-          {ids.length > 1 && (
-            <>
-              <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
-                <IconArrowsExchange className="i s" aria-hidden />
-                {ids.length === 2 ? 'Swap' : 'Reverse the order'}
-              </button>
-              <CopyButton text={() => location.href}>Copy link</CopyButton>
-            </>
-          )}
-        </div>
-      </div>
+      <PageHead title="Compare runs">
+        {ids.length > 1 && (
+          <>
+            <Button small icon={IconArrowsExchange} onClick={() => go(ids.toReversed(), all)} title="The last run becomes A">
+              {ids.length === 2 ? 'Swap' : 'Reverse the order'}
+            </Button>
+            <CopyButton text={() => location.href}>Copy link</CopyButton>
+          </>
+        )}
+      </PageHead>
       <Picks comparison={comparison} ids={ids} onChange={(chosen) => go(chosen, all)} />
       {comparison.loading && <Loading what="the runs" />}
       <Failed comparison={comparison} />
@@ -90,9 +86,7 @@ function Failed({ comparison: { missing, failed, retry } }: { comparison: Compar
         {missing.length > 0
           ? `${missing.map(({ id }) => id).join(', ')} could not be loaded and ${missing.length === 1 ? 'is' : 'are'} not compared.`
           : `Some results could not be loaded and are missing below: ${failed?.message ?? ''}`}{' '}
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={retry}>
-          Try again
-        </button>
+        <Button small onClick={retry}>Try again</Button>
       </p>
     </section>
   )

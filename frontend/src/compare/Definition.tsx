@@ -5,7 +5,7 @@ import { unitText } from '../format/units'
 import { Card, Seg } from '../ui/Card'
 import type { Compared } from './data'
 import type { Row, Setting } from './differences'
-import { RunHeads } from './Picks'
+import { Letter } from './Picks'
 import tables from '../ui/tables.module.css'
 import styles from './compare.module.css'
 
@@ -48,7 +48,11 @@ export function Definition({ runs, rows, all, onAll, className }: DefinitionProp
             <thead>
               <tr>
                 <th>Setting</th>
-                <RunHeads runs={runs} />
+                {runs.map(({ letter }) => (
+                  <th key={letter} className="num">
+                    <Letter of={letter} />
+                  </th>
+                ))}
               </tr>
             </thead>
             {groups.map((group) => (

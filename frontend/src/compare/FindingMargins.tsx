@@ -1,10 +1,10 @@
 // Margins by finding: the same case in each run side by side, independent of its rank.
 import { decimalsFor, NONE, plain, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
+import { Table } from '../ui/Table'
 import { type Compared, unitOf } from './data'
 import { APART, type Case, matched } from './matching'
-import { RunHeads } from './Picks'
-import tables from '../ui/tables.module.css'
+import { apartColumn, runColumns } from './Picks'
 
 export function FindingMargins({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const unit = unitOf(runs)
@@ -23,35 +23,28 @@ export function FindingMargins({ runs, className }: { runs: Compared[]; classNam
       flush
       id="findings"
     >
-      <table className={tables.table}>
-        <thead>
-          <tr>
-            <RunHeads runs={runs} apart={two} />
-          </tr>
-        </thead>
-        <tbody>
-          {cases.map((one, i) => {
-            const [a, b] = one
-            return (
-              <tr key={i} data-case={one.map((finding) => finding?.label ?? '').join(' ')}>
-                {one.map((finding, k) => (
-                  <td key={k} className={finding && finding.margin <= 0 ? 'num bad-t b' : 'num'}>
-                    {finding ? (
-                      <>
-                        <span className="mono mut small">{finding.label}</span> {signed(finding.margin, decimals)}
-                      </>
-                    ) : (
-                      <span className="mut">not among its findings</span>
-                    )}
-                  </td>
-                ))}
-                {two && <td className="num b">{a && b ? signed(b.margin - a.margin, decimals) : NONE}</td>}
-              </tr>
-            )
-          })}
-        </tbody>
-      </table>
+      <Table
+        rows={cases}
+        row={(one) => ({ 'data-case': one.map((finding) => finding?.label ?? '').join(' ') })}
+        columns={[
+          ...runColumns<Case>(
+            runs,
+            (one, k) => <Margin finding={one[k]} decimals={decimals} />,
+            (one, k) => (one[k]?.margin ?? 1) <= 0 && 'bad-t b',
+          ),
+          two && apartColumn<Case>(([a, b]) => (a && b ? signed(b.margin - a.margin, decimals) : NONE)),
+        ]}
+      />
     </Card>
+  )
+}
+
+function Margin({ finding, decimals }: { finding: Case[number] | undefined; decimals: number }) {
+  if (!finding) return <span className="mut">not among its findings</span>
+  return (
+    <>
+      <span className="mono mut small">{finding.label}</span> {signed(finding.margin, decimals)}
+    </>
   )
 }
 

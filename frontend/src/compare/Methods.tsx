@@ -4,13 +4,19 @@ import { Card } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { useMethodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
+import { Table } from '../ui/Table'
 import { type Compared, unitOf } from './data'
 import { AxisHead, axisOf, Mark, MarkKeys } from './marks'
-import { RunHeads } from './Picks'
+import { apartColumn, runColumns } from './Picks'
 import figures from '../ui/figures.module.css'
-import tables from '../ui/tables.module.css'
 
 const [WIDTH, EDGE] = [280, 10]
+
+interface Row {
+  method: string
+  /** The best value in each run. */
+  values: (number | null)[]
+}
 
 export function Methods({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const methodLook = useMethodLook()
@@ -36,47 +42,32 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
       id="methods"
       right={<MarkKeys letters={runs.map(({ letter }) => letter)} />}
     >
-      <table className={tables.table}>
-        <thead>
-          <tr>
-            <th>Method</th>
-            <RunHeads runs={runs} apart={two} />
-            <AxisHead axis={axis} />
-          </tr>
-        </thead>
-        <tbody>
-          {methods.map((method) => {
-            const row = bests.map((found) => found.get(method) ?? null)
-            const [a, b] = row
-            return (
-              <tr key={method} data-method={method}>
-                <td>
-                  <MethodName method={method} />
-                </td>
-                {row.map((value, i) => (
-                  <td key={i} className={isBad(value, runs[i]) ? 'num bad-t' : 'num'}>
-                    {value === null ? <span className="mut">not run</span> : fixed(value, decimals)}
-                  </td>
+      <Table
+        rows={methods.map((method) => ({ method, values: bests.map((found) => found.get(method) ?? null) }))}
+        row={({ method }) => ({ 'data-method': method })}
+        columns={[
+          { head: 'Method', cell: ({ method }) => <MethodName method={method} /> },
+          ...runColumns<Row>(
+            runs,
+            ({ values }, k) => (values[k] == null ? <span className="mut">not run</span> : fixed(values[k], decimals)),
+            ({ values }, k) => isBad(values[k], runs[k]) && 'bad-t',
+          ),
+          two && apartColumn<Row>(({ values: [a, b] }) => (typeof a === 'number' && typeof b === 'number' ? signed(b - a, decimals) : NONE)),
+          {
+            head: <AxisHead axis={axis} />,
+            width: WIDTH,
+            cell: ({ method, values }) => (
+              <svg className={figures.ch} width={WIDTH} height={18} style={{ width: WIDTH }} aria-hidden="true">
+                <path d={`M${EDGE} 9H${WIDTH - EDGE}`} stroke="var(--line)" />
+                {shown.map((limit) => (
+                  <path key={limit} className={figures.cr} d={`M${x(limit)} 0V18`} />
                 ))}
-                {two && (
-                  <td className="num b">
-                    {typeof a === 'number' && typeof b === 'number' ? signed(b - a, decimals) : NONE}
-                  </td>
-                )}
-                <td>
-                  <svg className={figures.ch} width={WIDTH} height={18} style={{ width: WIDTH }} aria-hidden="true">
-                    <path d={`M${EDGE} 9H${WIDTH - EDGE}`} stroke="var(--line)" />
-                    {shown.map((limit) => (
-                      <path key={limit} className={figures.cr} d={`M${x(limit)} 0V18`} />
-                    ))}
-                    <Dumbbell values={row} x={x} colour={`var(${methodLook(method).colour})`} />
-                  </svg>
-                </td>
-              </tr>
-            )
-          })}
-        </tbody>
-      </table>
+                <Dumbbell values={values} x={x} colour={`var(${methodLook(method).colour})`} />
+              </svg>
+            ),
+          },
+        ]}
+      />
       {shown.length > 0 && <p className="sr">Criterion: {shown.map((limit) => plain(limit)).join(', ')}</p>}
     </Card>
   )
@@ -85,16 +76,16 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
 /** The best value of each method of a run. */
 function bestsOf({ run }: Compared): Map<string, number> {
   const found = new Map<string, number>()
-  for (const { kind, method, best } of run.stages)
-    if (kind === 'search' && method && best !== null) found.set(method, Math.min(best, found.get(method) ?? Infinity))
+  for (const { method, best } of run.stages)
+    if (method && best !== null) found.set(method, Math.min(best, found.get(method) ?? Infinity))
   return found
 }
 
 /** How many methods of all runs have a best value. */
 export const bestsIn = (runs: Compared[]): number => runs.reduce((sum, of) => sum + bestsOf(of).size, 0)
 
-const isBad = (value: number | null, of: Compared | undefined): boolean =>
-  value !== null && of?.run.threshold !== null && of !== undefined && value <= of.run.threshold
+const isBad = (value: number | null | undefined, of: Compared | undefined): boolean =>
+  value != null && of?.run.threshold !== null && of !== undefined && value <= of.run.threshold
 
 function Dumbbell({ values, x, colour }: { values: (number | null)[]; x: (value: number) => number; colour: string }) {
   const known = values.flatMap((value) => (value === null ? [] : x(value)))

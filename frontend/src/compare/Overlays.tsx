@@ -8,6 +8,7 @@ import type { Line, PlotSpec, Point } from '../charts/spec'
 import type { TraceData } from '../client'
 import { count, decimalsFor, fixed, plain } from '../format/numbers'
 import { convergenceOf, searchesOf } from '../run/data/data'
+import { curveOf, extentOf, firstOf } from '../run/flight/flown'
 import { MethodName } from '../ui/MethodMark'
 import { useMethodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
@@ -105,15 +106,8 @@ function drawnOf(of: Compared): Drawn[] {
   )
 }
 
-const columnOf = (trace: TraceData, group: string) =>
-  trace.data[trace.columns.find((column) => column.group === group)?.name ?? ''] ?? []
-
-function curveOf(trace: TraceData): Curve {
-  return { x: columnOf(trace, 'time').map((value) => value ?? 0), y: columnOf(trace, 'separation') }
-}
-
 function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSpec {
-  const curves = drawn.map(({ trace }) => curveOf(trace))
+  const curves = drawn.map(({ trace }) => curveOf(trace, firstOf(trace, 'separation')))
   const xs = union(curves)
   const unit = unitOf(runs) ?? ''
   const thresholds = runs.flatMap(({ run }) => run.threshold ?? [])
@@ -127,18 +121,14 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
   const whole: [number, number] = [xs[0] ?? 0, xs[xs.length - 1] ?? 1]
   const near = inside.length > 2 ? ([Math.min(...inside), Math.max(...inside)] as [number, number]) : whole
   const xRange = window === 'all' ? whole : near
-  let top = 0
-  for (const curve of curves)
-    curve.x.forEach((x, i) => {
-      if (x >= xRange[0] && x <= xRange[1]) top = Math.max(top, curve.y[i] ?? 0)
-    })
+  const top = Math.max(0, extentOf(curves, xRange)?.[1] ?? 0)
   const decimals = decimalsFor([lowest])
   const points: Point[] = drawn.flatMap(({ key, colour, trace, of }) => {
     const closest = trace.meta.closest
     return closest ? [{ x: closest.time, y: closest.value, colour, line: key, hollow: of.dash.length > 0 }] : []
   })
   const [first, ...further] = [...new Set(thresholds)]
-  const told = (limit: number) => {
+  const criterionText = (limit: number) => {
     const of = runs.filter(({ run }) => run.threshold === limit).map(({ letter }) => letter)
     return `Criterion${further.length > 0 ? ` of ${of.join(', ')}` : ''}, ${plain(limit)} ${unit}`
   }
@@ -153,8 +143,8 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
     yRange: [0, top * 1.04 || 1],
     yTitle: `Separation, ${unit}`,
     xTitle: 'Time since start, s',
-    criterion: first === undefined ? undefined : { value: first, label: told(first), tint: true },
-    criteria: further.map((value) => ({ value, label: told(value), right: true })),
+    criterion: first === undefined ? undefined : { value: first, label: criterionText(first), tint: true },
+    criteria: further.map((value) => ({ value, label: criterionText(value), right: true })),
     height: 340,
     xText: (x) => `${fixed(x, 2)} s`,
     yText: (y) => `${fixed(y, decimals)} ${unit}`,

@@ -4,8 +4,9 @@ import { IconPlus, IconX } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
-import { useState } from 'react'
+import { type ReactNode, useState } from 'react'
 import { listRuns } from '../api/calls'
+import type { Column } from '../ui/Table'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import type { Compared, Comparison } from './data'
 import { MOST, withRun } from './search'
@@ -70,23 +71,16 @@ function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void
 
 export const Letter = ({ of }: { of: string }) => <span className={clsx(styles.letter, styles[`letter${of}`])}>{of}</span>
 
-interface RunHeadsProps {
-  runs: readonly Compared[]
-  /** With a column for the difference of two. */
-  apart?: boolean
-}
+/** A column for each run. */
+export const runColumns = <T,>(
+  runs: readonly Compared[],
+  cell: (row: T, run: number) => ReactNode,
+  tone?: (row: T, run: number) => string | false | undefined,
+): Column<T>[] =>
+  runs.map(({ letter }, k) => ({ head: <Letter of={letter} />, num: true, tone: (row) => tone?.(row, k), cell: (row) => cell(row, k) }))
 
-/** The column headers of the runs. */
-export const RunHeads = ({ runs, apart }: RunHeadsProps) => (
-  <>
-    {runs.map(({ letter }) => (
-      <th key={letter} className="num">
-        <Letter of={letter} />
-      </th>
-    ))}
-    {apart && <th className="num">B minus A</th>}
-  </>
-)
+/** The column of the difference of two runs. */
+export const apartColumn = <T,>(cell: (row: T) => ReactNode): Column<T> => ({ head: 'B minus A', num: true, tone: 'b', cell })
 
 function Remove({ id, onRemove }: { id: string; onRemove: () => void }) {
   const words = `Take ${id} out`

@@ -1,13 +1,12 @@
 // One-at-a-time ranges: the values over the bounds of each parameter, with the others nominal.
-import { clsx } from 'clsx'
 import { resultOf } from '../api/stages'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
-import { type Compared, unitOf } from './data'
+import { Table } from '../ui/Table'
+import { type Compared, parameterOf, unitOf } from './data'
 import { AxisHead, axisOf, MarkKeys, Span } from './marks'
 import figures from '../ui/figures.module.css'
-import tables from '../ui/tables.module.css'
 
 const [WIDTH, EDGE, STEP] = [300, 12, 13]
 
@@ -30,37 +29,39 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
       id="ranges"
       right={<MarkKeys letters={runs.map(({ letter }) => letter)} />}
     >
-      <table className={clsx(tables.table, tables.tight)}>
-        <thead>
-          <tr>
-            <th>Parameter</th>
-            <AxisHead axis={axis} />
-          </tr>
-        </thead>
-        <tbody>
-          {paths.map((path) => {
-            const about = runs.flatMap(({ parameters }) => parameters.find((p) => p.path === path) ?? [])[0]
-            const told = runs.map(({ letter }, i) => `${letter}: ${textOf(spans[i]?.get(path), unit)}`)
-            return (
-              <tr key={path} data-path={path}>
-                <td title={about?.text}>{about ? <Sign text={about.symbol} /> : <span className="mono">{path}</span>}</td>
-                <td>
-                  <svg className={figures.ch} width={WIDTH} height={height} style={{ width: WIDTH }} aria-hidden="true">
-                    {shown.map((limit) => (
-                      <path key={limit} className={figures.cr} d={`M${x(limit)} 0V${height}`} />
-                    ))}
-                    {spans.map((found, i) => {
-                      const span = found.get(path)
-                      return span && <Span key={i} from={x(span[0])} to={x(span[1])} y={9 + STEP * i} index={i} />
-                    })}
-                  </svg>
-                  <span className="sr">{told.join('; ')}</span>
-                </td>
-              </tr>
-            )
-          })}
-        </tbody>
-      </table>
+      <Table
+        tight
+        rows={paths}
+        row={(path) => ({ 'data-path': path })}
+        columns={[
+          {
+            head: 'Parameter',
+            tip: (path) => parameterOf(runs, path)?.text,
+            cell: (path) => {
+              const symbol = parameterOf(runs, path)?.symbol
+              return symbol === undefined ? <span className="mono">{path}</span> : <Sign text={symbol} />
+            },
+          },
+          {
+            head: <AxisHead axis={axis} />,
+            width: WIDTH,
+            cell: (path) => (
+              <>
+                <svg className={figures.ch} width={WIDTH} height={height} style={{ width: WIDTH }} aria-hidden="true">
+                  {shown.map((limit) => (
+                    <path key={limit} className={figures.cr} d={`M${x(limit)} 0V${height}`} />
+                  ))}
+                  {spans.map((found, i) => {
+                    const span = found.get(path)
+                    return span && <Span key={i} from={x(span[0])} to={x(span[1])} y={9 + STEP * i} index={i} />
+                  })}
+                </svg>
+                <span className="sr">{runs.map(({ letter }, i) => `${letter}: ${textOf(spans[i]?.get(path), unit)}`).join('; ')}</span>
+              </>
+            ),
+          },
+        ]}
+      />
       {shown.length === 0 && limits.length > 0 && <p className={figures.fig}>The criterion is off this axis.</p>}
     </Card>
   )

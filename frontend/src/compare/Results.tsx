@@ -3,10 +3,10 @@ import type { ReactNode } from 'react'
 import { count, decimalsFor, fixed, NONE, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
+import { Table } from '../ui/Table'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import { boundOf, type Compared, sampleOf, unitOf } from './data'
-import { RunHeads } from './Picks'
-import tables from '../ui/tables.module.css'
+import { apartColumn, runColumns } from './Picks'
 
 interface Line {
   key: string
@@ -25,14 +25,19 @@ export function Results({ runs, className }: { runs: Compared[]; className: stri
   const two = runs.length === 2 && unitOf(runs) !== null
   return (
     <Card title="Results" className={className} flush id="results">
-      <table className={tables.table}>
-        <thead>
-          <tr>
-            <th />
-            <RunHeads runs={runs} apart={two} />
-          </tr>
-        </thead>
-        <tbody>
+      <Table
+        rows={linesOf(runs).filter(({ values }) => values.some((value) => value !== null))}
+        row={({ key }) => ({ 'data-row': key })}
+        columns={[
+          { head: '', cell: ({ name, unit }) => <>{name} <span className="mut small">{unit}</span></> },
+          ...runColumns<Line>(
+            runs,
+            (line, k) => <Value line={line} run={k} />,
+            ({ values, bad }, k) => values[k] != null && bad?.(values[k]) && 'bad-t b',
+          ),
+          two && apartColumn(apartText),
+        ]}
+        first={
           <tr>
             <td>Verdict</td>
             {runs.map(({ run }) => (
@@ -42,32 +47,24 @@ export function Results({ runs, className }: { runs: Compared[]; className: stri
             ))}
             {two && <td />}
           </tr>
-          {linesOf(runs).filter(({ values }) => values.some((value) => value !== null)).map((line) => (
-            <Row key={line.key} line={line} difference={two} />
-          ))}
-        </tbody>
-      </table>
+        }
+      />
     </Card>
   )
 }
 
-function Row({ line, difference }: { line: Line; difference: boolean }) {
-  const [a, b] = line.values
-  const apart = typeof a === 'number' && typeof b === 'number' && !line.outOf ? b - a : null
+function Value({ line: { values, decimals, plus, outOf }, run }: { line: Line; run: number }) {
+  const value = values[run]
   return (
-    <tr data-row={line.key}>
-      <td>
-        {line.name} <span className="mut small">{line.unit}</span>
-      </td>
-      {line.values.map((value, i) => (
-        <td key={i} className={value !== null && line.bad?.(value) ? 'num bad-t b' : 'num'}>
-          {line.plus ? signed(value, line.decimals) : fixed(value, line.decimals)}
-          {value !== null && line.outOf && <span className="mut small"> of {count(line.outOf[i] ?? null)}</span>}
-        </td>
-      ))}
-      {difference && <td className="num b">{apart === null ? NONE : signed(apart, line.decimals)}</td>}
-    </tr>
+    <>
+      {plus ? signed(value, decimals) : fixed(value, decimals)}
+      {value != null && outOf && <span className="mut small"> of {count(outOf[run])}</span>}
+    </>
   )
+}
+
+function apartText({ values: [a, b], outOf, decimals }: Line): string {
+  return typeof a === 'number' && typeof b === 'number' && !outOf ? signed(b - a, decimals) : NONE
 }
 
 function linesOf(runs: Compared[]): Line[] {
@@ -77,12 +74,12 @@ function linesOf(runs: Compared[]): Line[] {
   const decimals = decimalsFor(costs)
   const samples = runs.map(sampleOf)
   const statistics = runs.map(({ run }) => run.summary?.statistics ?? null)
-  const sizes = [...new Set(statistics.flatMap((told) => (told ? [told.samples] : [])))]
+  const sizes = [...new Set(statistics.flatMap((sample) => (sample ? [sample.samples] : [])))]
   const bounds = runs.map((compared) => {
     const bound = boundOf(compared)
     return bound === null ? null : 100 * bound
   })
-  const confidence = statistics.find((told) => told !== null)?.confidence
+  const confidence = statistics.find((sample) => sample !== null)?.confidence
   return [
     { key: 'worst', name: <>Worst <Sign text={quantity} /></>, unit, decimals, values: runs.map(({ run }) => run.worst_cost) },
     { key: 'criterion', name: 'Criterion', unit, decimals, values: runs.map(({ run }) => run.threshold) },
@@ -93,9 +90,9 @@ function linesOf(runs: Compared[]): Line[] {
       key: 'violations',
       name: 'Samples in violation',
       unit: sizes.length === 1 ? `of ${count(sizes[0])}` : '',
-      outOf: sizes.length > 1 ? statistics.map((told) => told?.samples ?? null) : undefined,
+      outOf: sizes.length > 1 ? statistics.map((sample) => sample?.samples ?? null) : undefined,
       decimals: 0,
-      values: statistics.map((told) => told?.violations ?? null),
+      values: statistics.map((sample) => sample?.violations ?? null),
       bad: (v) => v > 0,
     },
     {

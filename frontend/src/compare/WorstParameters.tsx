@@ -1,48 +1,33 @@
 // The worst cases of the runs, with their positions within the bounds.
-import { clsx } from 'clsx'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
-import type { Compared } from './data'
-import { RunHeads } from './Picks'
-import tables from '../ui/tables.module.css'
+import { Table } from '../ui/Table'
+import { type Compared, parameterOf } from './data'
+import { runColumns } from './Picks'
 
 export function WorstParameters({ runs, className }: { runs: Compared[]; className: string | undefined }) {
   const paths = [...new Set(runs.flatMap(({ parameters }) => parameters.map((p) => p.path)))]
+  const rows = paths.map((path) => ({ path, parameter: parameterOf(runs, path), values: runs.map(({ findings }) => findings[0]?.parameters[path] ?? null) }))
   return (
     <Card title="Worst case of each run" note="Grey tick: nominal of A" className={className} flush id="worst">
-      <table className={clsx(tables.table, tables.tight)}>
-        <thead>
-          <tr>
-            <th>Parameter</th>
-            <RunHeads runs={runs} />
-            <th>Within bounds</th>
-          </tr>
-        </thead>
-        <tbody>
-          {paths.map((path) => {
-            const about = runs.flatMap(({ parameters }) => parameters.find((p) => p.path === path) ?? [])[0]
-            const values = runs.map(({ findings }) => findings[0]?.parameters[path] ?? null)
-            return (
-              <tr key={path}>
-                <td>
-                  {about && <Sign text={about.symbol} />}{' '}
-                  <span className="mut small">{about ? unitText(about.unit) : path}</span>
-                </td>
-                {values.map((value, i) => (
-                  <td key={i} className="num">
-                    {plain(value, 5)}
-                  </td>
-                ))}
-                <td>
-                  <Places runs={runs} path={path} values={values} />
-                </td>
-              </tr>
-            )
-          })}
-        </tbody>
-      </table>
+      <Table
+        tight
+        rows={rows}
+        columns={[
+          {
+            head: 'Parameter',
+            cell: ({ path, parameter }) => (
+              <>
+                {parameter && <Sign text={parameter.symbol} />} <span className="mut small">{parameter ? unitText(parameter.unit) : path}</span>
+              </>
+            ),
+          },
+          ...runColumns<(typeof rows)[number]>(runs, ({ values }, k) => plain(values[k], 5)),
+          { head: 'Within bounds', cell: ({ path, values }) => <Places runs={runs} path={path} values={values} /> },
+        ]}
+      />
     </Card>
   )
 }

@@ -87,6 +87,10 @@ export function sampleOf({ stages }: Compared): Sample | null {
 
 export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null
 
+/** The description of a parameter in the first run that has it. */
+export const parameterOf = (runs: readonly Compared[], path: string): UncertainParameter | undefined =>
+  runs.flatMap(({ parameters }) => parameters.find((p) => p.path === path) ?? [])[0]
+
 /** The common unit of all runs; null if units differ, so that differences are undefined. */
 export function unitOf(runs: readonly Compared[]): string | null {
   const [first] = runs

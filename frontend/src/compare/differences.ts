@@ -114,8 +114,8 @@ function flatten(value: unknown, path: string, into: Map<string, Entry>): void {
       const name = namedBy(inner) ?? key
       const time = (times.get(name) ?? 0) + 1
       times.set(name, time)
-      const told = time > 1 ? `${name} ${time}` : name
-      flatten(inner, path ? `${path}.${told}` : told, into)
+      const part = time > 1 ? `${name} ${time}` : name
+      flatten(inner, path ? `${path}.${part}` : part, into)
     }
     return
   }

@@ -23,15 +23,13 @@ export function axisOf(values: readonly number[], limits: readonly number[], wid
 
 /** The tick labels of the axis, as a column header. */
 export const AxisHead = ({ axis: { width, x, ticks } }: { axis: Axis }) => (
-  <th style={{ width }}>
-    <svg className={figures.ch} width={width} height={14} style={{ width }} aria-hidden="true">
-      {ticks.map((tick) => (
-        <text key={tick} x={x(tick)} y={11} textAnchor="middle">
-          {tickText(ticks)(tick)}
-        </text>
-      ))}
-    </svg>
-  </th>
+  <svg className={figures.ch} width={width} height={14} style={{ width }} aria-hidden="true">
+    {ticks.map((tick) => (
+      <text key={tick} x={x(tick)} y={11} textAnchor="middle">
+        {tickText(ticks)(tick)}
+      </text>
+    ))}
+  </svg>
 )
 
 export const MarkKeys = ({ letters }: { letters: readonly string[] }) => (

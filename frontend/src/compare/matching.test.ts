@@ -1,12 +1,12 @@
 // Matching findings of several runs.
 import { expect, it } from 'vitest'
-import * as given from '../api/fixtures'
+import * as fixtures from '../api/fixtures'
 import type { FindingDetail } from '../client'
 import type { UncertainParameter } from '../run/data/data'
 import { type Case, matched, type Searched } from './matching'
 
 const finding = (label: string, m: number, J = 0) =>
-  given.finding(label, { parameters: { 'vehicle.m': m, 'vehicle.J': J } })
+  fixtures.finding(label, { parameters: { 'vehicle.m': m, 'vehicle.J': J } })
 const parameters: UncertainParameter[] = ['vehicle.m', 'vehicle.J'].map((path) => ({ path, symbol: path, unit: '', text: '', nominal: 5, low: 0, high: 10 }))
 const run = (...findings: FindingDetail[]): Searched => ({ findings, parameters })
 const labels = (cases: Case[] | null) => cases?.map((one) => one.map((f) => f?.label ?? '-').join(' '))

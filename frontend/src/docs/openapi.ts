@@ -69,12 +69,12 @@ export function operationsOf(document: OpenApi): Group[] {
   const all = Object.entries(document.paths).flatMap(([path, methods]) =>
     Object.entries(methods).map(([method, operation]): Operation => ({ ...operation, method, path })),
   )
-  const told = new Map(document.tags?.map((tag) => [tag.name, tag.description ?? '']))
-  const names = [...new Set([...told.keys(), ...all.map((operation) => operation.tags?.[0] ?? 'other')])]
+  const descriptions = new Map(document.tags?.map((tag) => [tag.name, tag.description ?? '']))
+  const names = [...new Set([...descriptions.keys(), ...all.map((operation) => operation.tags?.[0] ?? 'other')])]
   return names
     .map((name) => ({
       name,
-      description: told.get(name) ?? '',
+      description: descriptions.get(name) ?? '',
       operations: all.filter((operation) => (operation.tags?.[0] ?? 'other') === name),
     }))
     .filter((group) => group.operations.length > 0)

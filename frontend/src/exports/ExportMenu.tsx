@@ -9,6 +9,8 @@ import type { ExportFile, RunDetail } from '../client'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
 import { at } from '../format/root'
+import { Button } from '../ui/Button'
+import { EntryLines } from '../ui/EntryLines'
 import buttons from '../ui/buttons.module.css'
 import styles from './exports.module.css'
 
@@ -35,10 +37,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
       )}
       <Menu opened={opened} onChange={setOpened} position="bottom-end" width={340}>
         <Menu.Target>
-          <button type="button" className={buttons.btn}>
-            <IconDownload className="i s" aria-hidden />
-            Export
-          </button>
+          <Button icon={IconDownload}>Export</Button>
         </Menu.Target>
         <Menu.Dropdown className={styles.files}>
           <Menu.Label>Files of {run.id}</Menu.Label>
@@ -73,10 +72,7 @@ function PdfEntry({ file }: { file: ExportFile }) {
       onClick={() => print.mutate()}
       leftSection={<IconFileTypePdf className="i s" aria-hidden />}
     >
-      <span className="b">{file.title}</span>
-      <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }} aria-live="polite">
-        {print.isError ? <span className="bad-t">{print.error.message}</span> : words}
-      </span>
+      <EntryLines title={file.title} live>{print.isError ? <span className="bad-t">{print.error.message}</span> : words}</EntryLines>
     </Menu.Item>
   )
 }
@@ -101,10 +97,7 @@ function Entry({ file }: { file: ExportFile }) {
       disabled={file.unavailable !== null}
       leftSection={<Icon className="i s" aria-hidden />}
     >
-      <span className="b">{file.title}</span>
-      <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }}>
-        {file.unavailable ?? file.text}
-      </span>
+      <EntryLines title={file.title}>{file.unavailable ?? file.text}</EntryLines>
     </Menu.Item>
   )
 }

@@ -1,12 +1,12 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
-import { clsx } from 'clsx'
 import { Menu } from '@mantine/core'
 import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '@tabler/icons-react'
 import { useState } from 'react'
 import type { Theme } from '../theme/useTheme'
 import { useTheme } from '../theme/useTheme'
 import { at } from '../format/root'
-import buttons from '../ui/buttons.module.css'
+import { EntryLines } from '../ui/EntryLines'
+import { Button } from '../ui/Button'
 
 /** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
 export const recordedAt = (run: string, flight: string, theme: Theme) => ({
@@ -26,9 +26,7 @@ export function RecordingMenu(props: Props) {
   return (
     <Menu position="bottom-end" width={300}>
       <Menu.Target>
-        <button type="button" className={clsx(buttons.btn, buttons.s)}>
-          <IconPlayerPlay className="i s" aria-hidden /> Recording
-        </button>
+        <Button small icon={IconPlayerPlay}>Recording</Button>
       </Menu.Target>
       <Menu.Dropdown>
         <RecordingEntries {...props} />
@@ -46,10 +44,7 @@ export function RecordingEntries({ run, flight, one }: Props) {
     <>
       <CopyLink address={page} />
       <Menu.Item component="a" href={file} download leftSection={<IconDownload className="i s" aria-hidden />}>
-        <span className="b">Download as one file</span>
-        <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }}>
-          {called[0]?.toUpperCase() + called.slice(1)} in 3D with a play bar; works offline
-        </span>
+        <EntryLines title="Download as one file">{called[0]?.toUpperCase() + called.slice(1)} in 3D with a play bar; works offline</EntryLines>
       </Menu.Item>
     </>
   )
@@ -64,10 +59,7 @@ function CapsuleEntry({ run, flight }: Props) {
       download
       leftSection={<IconPackage className="i s" aria-hidden />}
     >
-      <span className="b">Capsule of {flight}</span>
-      <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }}>
-        Evaluated again with clearance replay FILE, without a service
-      </span>
+      <EntryLines title={`Capsule of ${flight}`}>Evaluated again with clearance replay FILE, without a service</EntryLines>
     </Menu.Item>
   )
 }
@@ -89,10 +81,7 @@ function CopyLink({ address }: { address: string }) {
         notice === 'Copied' ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />
       }
     >
-      <span className="b">Copy link to the recording</span>
-      <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }} aria-live="polite">
-        {notice || 'Requires a login; plays without a simulation'}
-      </span>
+      <EntryLines title="Copy link to the recording" live>{notice || 'Requires a login; plays without a simulation'}</EntryLines>
     </Menu.Item>
   )
 }

@@ -10,7 +10,7 @@ it('writes the numbers of a sentence as the pages do', () => {
   expect(thinned('ends after 1,128,880 at the latest, in 2025, 60 min')).toBe('ends after 1\u202f128\u202f880 at the latest, in 2025, 60 min')
 })
 
-const WRITTEN: Record<string, (...given: never[]) => string | number> = {
+const WRITTEN: Record<string, (...values: never[]) => string | number> = {
   printed: (value: number, unit: string, format: Quantity['format'], digits: number) => quantityText({ value, unit, format, digits }),
   fixed,
   signed,

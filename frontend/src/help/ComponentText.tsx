@@ -1,11 +1,10 @@
 // The text of a component with its parameters: the installed one on help pages, the stored one on a run's page.
-import { clsx } from 'clsx'
 import type { ComponentEntry, ParameterEntry } from '../client'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
+import { type Column, DataTable } from '../ui/DataTable'
 import { Sign } from '../ui/Sign'
 import { Docstring } from './Docstring'
-import tables from '../ui/tables.module.css'
 
 export function ComponentText({ component, open }: { component: ComponentEntry; open?: boolean }) {
   const groups = [
@@ -28,35 +27,15 @@ export function ComponentText({ component, open }: { component: ComponentEntry; 
   )
 }
 
-export function Parameters({ entries }: { entries: readonly ParameterEntry[] }) {
-  return (
-    <table className={clsx(tables.table, tables.tight)}>
-      <thead>
-        <tr>
-          <th>Name</th>
-          <th>Symbol</th>
-          <th>Meaning</th>
-          <th className="num">Default</th>
-          <th className="num">Allowed</th>
-          <th>Unit</th>
-        </tr>
-      </thead>
-      <tbody>
-        {entries.map((entry) => (
-          <tr key={entry.name}>
-            <td className="mono">{entry.name}</td>
-            <td>
-              <Sign text={entry.symbol} />
-            </td>
-            <td className="sec">{entry.text}</td>
-            <td className="num">{entry.default === null ? 'must be given' : plain(entry.default)}</td>
-            <td className="num sec">
-              {plain(entry.low)} to {plain(entry.high)}
-            </td>
-            <td className="sec">{unitText(entry.unit)}</td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
-  )
-}
+const COLUMNS: readonly Column<ParameterEntry>[] = [
+  { head: 'Name', look: 'mono', cell: ({ name }) => name },
+  { head: 'Symbol', cell: ({ symbol }) => <Sign text={symbol} /> },
+  { head: 'Meaning', look: 'sec', cell: ({ text }) => text },
+  { head: 'Default', align: 'num', cell: (entry) => (entry.default === null ? 'must be given' : plain(entry.default)) },
+  { head: 'Allowed', align: 'num', look: 'sec', cell: ({ low, high }) => `${plain(low)} to ${plain(high)}` },
+  { head: 'Unit', look: 'sec', cell: ({ unit }) => unitText(unit) },
+]
+
+export const Parameters = ({ entries }: { entries: readonly ParameterEntry[] }) => (
+  <DataTable kind="tight" items={entries} keyOf={({ name }) => name} columns={COLUMNS} />
+)

@@ -4,13 +4,13 @@ import { Link } from '@tanstack/react-router'
 import { CHECKS, LIMITS } from '../api/rules'
 import { useTitle } from '../page/useTitle'
 import { count, percent, plain } from '../format/numbers'
+import { type Column, DataTable } from '../ui/DataTable'
 import { ATTACKS } from './attacks'
 import { HelpFrame } from './HelpFrame'
 import { missed, SAMPLES, SLITS } from './missed'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
 import prose from '../ui/prose.module.css'
-import tables from '../ui/tables.module.css'
 import styles from './help.module.css'
 
 const CAPS: readonly [string, string][] = [
@@ -116,6 +116,11 @@ function Caps() {
   )
 }
 
+const MISSED: readonly Column<number>[] = [
+  { head: 'Probability p of the set', look: 'tn', cell: (p) => plain(p) },
+  ...SAMPLES.map((n) => ({ head: `n = ${count(n)}`, align: 'num', cell: (p: number) => percent(missed(p, n)) })),
+]
+
 function Limits() {
   return (
     <section className={cards.card} id="limits">
@@ -126,30 +131,7 @@ function Limits() {
           probability (1 − p)<sup>n</sup>. A search can miss such a set, too: nothing around it points to it.
         </p>
         <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Table of probabilities">
-          <table className={clsx(tables.table, tables.tight)} aria-label="Probability that a sample misses a set of violations">
-            <thead>
-              <tr>
-                <th>Probability p of the set</th>
-                {SAMPLES.map((n) => (
-                  <th key={n} className="num">
-                    n = {count(n)}
-                  </th>
-                ))}
-              </tr>
-            </thead>
-            <tbody>
-              {SLITS.map((p) => (
-                <tr key={p}>
-                  <td className="tn">{plain(p)}</td>
-                  {SAMPLES.map((n) => (
-                    <td key={n} className="num">
-                      {percent(missed(p, n))}
-                    </td>
-                  ))}
-                </tr>
-              ))}
-            </tbody>
-          </table>
+          <DataTable kind="tight" label="Probability that a sample misses a set of violations" items={SLITS} keyOf={(p) => p} columns={MISSED} />
         </div>
         <p>
           <b>The model.</b> Every statement is about the model: its components, its bounds, its distributions, its

@@ -1,9 +1,8 @@
 // The text of a method with its settings: the installed one on help pages, the stored one on a run's page.
-import { clsx } from 'clsx'
 import type { MethodEntry } from '../client'
 import { count } from '../format/numbers'
+import { type Column, DataTable } from '../ui/DataTable'
 import { Docstring } from './Docstring'
-import tables from '../ui/tables.module.css'
 import styles from './help.module.css'
 
 interface Rule {
@@ -41,29 +40,18 @@ export function MethodText({ method }: { method: MethodEntry }) {
       {options.length > 0 && (
         <details>
           <summary>{options.length === 1 ? 'One setting' : `${options.length} settings`}</summary>
-          <table className={clsx(tables.table, tables.tight)}>
-            <thead>
-              <tr>
-                <th>Setting</th>
-                <th>Default</th>
-                <th>Meaning</th>
-              </tr>
-            </thead>
-            <tbody>
-              {options.map(([name, rule]) => (
-                <tr key={name}>
-                  <td className="mono">{name}</td>
-                  <td className="tn nw">{rule.default === undefined ? 'must be given' : written(rule.default)}</td>
-                  <td className="sec">{meaning(rule)}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
+          <DataTable kind="tight" items={options} keyOf={([name]) => name} columns={COLUMNS} />
         </details>
       )}
     </>
   )
 }
+
+const COLUMNS: readonly Column<[string, Rule]>[] = [
+  { head: 'Setting', look: 'mono', cell: ([name]) => name },
+  { head: 'Default', look: 'tn nw', cell: ([, rule]) => (rule.default === undefined ? 'must be given' : written(rule.default)) },
+  { head: 'Meaning', look: 'sec', cell: ([, rule]) => meaning(rule) },
+]
 
 /** What a method may state in a few words. */
 const FACTS = [

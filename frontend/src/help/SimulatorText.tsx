@@ -1,11 +1,18 @@
 // The text of a simulator with its parameters and results, from the catalogue.
-import { clsx } from 'clsx'
-import type { SimulatorEntry } from '../client'
+import type { ResultEntry, SimulatorEntry } from '../client'
 import { unitText } from '../format/units'
+import { type Column, DataTable } from '../ui/DataTable'
 import { Sign } from '../ui/Sign'
 import { Parameters } from './ComponentText'
 import { Docstring } from './Docstring'
-import tables from '../ui/tables.module.css'
+
+const COLUMNS: readonly Column<ResultEntry>[] = [
+  { head: 'Name', look: 'mono', cell: ({ name }) => name },
+  { head: 'Symbol', cell: ({ quantity }) => <Sign text={quantity} /> },
+  { head: 'Meaning', look: 'sec', cell: ({ text, title }) => text || title },
+  { head: 'Worse when', look: 'sec', cell: ({ worse }) => worse },
+  { head: 'Unit', look: 'sec', cell: ({ unit }) => unitText(unit) },
+]
 
 export function SimulatorText({ simulator }: { simulator: SimulatorEntry }) {
   const { text, parameters, results } = simulator
@@ -20,30 +27,7 @@ export function SimulatorText({ simulator }: { simulator: SimulatorEntry }) {
       )}
       <details>
         <summary>Results: {results.length}</summary>
-        <table className={clsx(tables.table, tables.tight)}>
-          <thead>
-            <tr>
-              <th>Name</th>
-              <th>Symbol</th>
-              <th>Meaning</th>
-              <th>Worse when</th>
-              <th>Unit</th>
-            </tr>
-          </thead>
-          <tbody>
-            {results.map((result) => (
-              <tr key={result.name}>
-                <td className="mono">{result.name}</td>
-                <td>
-                  <Sign text={result.quantity} />
-                </td>
-                <td className="sec">{result.text || result.title}</td>
-                <td className="sec">{result.worse}</td>
-                <td className="sec">{unitText(result.unit)}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
+        <DataTable kind="tight" items={results} keyOf={({ name }) => name} columns={COLUMNS} />
       </details>
     </>
   )

@@ -1,5 +1,6 @@
 // The search dialog (Ctrl K): runs found by the service, pages, library campaigns, help.
 import { Combobox, Modal, useCombobox } from '@mantine/core'
+import { useDebouncedValue } from '@mantine/hooks'
 import { IconArrowRight, IconSearch } from '@tabler/icons-react'
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { useRouter } from '@tanstack/react-router'
@@ -34,10 +35,10 @@ function Search({ onDone }: { onDone: () => void }) {
   const router = useRouter()
   const [text, setText] = useState('')
   const store = useCombobox({ opened: true, onDropdownClose: onDone })
-  const asked = useResting(text.trim())
+  const [words] = useDebouncedValue(text.trim(), REST)
   const found = useQuery({
-    queryKey: ['jump', asked],
-    queryFn: () => calls.listRuns(asked ? { q: asked } : {}, null, RUNS),
+    queryKey: ['jump', words],
+    queryFn: () => calls.listRuns(words ? { q: words } : {}, null, RUNS),
     placeholderData: keepPreviousData,
   })
   const { data: library = [] } = useQuery(libraryQuery)
@@ -116,13 +117,4 @@ function placeOption({ to, name, note }: Place): ReactNode {
       <span className={clsx(styles.what, layout.one)}>{note}</span>
     </Combobox.Option>
   )
-}
-
-function useResting(text: string): string {
-  const [rested, setRested] = useState(text)
-  useEffect(() => {
-    const timer = setTimeout(() => setRested(text), REST)
-    return () => clearTimeout(timer)
-  }, [text])
-  return rested
 }

@@ -24,7 +24,7 @@ import { Library } from './library/Library'
 import { criterionOf, decidingOf, parametersOf } from './campaign/parameters'
 import { PreviewCard } from './preview/PreviewCard'
 import { focusField, ProblemsProvider } from './fields/problems'
-import { useRegression } from './regression/given'
+import { useRegression } from './regression/regression'
 import type { Shelf } from './library/shelf'
 import { Estimate, RunCard } from './Side'
 import { StartBar } from './StartBar'
@@ -84,10 +84,10 @@ export function Editor(props: EditorProps) {
       const text = await draft.typed()
       const checked = await checkCampaign(text)
       if (!checked.ok) throw new Refusal(422, 'The campaign has problems', '', checked.problems)
-      const given = { campaign: asCampaign(checked.document), name: name.trim(), tags, ...regression.given, text }
-      const body = JSON.stringify(given)
+      const request = { campaign: asCampaign(checked.document), name: name.trim(), tags, ...regression.request, text }
+      const body = JSON.stringify(request)
       if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
-      const run = await submitRun(given, submission.current.key)
+      const run = await submitRun(request, submission.current.key)
       // The run takes precedence: a draft that another user has saved in the meantime is not changed.
       await saved.launched(run.id, remove).catch(() => undefined)
       return run
@@ -234,7 +234,7 @@ export function Editor(props: EditorProps) {
                 parameters={parameters}
                 name={name.trim()}
                 tags={tags}
-                labels={regression.given.labels}
+                labels={regression.request.labels}
                 blocked={blocked}
                 typed={draft.typed}
                 onLaunched={(id) => {

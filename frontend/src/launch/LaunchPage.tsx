@@ -1,22 +1,18 @@
 // Launching a run: choose a campaign, an earlier run or a draft, edit it as a form or as text, start it or save it as a draft.
 import { clsx } from 'clsx'
-import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo, useState } from 'react'
 import { asCampaign } from '../api/campaign'
 import { Refusal } from '../api/problems'
 import { catalogueQuery, draftQuery, libraryQuery, runQuery } from '../api/queries'
-import { Loading, Trouble } from '../page/Trouble'
+import { Loading, Notice, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import type { Draft, RunDetail } from '../client'
 import { fromDraft, fromLibrary, fromRun, type Start } from './draft/beginning'
 import { Editor } from './Editor'
 import { ordered, type Shelf, shelfOf } from './library/shelf'
 import buttons from '../ui/buttons.module.css'
-import cards from '../ui/cards.module.css'
-import icons from '../ui/icons.module.css'
-import layout from '../ui/layout.module.css'
 
 /** An editor whose campaign was saved as a draft continues under the draft's address. */
 interface Own {
@@ -28,35 +24,34 @@ interface Own {
 /** Without a worker there is no catalogue; the page polls until there is one. */
 function Waiting() {
   return (
-    <div className={clsx(cards.card, layout.centre)} role="alert">
-      <IconLoader size={36} stroke={1.5} className={icons.spin} aria-hidden />
-      <h1>Waiting for a worker</h1>
-      <p>
-        Vehicles, controllers, avoiders and search methods are published by workers, and none has started on this database
-        yet. Start one with <code>clearance worker</code>: this page then continues automatically.
-      </p>
-      <div className={layout.acts}>
+    <Notice
+      title="Waiting for a worker"
+      busy
+      actions={
         <Link to="/runs" className={buttons.btn}>
           All runs
         </Link>
-      </div>
-    </div>
+      }
+    >
+      Vehicles, controllers, avoiders and search methods are published by workers, and none has started on this database
+      yet. Start one with <code>clearance worker</code>: this page then continues automatically.
+    </Notice>
   )
 }
 
 /** The address names a campaign that the library does not have. */
 function Absent({ id }: { id: string }) {
   return (
-    <div className={clsx(cards.card, layout.centre)} role="alert">
-      <IconAlertTriangle size={36} stroke={1.5} aria-hidden />
-      <h1>Campaign not found</h1>
-      <p className={layout.wrapAny}>The library of this installation has no campaign “{id}”.</p>
-      <div className={layout.acts}>
+    <Notice
+      title="Campaign not found"
+      actions={
         <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
           Choose from the library
         </Link>
-      </div>
-    </div>
+      }
+    >
+      The library of this installation has no campaign “{id}”.
+    </Notice>
   )
 }
 
@@ -66,20 +61,20 @@ export function LaunchPage() {
   const navigate = useNavigate()
   const [own, setOwn] = useState<Own | null>(null)
   const kept = own && own.draft === search.draft ? own : null
-  const asked = kept ? undefined : search.draft
+  const unopened = kept ? undefined : search.draft
   const catalogue = useQuery(catalogueQuery)
   const library = useQuery(libraryQuery)
   const earlier = useQuery({ ...runQuery(search.from ?? ''), enabled: Boolean(search.from) })
-  const draft = useQuery({ ...draftQuery(asked ?? ''), enabled: Boolean(asked) })
+  const draft = useQuery({ ...draftQuery(unopened ?? ''), enabled: Boolean(unopened) })
   const [shelf, setShelf] = useState<Shelf | null>(null)
   const campaigns = useMemo(() => ordered(library.data ?? []), [library.data])
   const chosen = search.from || search.draft ? null : (search.case ?? campaigns[0]?.id ?? null)
 
   const once = { staleTime: Number.POSITIVE_INFINITY, gcTime: 0 }
   const opened = useQuery({
-    queryKey: ['opened', asked, draft.data?.version],
+    queryKey: ['opened', unopened, draft.data?.version],
     queryFn: () => fromDraft(draft.data as Draft, asCampaign(campaigns[0]?.document)),
-    enabled: Boolean(asked) && draft.data?.id === asked && campaigns.length > 0 && Boolean(catalogue.data),
+    enabled: Boolean(unopened) && draft.data?.id === unopened && campaigns.length > 0 && Boolean(catalogue.data),
     ...once,
   })
   const again = useQuery({
@@ -90,11 +85,11 @@ export function LaunchPage() {
   })
   const start = useMemo(() => {
     if (kept) return kept.start
-    if (asked) return opened.data
+    if (unopened) return opened.data
     if (search.from) return again.data
     const item = library.data?.find((campaign) => campaign.id === chosen)
     return item && fromLibrary(item)
-  }, [kept, asked, opened.data, search.from, again.data, library.data, chosen])
+  }, [kept, unopened, opened.data, search.from, again.data, library.data, chosen])
 
   // What was read once stays when it cannot be read again: an editor must not vanish with what was typed.
   const asks = [library, catalogue, earlier, draft, opened, again]

@@ -7,10 +7,10 @@ import { count, thinned, NONE, percent } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
-import { NumberCell } from './fields/NumberCell'
+import { Labelled, NumberField } from './fields/Field'
 import { numberOf } from './campaign/parameters'
 import { FieldErrors, idOf } from './fields/problems'
-import type { Regression } from './regression/given'
+import type { Regression } from './regression/regression'
 import { amountOf, stageOf, timeOf } from './estimate'
 import { RegressionFields } from './regression/RegressionFields'
 import fields from '../ui/fields.module.css'
@@ -33,15 +33,11 @@ export function RunCard({ name, tags, campaign, readable, criterion, regression,
   return (
     <Card title="Run">
       <div style={{ display: 'grid', gap: 12 }}>
-        <div>
-          <label className={fields.lbl} htmlFor={idOf('name')}>
-            Name
-          </label>
+        <Labelled field="name" label="Name">
           <span className={fields.inp}>
             <input id={idOf('name')} value={name} maxLength={120} onChange={(event) => onName(event.target.value)} />
           </span>
-          <FieldErrors field="name" />
-        </div>
+        </Labelled>
         <div>
           <TagsInput
             id={idOf('tags')}
@@ -56,20 +52,19 @@ export function RunCard({ name, tags, campaign, readable, criterion, regression,
           />
           <FieldErrors field="tags" deep />
         </div>
-        <div>
-          <label className={fields.lbl} htmlFor={idOf('criterion.threshold')}>
-            Criterion: <Sign text={criterion?.quantity || 'value'} /> greater than
-            {criterion?.unit && `, ${unitText(criterion.unit)}`}
-          </label>
-          <NumberCell
-            field="criterion.threshold"
-            label="Criterion, threshold"
-            value={campaign.criterion.threshold}
-            disabled={!readable}
-            onChange={(value) => set(['criterion', 'threshold'], value ?? '')}
-          />
-          <FieldErrors field="criterion.threshold" />
-        </div>
+        <NumberField
+          field="criterion.threshold"
+          label="Criterion, threshold"
+          title={
+            <>
+              Criterion: <Sign text={criterion?.quantity || 'value'} /> greater than
+              {criterion?.unit && `, ${unitText(criterion.unit)}`}
+            </>
+          }
+          value={campaign.criterion.threshold}
+          disabled={!readable}
+          onChange={(value) => set(['criterion', 'threshold'], value ?? '')}
+        />
         <RegressionFields regression={regression} />
       </div>
     </Card>

@@ -2,6 +2,7 @@
 import { clsx } from 'clsx'
 import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
+import type { ReactNode } from 'react'
 import { Refusal, statement } from '../api/problems'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
@@ -44,31 +45,70 @@ interface TroubleProps {
 }
 
 export function Trouble({ error, retry, onward = true, below = false }: TroubleProps) {
-  const Heading = below ? 'h2' : 'h1'
   const refused = error instanceof Refusal ? error : null
   const title = refused ? headingOf(refused.title) : 'This page could not be shown'
   // What does not exist, was purged, or is not permitted is the same the next time.
   const again = refused && [403, 404, 410].includes(refused.status) ? undefined : retry
   const detail = statement(error instanceof Error ? error.message : String(error))
   return (
+    <Notice
+      title={title}
+      below={below}
+      actions={
+        <>
+          {again && (
+            <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={again}>
+              Try again
+            </button>
+          )}
+          {onward && (
+            <Link to="/runs" className={again ? buttons.btn : clsx(buttons.btn, buttons.p)}>
+              All runs
+            </Link>
+          )}
+        </>
+      }
+    >
+      {detail}
+    </Notice>
+  )
+}
+
+interface NoticeProps {
+  title: string
+  below?: boolean
+  /** Whether it waits for something. */
+  busy?: boolean
+  actions: ReactNode
+  children: ReactNode
+}
+
+/** A card in place of a page: why there is none, and what to do. */
+export function Notice({ title, below, busy, actions, children }: NoticeProps) {
+  const Heading = below ? 'h2' : 'h1'
+  const Icon = busy ? IconLoader : IconAlertTriangle
+  return (
     <div className={clsx(cards.card, layout.centre)} role="alert">
-      <IconAlertTriangle size={36} stroke={1.5} aria-hidden />
+      <Icon size={36} stroke={1.5} className={busy ? icons.spin : undefined} aria-hidden />
       <Heading>{title}</Heading>
-      <p className={layout.wrapAny}>{detail}</p>
-      <div className={layout.acts}>
-        {again && (
-          <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={again}>
-            Try again
-          </button>
-        )}
-        {onward && (
-          <Link to="/runs" className={again ? buttons.btn : clsx(buttons.btn, buttons.p)}>
-            All runs
-          </Link>
-        )}
-      </div>
+      <p className={layout.wrapAny}>{children}</p>
+      <div className={layout.acts}>{actions}</div>
     </div>
   )
+}
+
+interface LoadedProps<T> {
+  query: { data: T | undefined; error: Error | null; failureReason: Error | null; refetch: () => unknown }
+  what: string
+  children: (data: T) => ReactNode
+}
+
+/** The content of a page below its heading, once it has arrived; what was read once stays. */
+export function Loaded<T>({ query, what, children }: LoadedProps<T>) {
+  const { data, error, failureReason, refetch } = query
+  if (data !== undefined) return children(data)
+  if (error) return <Trouble error={error} retry={() => void refetch()} below />
+  return <Loading what={what} failed={failureReason} />
 }
 
 /** A part of a page that could not be loaded, within its card. */

@@ -1,11 +1,12 @@
 // Browser notifications when a run has ended, on request: for all own runs, or single ones. The choice is stored in this
 // browser. A hidden tab has no event stream, so this polls the service.
 import { useQuery } from '@tanstack/react-query'
-import { useEffect, useSyncExternalStore } from 'react'
+import { useEffect } from 'react'
 import { getRun, listRuns } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { decimalsFor, signed } from '../format/numbers'
+import { storeOf } from '../ui/store'
 import { lookOf, outcomeOf } from '../ui/VerdictBadge'
 
 export interface Wanted {
@@ -39,30 +40,20 @@ const stored = (): Wanted => {
   }
 }
 
-let wanted = stored()
-const listeners = new Set<() => void>()
+const wanted = storeOf(stored())
 
 function want(next: Wanted): void {
-  wanted = next
+  wanted.set(next)
   try {
     localStorage.setItem(KEY, JSON.stringify(next))
   } catch {
     // Without storage the choice lasts as long as the page.
   }
-  for (const listener of listeners) listener()
 }
 
-addEventListener('storage', () => {
-  wanted = stored()
-  for (const listener of listeners) listener()
-})
+addEventListener('storage', () => wanted.set(stored()))
 
-function subscribe(listener: () => void): () => void {
-  listeners.add(listener)
-  return () => listeners.delete(listener)
-}
-
-export const useWanted = (): Wanted => useSyncExternalStore(subscribe, () => wanted)
+export const useWanted = wanted.useValue
 
 export type Asked = 'granted' | 'denied' | 'unavailable'
 
@@ -75,16 +66,16 @@ async function permitted(): Promise<Asked> {
 
 /** Turns notifications of all own runs on or off. */
 export async function toggleMine(): Promise<Asked> {
-  const answer = wanted.mine ? 'granted' : await permitted()
-  if (answer === 'granted') want({ ...wanted, mine: !wanted.mine })
+  const answer = wanted.get().mine ? 'granted' : await permitted()
+  if (answer === 'granted') want({ ...wanted.get(), mine: !wanted.get().mine })
   return answer
 }
 
 /** Turns notifications of one run on or off. */
 export async function toggleRun(run: string): Promise<Asked> {
-  const on = wanted.runs.includes(run)
+  const on = wanted.get().runs.includes(run)
   const answer = on ? 'granted' : await permitted()
-  if (answer === 'granted') want({ ...wanted, runs: on ? wanted.runs.filter((id) => id !== run) : [...wanted.runs, run] })
+  if (answer === 'granted') want({ ...wanted.get(), runs: on ? wanted.get().runs.filter((id) => id !== run) : [...wanted.get().runs, run] })
   return answer
 }
 
@@ -101,7 +92,7 @@ export function useNotifier(open: (run: string) => void): void {
   const on = (mine || runs.length > 0) && 'Notification' in window && Notification.permission === 'granted'
   useEffect(() => {
     if (!on) return
-    let before = new Set(wanted.runs)
+    let before = new Set(wanted.get().runs)
     const look = async () => {
       const { items } = await listRuns({ state: [...LIVE] }, null, 200)
       const ended = endedOf(before, items)
@@ -116,7 +107,7 @@ export function useNotifier(open: (run: string) => void): void {
 }
 
 function tell(run: RunSummary, open: (run: string) => void): void {
-  if (wanted.runs.includes(run.id)) want({ ...wanted, runs: wanted.runs.filter((id) => id !== run.id) })
+  if (wanted.get().runs.includes(run.id)) want({ ...wanted.get(), runs: wanted.get().runs.filter((id) => id !== run.id) })
   // The tag merges notifications from several tabs.
   const message = new Notification(`${run.id} ${lookOf(outcomeOf(run)).word.toLowerCase()}`, {
     body: bodyOf(run),

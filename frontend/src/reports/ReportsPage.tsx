@@ -11,7 +11,11 @@ import { moment, when } from '../format/time'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { Button } from '../ui/Button'
+import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
+import { Digest } from '../ui/Digests'
+import { Table } from '../ui/Table'
 import { save } from '../ui/files'
 import { SearchBox } from '../ui/SearchBox'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
@@ -62,13 +66,7 @@ export function ReportsPage() {
         title="Safety-case reports"
         note="One for every run that has ended, made from its stored results when it is opened"
         flush={items.length > 0}
-        footer={
-          query.hasNextPage && (
-            <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
-              {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
-            </button>
-          )
-        }
+        footer={query.hasNextPage && <ShowMore query={query} total={total} />}
       >
         {items.length === 0 && (
           <p className="sec">
@@ -86,72 +84,62 @@ export function ReportsPage() {
             )}
           </p>
         )}
-        {items.length > 0 && <Table items={items} />}
+        {items.length > 0 && <Reports items={items} />}
       </Card>
     </>
   )
 }
 
-function Table({ items }: { items: readonly Report[] }) {
+function Reports({ items }: { items: readonly Report[] }) {
   return (
-    <table className={clsx(tables.table, tables.stack)}>
-      <thead>
-        <tr>
-          <th>Verdict</th>
-          <th>Run</th>
-          <th className={layout.hideN}>Report</th>
-          <th>Sign-off</th>
-          <th>Finished</th>
-          <th className={layout.hideS}>Results, sha256</th>
-          <th>Files</th>
-        </tr>
-      </thead>
-      <tbody>
-        {items.map((report) => (
-          <tr key={report.run}>
-            <td>
-              <VerdictBadge outcome={outcomeOf(report)} />
-            </td>
-            <td>
-              <span className={tables.rn}>
-                <Link to="/runs/$id" params={{ id: report.run }}>
-                  {report.name}
-                </Link>
-                <small>
-                  {report.run}
-                  {report.campaign_name !== report.name && ` · ${report.campaign_name}`}
-                </small>
-              </span>
-            </td>
-            <td className={clsx('sec nw', layout.hideN)} data-label="Report">{report.id}</td>
-            <td data-label="Sign-off">
-              <Signed report={report} />
-            </td>
-            <td className="sec nw" data-label="Finished" title={report.finished === null ? undefined : moment(report.finished)}>
-              {report.finished === null ? 'not recorded' : when(report.finished)}
-            </td>
-            <td className={layout.hideS} data-label="Results">
-              <span className="mono" title={report.digest}>
-                {report.digest.slice(0, 16)}
-              </span>
-            </td>
-            <td>
-              <span className={clsx(layout.row, 'nw')} style={{ gap: 6 }}>
-                {report.files.map((file) =>
-                  file.format === 'html' ? (
-                    <a key={file.format} className={clsx(buttons.btn, buttons.s)} href={file.href} target="_blank" rel="noreferrer" aria-label={`HTML report of ${report.run}`}>
-                      <IconFileText className="i s" aria-hidden /> HTML
-                    </a>
-                  ) : (
-                    <Pdf key={file.format} report={report} file={file} />
-                  ),
-                )}
-              </span>
-            </td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
+    <Table
+      stack
+      rows={items}
+      by={({ run }) => run}
+      columns={[
+        { head: 'Verdict', cell: (report) => <VerdictBadge outcome={outcomeOf(report)} /> },
+        {
+          head: 'Run',
+          cell: ({ run, name, campaign_name }) => (
+            <span className={tables.rn}>
+              <Link to="/runs/$id" params={{ id: run }}>
+                {name}
+              </Link>
+              <small>
+                {run}
+                {campaign_name !== name && ` · ${campaign_name}`}
+              </small>
+            </span>
+          ),
+        },
+        { head: 'Report', label: 'Report', className: layout.hideN, tone: 'sec nw', cell: ({ id }) => id },
+        { head: 'Sign-off', label: 'Sign-off', cell: (report) => <Signed report={report} /> },
+        {
+          head: 'Finished',
+          label: 'Finished',
+          tone: 'sec nw',
+          tip: ({ finished }) => (finished === null ? undefined : moment(finished)),
+          cell: ({ finished }) => (finished === null ? 'not recorded' : when(finished)),
+        },
+        { head: 'Results, sha256', label: 'Results', className: layout.hideS, cell: ({ digest }) => <Digest of={digest} /> },
+        {
+          head: 'Files',
+          cell: (report) => (
+            <span className={clsx(layout.row, 'nw')} style={{ gap: 6 }}>
+              {report.files.map((file) =>
+                file.format === 'html' ? (
+                  <a key={file.format} className={clsx(buttons.btn, buttons.s)} href={file.href} target="_blank" rel="noreferrer" aria-label={`HTML report of ${report.run}`}>
+                    <IconFileText className="i s" aria-hidden /> HTML
+                  </a>
+                ) : (
+                  <Pdf key={file.format} report={report} file={file} />
+                ),
+              )}
+            </span>
+          ),
+        },
+      ]}
+    />
   )
 }
 
@@ -178,16 +166,16 @@ function Pdf({ report, file }: { report: Report; file: ReportFile }) {
   })
   return (
     <>
-      <button
-        type="button"
-        className={clsx(buttons.btn, buttons.s)}
+      <Button
+        small
+        icon={IconFileTypePdf}
         disabled={file.unavailable !== null || print.isPending}
         title={file.unavailable ?? 'Printed on request, a few seconds'}
         aria-label={`PDF report of ${report.run}`}
         onClick={() => print.mutate()}
       >
-        <IconFileTypePdf className="i s" aria-hidden /> {print.isPending ? 'Printing …' : 'PDF'}
-      </button>
+        {print.isPending ? 'Printing …' : 'PDF'}
+      </Button>
       {print.isError && (
         <span className="small bad-t" role="alert">
           {print.error.message}

@@ -8,13 +8,15 @@ import type { RequirementFileOut } from '../client'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { Failed } from '../page/Trouble'
+import { Button } from '../ui/Button'
+import { Form } from '../ui/Form'
 import { Card } from '../ui/Card'
+import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
+import { hiddenHead, Table } from '../ui/Table'
 import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './requirements.module.css'
-import tables from '../ui/tables.module.css'
 
 export function Files({ mayChange }: { mayChange: boolean }) {
   const cache = useQueryClient()
@@ -37,69 +39,48 @@ export function Files({ mayChange }: { mayChange: boolean }) {
   return (
     <div style={{ marginTop: 'var(--gap)' }}>
       <Card title="Imported files" note="Downloaded byte for byte as they were imported" flush>
-        <table className={clsx(tables.table, tables.stack)}>
-          <thead>
-            <tr>
-              <th>File</th>
-              <th className="num">Requirements</th>
-              <th>Imported</th>
-              <th className={layout.hideS}>sha256</th>
-              <th>
-                <span className="sr">Actions</span>
-              </th>
-            </tr>
-          </thead>
-          <tbody>
-            {data.map((file) => (
-              <tr key={file.id}>
-                <td className={styles.named}>{file.name}</td>
-                <td className="num" data-label="Requirements">{count(file.requirements)}</td>
-                <td className="sec nw" data-label="Imported" title={moment(file.imported)}>
-                  {when(file.imported)}, by {file.imported_by}
-                </td>
-                <td className={layout.hideS} data-label="sha256">
-                  <span className="mono" title={file.digest}>
-                    {file.digest.slice(0, 16)}
-                  </span>
-                </td>
-                <td className="num">
-                  <span className={clsx(styles.fileActs, 'nw')}>
-                    <a className={clsx(buttons.btn, buttons.s)} href={contentOf(file)} download aria-label={`Download ${file.name}`}>
-                      <IconDownload className="i s" aria-hidden />
-                    </a>
-                    {mayChange && (
-                      <button type="button" className={clsx(buttons.btn, buttons.s, buttons.danger)} aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
-                        Delete …
-                      </button>
-                    )}
-                  </span>
-                </td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
+        <Table
+          stack
+          rows={data}
+          by={({ id }) => id}
+          columns={[
+            { head: 'File', tone: styles.named, cell: ({ name }) => name },
+            { head: 'Requirements', num: true, label: 'Requirements', cell: ({ requirements }) => count(requirements) },
+            {
+              head: 'Imported',
+              label: 'Imported',
+              tone: 'sec nw',
+              tip: ({ imported }) => moment(imported),
+              cell: ({ imported, imported_by }) => `${when(imported)}, by ${imported_by}`,
+            },
+            { head: 'sha256', label: 'sha256', className: layout.hideS, cell: ({ digest }) => <Digest of={digest} /> },
+            {
+              head: hiddenHead('Actions'),
+              tone: 'num',
+              cell: (file) => (
+                <span className={clsx(styles.fileActs, 'nw')}>
+                  <a className={clsx(buttons.btn, buttons.s)} href={contentOf(file)} download aria-label={`Download ${file.name}`}>
+                    <IconDownload className="i s" aria-hidden />
+                  </a>
+                  {mayChange && (
+                    <Button small danger aria-label={`Delete ${file.name} …`} onClick={() => setLeaving(file)}>
+                      Delete …
+                    </Button>
+                  )}
+                </span>
+              ),
+            },
+          ]}
+        />
       </Card>
-      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title="Delete a file of requirements" centered lockScroll={false}>
+      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title="Delete a file of requirements">
         {leaving && (
-          <div className={fields.panel}>
+          <Form sent={remove} onSend={() => remove.mutate(leaving.id)} send="Delete the file" onLeave={() => setLeaving(null)} danger>
             <p>
               {leaving.name} and its {count(leaving.requirements)} requirements are deleted. Those that a run states stay in the matrix, as stated by
               campaigns only. The audit trail keeps the digest of the file, not the file.
             </p>
-            {remove.isError && (
-              <p className={fields.ferr} role="alert">
-                {remove.error.message}
-              </p>
-            )}
-            <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-              <button type="button" className={buttons.btn} onClick={() => setLeaving(null)}>
-                Not now
-              </button>
-              <button type="button" className={clsx(buttons.btn, buttons.danger)} disabled={remove.isPending} onClick={() => remove.mutate(leaving.id)}>
-                Delete the file
-              </button>
-            </div>
-          </div>
+          </Form>
         )}
       </Modal>
     </div>

@@ -1,11 +1,11 @@
 // Importing a file of requirements: the file, the attributes with id and text, and what has changed.
 import { useMutation, useQueryClient } from '@tanstack/react-query'
-import { clsx } from 'clsx'
 import { useState } from 'react'
 import { importFile } from '../api/requirements'
 import type { Imported } from '../client'
 import { count } from '../format/numbers'
-import buttons from '../ui/buttons.module.css'
+import { Button } from '../ui/Button'
+import { Field, Form } from '../ui/Form'
 import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './requirements.module.css'
@@ -22,12 +22,12 @@ export function ImportForm({ onDone }: { onDone: () => void }) {
   })
   if (send.data) return <Done imported={send.data} onDone={onDone} />
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        if (file) send.mutate({ file, idAttribute, textAttribute })
-      }}
+    <Form
+      sent={send}
+      onSend={() => file && send.mutate({ file, idAttribute, textAttribute })}
+      send={send.isPending ? 'Importing …' : 'Import'}
+      onLeave={onDone}
+      off={!file}
     >
       <label className={fields.lbl}>
         File
@@ -47,29 +47,10 @@ export function ImportForm({ onDone }: { onDone: () => void }) {
       </label>
       <details>
         <summary className="small">Other names of attributes or columns</summary>
-        <label className={fields.lbl}>
-          Id
-          <input className={fields.inp} value={idAttribute} maxLength={120} placeholder="ReqIF.ForeignID" onChange={({ target }) => setId(target.value)} />
-        </label>
-        <label className={fields.lbl}>
-          Text
-          <input className={fields.inp} value={textAttribute} maxLength={120} placeholder="ReqIF.Text" onChange={({ target }) => setText(target.value)} />
-        </label>
+        <Field label="Id" value={idAttribute} maxLength={120} placeholder="ReqIF.ForeignID" onChange={setId} />
+        <Field label="Text" value={textAttribute} maxLength={120} placeholder="ReqIF.Text" onChange={setText} />
       </details>
-      {send.isError && (
-        <p className={fields.ferr} role="alert">
-          {send.error.message}
-        </p>
-      )}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Not now
-        </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={!file || send.isPending}>
-          {send.isPending ? 'Importing …' : 'Import'}
-        </button>
-      </div>
-    </form>
+    </Form>
   )
 }
 
@@ -87,9 +68,7 @@ function Done({ imported: { file, added, changed, unchanged, gone, skipped }, on
         <p key={String(line)}>{line}</p>
       ))}
       <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={onDone}>
-          Done
-        </button>
+        <Button main onClick={onDone}>Done</Button>
       </div>
     </div>
   )

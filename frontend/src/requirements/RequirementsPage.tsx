@@ -3,7 +3,6 @@ import { Menu } from '@mantine/core'
 import { IconDownload, IconPlus, IconUpload } from '@tabler/icons-react'
 import { useInfiniteQuery, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
-import { clsx } from 'clsx'
 import { useCallback, useState } from 'react'
 import { hasRole } from '../api/access'
 import { sessionQuery } from '../api/queries'
@@ -13,6 +12,8 @@ import { count } from '../format/numbers'
 import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
+import { Button } from '../ui/Button'
+import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
 import { SearchBox } from '../ui/SearchBox'
 import { Modal } from '../ui/Modal'
@@ -22,12 +23,13 @@ import { ImportForm } from './ImportForm'
 import { Matrix } from './Matrix'
 import { countsOf, isStatus, STATUSES, type Status } from './status'
 import { WriteForm } from './WriteForm'
+import { EntryLines } from '../ui/EntryLines'
+import { Select } from '../ui/Select'
 import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
 import layout from '../ui/layout.module.css'
 import styles from './requirements.module.css'
 
-type Asked = 'import' | 'add' | RequirementRow | null
+type Dialog = 'import' | 'add' | RequirementRow | null
 
 export function RequirementsPage() {
   useTitle('Requirements')
@@ -38,7 +40,7 @@ export function RequirementsPage() {
     [navigate],
   )
   const only = (next: Status | undefined) => void navigate({ search: (old) => ({ ...old, status: next }), replace: true })
-  const [asked, setAsked] = useState<Asked>(null)
+  const [dialog, setDialog] = useState<Dialog>(null)
   const query = useInfiniteQuery(requirementsQuery(q))
   const mayChange = hasRole(useQuery(sessionQuery).data?.role, 'engineer')
   const items = query.data?.pages.flatMap((page) => page.items) ?? []
@@ -53,42 +55,26 @@ export function RequirementsPage() {
     )
   const total = query.data.pages[0]?.total ?? items.length
   const shown = status ? items.filter((row) => row.status === status) : items
-  const done = () => setAsked(null)
+  const done = () => setDialog(null)
   return (
     <>
-      <div className={clsx(layout.ph, styles.head)}>
-        <div className={layout.t}>
-          <h1>Requirements</h1>
-        </div>
-        <div className={clsx(layout.acts, styles.acts)}>
-          <ExportFiles disabled={total === 0 && q === ''} />
-          {mayChange && (
-            <>
-              <button type="button" className={buttons.btn} onClick={() => setAsked('add')}>
-                <IconPlus className="i s" aria-hidden /> Add
-              </button>
-              <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={() => setAsked('import')}>
-                <IconUpload className="i s" aria-hidden /> Import
-              </button>
-            </>
-          )}
-        </div>
-      </div>
+      <PageHead title="Requirements" className={styles.head} acts={styles.acts}>
+        <ExportFiles disabled={total === 0 && q === ''} />
+        {mayChange && (
+          <>
+            <Button icon={IconPlus} onClick={() => setDialog('add')}>Add</Button>
+            <Button main icon={IconUpload} onClick={() => setDialog('import')}>Import</Button>
+          </>
+        )}
+      </PageHead>
       <div className={layout.filters}>
         <SearchBox label="Search requirements" hint="Id or text" value={q} onChange={search} />
-        <select
-          className={fields.select}
-          aria-label="Status"
+        <Select
+          label="Status"
           value={status ?? ''}
-          onChange={({ target }) => only(isStatus(target.value) ? target.value : undefined)}
-        >
-          <option value="">Every status</option>
-          {Object.entries(STATUSES).map(([key, { word }]) => (
-            <option key={key} value={key}>
-              {word}
-            </option>
-          ))}
-        </select>
+          options={[{ value: '', label: 'Every status' }, ...Object.entries(STATUSES).map(([value, { word }]) => ({ value, label: word }))]}
+          onChange={(value) => only(isStatus(value) ? value : undefined)}
+        />
         <span className="small mut" aria-live="polite">
           {counted(items, total)}
         </span>
@@ -97,22 +83,16 @@ export function RequirementsPage() {
         title="Matrix"
         note="The worst evidence for a requirement decides its status"
         flush={shown.length > 0}
-        footer={
-          query.hasNextPage && (
-            <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={query.isFetchingNextPage} onClick={() => void query.fetchNextPage()}>
-              {query.isFetchingNextPage ? 'Loading …' : `Show more of ${count(total)}`}
-            </button>
-          )
-        }
+        footer={query.hasNextPage && <ShowMore query={query} total={total} />}
       >
-        {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setAsked : undefined} /> : <Nothing narrowed={Boolean(q || status)} onAll={() => void navigate({ search: {}, replace: true })} />}
+        {shown.length > 0 ? <Matrix rows={shown} onChange={mayChange ? setDialog : undefined} /> : <Nothing narrowed={Boolean(q || status)} onAll={() => void navigate({ search: {}, replace: true })} />}
       </Card>
       <Files mayChange={mayChange} />
-      <Modal opened={asked === 'import'} onClose={done} title="Import requirements" centered lockScroll={false}>
+      <Modal opened={dialog === 'import'} onClose={done} title="Import requirements">
         <ImportForm onDone={done} />
       </Modal>
-      <Modal opened={asked !== null && asked !== 'import'} onClose={done} title={asked === 'add' ? 'Add a requirement' : 'Change a requirement'} centered lockScroll={false}>
-        {asked !== null && asked !== 'import' && <WriteForm row={asked === 'add' ? null : asked} onDone={done} />}
+      <Modal opened={dialog !== null && dialog !== 'import'} onClose={done} title={dialog === 'add' ? 'Add a requirement' : 'Change a requirement'}>
+        {dialog !== null && dialog !== 'import' && <WriteForm row={dialog === 'add' ? null : dialog} onDone={done} />}
       </Modal>
     </>
   )
@@ -150,17 +130,12 @@ function ExportFiles({ disabled }: { disabled: boolean }) {
   return (
     <Menu position="bottom-end" width={320} disabled={disabled}>
       <Menu.Target>
-        <button type="button" className={buttons.btn} disabled={disabled}>
-          <IconDownload className="i s" aria-hidden /> Export
-        </button>
+        <Button icon={IconDownload} disabled={disabled}>Export</Button>
       </Menu.Target>
       <Menu.Dropdown>
         {EXPORTS.map(({ href, title, text }) => (
           <Menu.Item key={href} component="a" href={href} download>
-            <span className="b">{title}</span>
-            <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }}>
-              {text}
-            </span>
+            <EntryLines title={title}>{text}</EntryLines>
           </Menu.Item>
         ))}
       </Menu.Dropdown>

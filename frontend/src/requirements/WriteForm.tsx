@@ -1,13 +1,10 @@
 // Adding a requirement, changing its text, deleting it.
 import { useMutation, useQueryClient } from '@tanstack/react-query'
-import { clsx } from 'clsx'
 import { useState } from 'react'
 import { deleteRequirement, writeRequirement } from '../api/requirements'
 import type { RequirementRow } from '../client'
-import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
-import styles from './requirements.module.css'
+import { Button } from '../ui/Button'
+import { Field, Form } from '../ui/Form'
 
 interface WriteFormProps {
   /** Null: a new one. */
@@ -25,47 +22,30 @@ export function WriteForm({ row, onDone }: WriteFormProps) {
   const write = useMutation({ mutationFn: () => writeRequirement(id.trim(), text.trim(), etag), onSuccess })
   const remove = useMutation({ mutationFn: () => deleteRequirement(id, etag), onSuccess })
   const [leaving, setLeaving] = useState(false)
-  const error = write.error ?? remove.error
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        write.mutate()
-      }}
+    <Form
+      sent={{ isPending: write.isPending, error: write.error ?? remove.error }}
+      onSend={() => write.mutate()}
+      send={row ? 'Save' : 'Add'}
+      onLeave={onDone}
+      off={!id.trim() || !text.trim()}
+      more={
+        row?.registered && (
+          <Button danger disabled={remove.isPending} onClick={() => (leaving ? remove.mutate() : setLeaving(true))}>
+            {leaving ? 'Delete the requirement' : 'Delete …'}
+          </Button>
+        )
+      }
     >
-      <label className={fields.lbl}>
-        Id
-        <input className={fields.inp} value={id} maxLength={120} required disabled={row !== null} data-autofocus={row === null || undefined} onChange={({ target }) => setId(target.value)} />
-      </label>
-      <label className={fields.lbl}>
-        Text
-        <textarea className={clsx(fields.inp, styles.area)} value={text} maxLength={20_000} required rows={6} onChange={({ target }) => setText(target.value)} />
+      <Field label="Id" value={id} maxLength={120} required disabled={row !== null} data-autofocus={row === null || undefined} onChange={setId} />
+      <Field label="Text" value={text} maxLength={20_000} required rows={6} onChange={setText}>
         {row?.registered && <span className="small mut">Another text makes evidence for the earlier one suspect.</span>}
-      </label>
+      </Field>
       {leaving && (
         <p className="small" role="status">
           {id} and its text are deleted. Where a run states it, it stays in the matrix, as stated by campaigns only.
         </p>
       )}
-      {error && (
-        <p className={fields.ferr} role="alert">
-          {error.message}
-        </p>
-      )}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Not now
-        </button>
-        {row?.registered && (
-          <button type="button" className={clsx(buttons.btn, buttons.danger)} disabled={remove.isPending} onClick={() => (leaving ? remove.mutate() : setLeaving(true))}>
-            {leaving ? 'Delete the requirement' : 'Delete …'}
-          </button>
-        )}
-        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={write.isPending || !id.trim() || !text.trim()}>
-          {row ? 'Save' : 'Add'}
-        </button>
-      </div>
-    </form>
+    </Form>
   )
 }

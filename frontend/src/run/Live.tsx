@@ -8,6 +8,7 @@ import { Card, Stat } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
+import { Table } from '../ui/Table'
 import { useNow } from '../ui/useNow'
 import { Convergence } from './search/Convergence'
 import { bestOf, hasSpace, leaderOf, type RunData, searchesOf } from './data/data'
@@ -22,7 +23,6 @@ import { LiveSpace } from './space/SpaceSection'
 import cards from '../ui/cards.module.css'
 import icons from '../ui/icons.module.css'
 import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
 import styles from './run.module.css'
 
 export function Live({ data }: { data: RunData }) {
@@ -184,27 +184,14 @@ function Newest({ data, rows }: { data: RunData; rows: readonly Improvement[] })
     8,
   )
   return (
-    <table className={clsx(tables.table, tables.tight)}>
-      <thead>
-        <tr>
-          <th>Method</th>
-          <th className="num">Evaluation</th>
-          <th className="num">
-            <Sign text={data.run.quantity || 'value'} />, {data.run.unit}
-          </th>
-        </tr>
-      </thead>
-      <tbody>
-        {rows.map((row) => (
-          <tr key={`${row.stage.position}-${row.at}`}>
-            <td>
-              <MethodName method={row.stage.method} short />
-            </td>
-            <td className="num sec">{count(row.at + 1)}</td>
-            <td className="num m">{fixed(row.cost, decimals)}</td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
+    <Table
+      tight
+      rows={rows}
+      columns={[
+        { head: 'Method', cell: ({ stage }) => <MethodName method={stage.method} short /> },
+        { head: 'Evaluation', num: true, tone: 'sec', cell: ({ at }) => count(at + 1) },
+        { head: <><Sign text={data.run.quantity || 'value'} />, {data.run.unit}</>, num: true, tone: 'm', cell: ({ cost }) => fixed(cost, decimals) },
+      ]}
+    />
   )
 }

@@ -31,7 +31,13 @@ export interface Section {
   content: (page: Page) => Content | null
 }
 
-interface Given<T> {
+/** A section from a file of its own, and the section that it comes after. */
+export interface Added {
+  after: string
+  section: Section
+}
+
+interface Parts<T> {
   id: string
   /** The condition: what of the run is shown here. */
   of: (page: Page) => T | false | null | undefined
@@ -45,7 +51,7 @@ type Rendered<T> =
   | { card?: undefined; pieces: (page: Page, of: T) => readonly Piece[] }
 
 /** A row of the table; the condition's value is given to its other parts. */
-export function section<T>({ id, title, count, of, ...rendered }: Given<T> & Rendered<T>): Section {
+export function section<T>({ id, title, count, of, ...rendered }: Parts<T> & Rendered<T>): Section {
   return {
     id,
     tab: (page) => {

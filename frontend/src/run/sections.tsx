@@ -18,13 +18,12 @@ import { SensitivityCard as Sensitivity } from './parameters/SensitivityCard'
 import { Tornado } from './parameters/Tornado'
 import { Components } from './provenance/Components'
 import { Provenance } from './provenance/Provenance'
-import { SinceCard } from './regression/SinceCard'
 import { SampleCard } from './sample/SampleCard'
 import { Convergence } from './search/Convergence'
 import { Failures } from './search/Failures'
 import { MethodsTable } from './search/MethodsTable'
 import { Minima, rowsOf } from './search/Minima'
-import { type Page, section, type Section } from './section'
+import { type Added, type Page, section, type Section } from './section'
 import { SpaceSection } from './space/SpaceSection'
 import { EncounterCard } from './verdict/EncounterCard'
 import { Published } from './verdict/Published'
@@ -33,7 +32,10 @@ import { WhatToDo } from './verdict/WhatToDo'
 import layout from '../ui/layout.module.css'
 import styles from './run.module.css'
 
-export const SECTIONS: readonly Section[] = [
+/** Of stages, one file each; a new one needs no line here. */
+const ADDED = Object.values(import.meta.glob<Added>('./stages/*.tsx', { eager: true, import: 'added' }))
+
+const OWN: readonly Section[] = [
   section({
     id: 'parameters',
     of: ({ data, shown }) => data.run.state === 'failed' && !shown,
@@ -75,13 +77,6 @@ export const SECTIONS: readonly Section[] = [
     title: 'Findings',
     count: ({ data }) => data.findings.length,
     card: ({ data, validation }) => <FindingsCard data={data} result={validation} className={layout.c12} />,
-  }),
-  section({
-    id: 'since',
-    of: ({ data }) => data.run.baseline,
-    title: 'Since the baseline',
-    count: ({ data }) => data.run.summary?.regression?.cases.length,
-    card: ({ data }) => <SinceCard data={data} className={layout.c12} />,
   }),
   section({
     id: 'separation',
@@ -228,6 +223,11 @@ export const SECTIONS: readonly Section[] = [
   section({ id: 'signoff', of: ({ data }) => data.run, title: 'Sign-off', card: (_, run) => <SignoffsCard run={run} className={layout.c6} /> }),
   section({ id: 'notes', of: ({ data }) => data.run, title: 'Notes', card: (_, run) => <Notes run={run} className={layout.c6} /> }),
 ]
+
+export const SECTIONS: readonly Section[] = OWN.flatMap((one) => [
+  one,
+  ...ADDED.flatMap(({ after, section }) => (OWN.findLast(({ id }) => id === after) === one ? section : [])),
+])
 
 /** The nominal case and the chosen one as tables, and the what-if. */
 function Cases({ data, whatIf, flown, flies, lowest, raised, sensitivity }: Page) {

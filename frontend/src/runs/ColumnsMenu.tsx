@@ -1,10 +1,9 @@
 // Selects the columns of the list. Their order is fixed; the run column is always shown.
-import { clsx } from 'clsx'
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { COLUMNS } from './columns'
 import type { ColumnKey } from './columnKeys'
+import { Button } from '../ui/Button'
 import { Menu, Pick, Picks } from '../ui/Menu'
-import buttons from '../ui/buttons.module.css'
 
 interface ColumnsMenuProps {
   cols: ColumnKey[] | undefined
@@ -27,9 +26,7 @@ export function ColumnsMenu({ cols, usual, onChange }: ColumnsMenuProps) {
         ))}
       </Picks>
       {cols && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onChange(undefined)}>
-          Default columns
-        </button>
+        <Button small onClick={() => onChange(undefined)}>Default columns</Button>
       )}
     </Menu>
   )

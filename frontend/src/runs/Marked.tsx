@@ -11,12 +11,12 @@ import { isLive } from '../api/queries'
 import type { RunSummary } from '../client'
 import { MOST, olderFirst } from '../compare/search'
 import { count } from '../format/numbers'
-import { plural, RemoveMarked } from '../run/header/Removal'
+import { plural, RemoveMarked, RunNames } from '../run/header/Removal'
+import { Button } from '../ui/Button'
+import { Form } from '../ui/Form'
 import { Modal } from '../ui/Modal'
 import buttons from '../ui/buttons.module.css'
 import fields from '../ui/fields.module.css'
-import layout from '../ui/layout.module.css'
-import lists from '../ui/lists.module.css'
 
 interface MarkedProps {
   /** The selected ones among the loaded. */
@@ -39,10 +39,9 @@ export function Marked({ runs, onClear }: MarkedProps) {
         {count(runs.length)} selected
       </span>
       {runs.every((run) => run.removed === null) && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => pin.mutate()} disabled={pin.isPending || barred !== undefined} title={barred}>
-          <IconPinned className="i s" aria-hidden />
+        <Button small icon={IconPinned} onClick={() => pin.mutate()} disabled={pin.isPending} barred={barred}>
           {pinned ? 'Unpin' : 'Pin'}
-        </button>
+        </Button>
       )}
       {runs.length > 1 && runs.length <= MOST && (
         <Link to="/compare" search={{ runs: olderFirst(runs.map((run) => run.id)).join(',') }} className={clsx(buttons.btn, buttons.s)}>
@@ -77,36 +76,24 @@ function CancelMarked({ live }: { live: RunSummary[] }) {
   if (!offered) return null
   return (
     <>
-      <button type="button" className={clsx(buttons.btn, buttons.s, buttons.danger)} disabled={live.length === 0 || barred !== undefined} title={barred} onClick={() => setAsking(true)}>
-        <IconPlayerStop className="i s" aria-hidden />
+      <Button small danger icon={IconPlayerStop} disabled={live.length === 0} barred={barred} onClick={() => setAsking(true)}>
         {live.length > 0 ? `Cancel ${plural(live.length)}` : 'Nothing left to cancel'}
-      </button>
-      <Modal opened={asking} onClose={() => setAsking(false)} title={`Cancel ${plural(live.length)}?`} centered lockScroll={false}>
-        <p className="sec">
-          Completed evaluations are stored. A cancelled run has no verdict and cannot be resumed; it can be run again.
-        </p>
-        <ul className={clsx(lists.listed, 'small sec')}>
-          {live.slice(0, 8).map((run) => (
-            <li key={run.id}>
-              <span className="mono">{run.id}</span> {run.name}
-            </li>
-          ))}
-          {live.length > 8 && <li>and {count(live.length - 8)} more</li>}
-        </ul>
-        {cancel.isError && <p className={fields.ferr}>{cancel.error.message}</p>}
-        <div className={layout.acts} style={{ justifyContent: 'flex-end', marginTop: 16 }}>
-          <button type="button" className={buttons.btn} onClick={() => setAsking(false)}>
-            Keep running
-          </button>
-          <button
-            type="button"
-            className={clsx(buttons.btn, buttons.danger, buttons.p)}
-            disabled={cancel.isPending || live.length === 0}
-            onClick={() => cancel.mutate()}
-          >
-            Cancel {plural(live.length)}
-          </button>
-        </div>
+      </Button>
+      <Modal opened={asking} onClose={() => setAsking(false)} title={`Cancel ${plural(live.length)}?`}>
+        <Form
+          sent={cancel}
+          onSend={() => cancel.mutate()}
+          send={`Cancel ${plural(live.length)}`}
+          leave="Keep running"
+          onLeave={() => setAsking(false)}
+          danger
+          off={live.length === 0}
+        >
+          <p className="sec">
+            Completed evaluations are stored. A cancelled run has no verdict and cannot be resumed; it can be run again.
+          </p>
+          <RunNames runs={live} />
+        </Form>
       </Modal>
     </>
   )

@@ -5,6 +5,7 @@ import { useInfiniteQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo, useState } from 'react'
 import { runsQuery } from '../api/queries'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Filters } from './Filters'
@@ -12,6 +13,7 @@ import { Marked } from './Marked'
 import { NoRuns } from './NoRuns'
 import { RunTable } from './RunTable'
 import { CLEARED, filterOf, isNarrowed, type RunsSearch } from './search'
+import { Button } from '../ui/Button'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
@@ -42,18 +44,13 @@ export function RunsPage() {
   const selected = runs.filter((run) => marked.has(run.id))
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>Runs</h1>
-        </div>
-        <div className={layout.acts}>
-          {selected.length > 0 && <Marked runs={selected} onClear={() => setMarked(new Set())} />}
-          <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
-            <IconPlus className="i s" aria-hidden />
-            New run
-          </Link>
-        </div>
-      </div>
+      <PageHead title="Runs">
+        {selected.length > 0 && <Marked runs={selected} onClear={() => setMarked(new Set())} />}
+        <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
+          <IconPlus className="i s" aria-hidden />
+          New run
+        </Link>
+      </PageHead>
       {none ? (
         <NoRuns />
       ) : (
@@ -89,18 +86,14 @@ function NothingFound({ narrowed, onChange }: { narrowed: boolean; onChange: (ch
       <div className={clsx(cards.card, layout.centre)}>
         <h2>Every run is removed</h2>
         <p>They can be restored until they are purged.</p>
-        <button type="button" className={buttons.btn} onClick={() => onChange({ removed: true })}>
-          Show removed runs
-        </button>
+        <Button onClick={() => onChange({ removed: true })}>Show removed runs</Button>
       </div>
     )
   return (
     <div className={clsx(cards.card, layout.centre)}>
       <h2>No run matches</h2>
       <p>Take a word out of the search, or a filter off.</p>
-      <button type="button" className={buttons.btn} onClick={() => onChange(CLEARED)}>
-        Clear search and filters
-      </button>
+      <Button onClick={() => onChange(CLEARED)}>Clear search and filters</Button>
     </div>
   )
 }

@@ -2,7 +2,7 @@
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { asCampaign } from '../api/campaign'
-import * as given from '../api/fixtures'
+import * as fixtures from '../api/fixtures'
 import type { DescribedCheck, RunDetail, StageProgress } from '../client'
 import { withoutValue } from '../format/counts'
 import { COLUMNS } from '../runs/columns'
@@ -12,14 +12,14 @@ import { FiveFigures } from '../run/verdict/FiveFigures'
 import { StageStrip } from '../run/search/StageStrip'
 
 const stage = (kind: StageProgress['kind'], evaluations: number, failed: number, excluded: number, position: number) =>
-  given.progress({ position, kind, method: kind === 'search' ? 'direct' : null, planned: evaluations, evaluations, failed, excluded, best: 1, best_index: 0 })
+  fixtures.progress({ position, kind, method: kind === 'search' ? 'direct' : null, planned: evaluations, evaluations, failed, excluded, best: 1, best_index: 0 })
 const STAGES = [stage('nominal', 1, 0, 0, 0), stage('search', 1000, 7, 5, 1), stage('certify', 320, 4, 20, 2), stage('validate', 50, 1, 0, 3)]
-const RUN = given.run({
+const RUN = fixtures.run({
   verdict: 'inconclusive', threshold: 0.5, nominal_cost: 0.94,
   worst_cost: 0.84, margin: 0.34, worst_method: 'direct', evaluations: 1371, planned: 1371, failed_evaluations: 12,
   excluded_evaluations: 25, upper_bound: 0.01,
-  plan: STAGES.map(({ kind, title }) => ({ kind, title, description: '' })), stages: STAGES,
-  summary: given.verdict({
+  plan: STAGES.map(({ kind, title }) => ({ kind, title, description: '', estimated: kind === 'validate' })), stages: STAGES,
+  summary: fixtures.verdict({
     statistics: {
       samples: 300, violations: 4, failed: 4, excluded: 20, excluded_fraction: null, confidence: 0.95, upper_bound: 0.03,
       noise: null, quantile: null, source: 'certify', text: '', statement: [],

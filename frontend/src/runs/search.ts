@@ -51,8 +51,8 @@ function date(value: unknown): string | undefined {
 /** The columns in their fixed order, independent of the address. */
 function columns(value: unknown): ColumnKey[] | undefined {
   if (typeof value !== 'string') return undefined
-  const asked = value.split(',')
-  return COLUMN_KEYS.filter((key) => asked.includes(key))
+  const keys = value.split(',')
+  return COLUMN_KEYS.filter((key) => keys.includes(key))
 }
 
 /** Parses the address; unknown values are ignored. */

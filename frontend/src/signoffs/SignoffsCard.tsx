@@ -9,10 +9,12 @@ import { sessionQuery } from '../api/queries'
 import type { RunDetail, Signoff, Signoffs } from '../client'
 import { moment } from '../format/time'
 import { Failed } from '../page/Trouble'
+import { Button } from '../ui/Button'
+import { Field, Form } from '../ui/Form'
 import { Card } from '../ui/Card'
+import { Digest } from '../ui/Digests'
 import { Modal } from '../ui/Modal'
-import buttons from '../ui/buttons.module.css'
-import fields from '../ui/fields.module.css'
+import { hiddenHead, Table } from '../ui/Table'
 import layout from '../ui/layout.module.css'
 import tables from '../ui/tables.module.css'
 import styles from './signoffs.module.css'
@@ -31,10 +33,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
       note={
         data && (
           <>
-            Bound to these results, sha256{' '}
-            <span className="mono" title={data.digest}>
-              {data.digest.slice(0, 16)}
-            </span>
+            Bound to these results, sha256 <Digest of={data.digest} />
           </>
         )
       }
@@ -44,9 +43,7 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
       footer={data?.can_sign && barred !== undefined && <p className="small mut">{barred}</p>}
       right={
         data?.can_sign && (
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setSigning(true)} disabled={barred !== undefined} title={barred}>
-            <IconSignature className="i s" aria-hidden /> Sign off
-          </button>
+          <Button small icon={IconSignature} onClick={() => setSigning(true)} barred={barred}>Sign off</Button>
         )
       }
     >
@@ -62,10 +59,10 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
         </p>
       )}
       {data && data.items.length > 0 && <Rows items={data.items} onWithdraw={setLeaving} />}
-      <Modal opened={signing} onClose={() => setSigning(false)} title={`Sign off ${run.id}`} centered lockScroll={false}>
+      <Modal opened={signing} onClose={() => setSigning(false)} title={`Sign off ${run.id}`}>
         {signing && data && <SignForm run={run} seen={data} onDone={() => setSigning(false)} />}
       </Modal>
-      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title="Withdraw" centered lockScroll={false}>
+      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title="Withdraw">
         {leaving && <WithdrawForm run={run.id} signoff={leaving} onDone={() => setLeaving(null)} />}
       </Modal>
     </Card>
@@ -74,61 +71,62 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
 
 function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (signoff: Signoff) => void }) {
   return (
-    <table className={clsx(tables.table, tables.stack, styles.rows)}>
-      <thead>
-        <tr>
-          <th>Status</th>
-          <th>Name, role</th>
-          <th>When, signed in as</th>
-          <th>Comment</th>
-          <th>
-            <span className="sr">Withdraw</span>
-          </th>
-        </tr>
-      </thead>
-      <tbody>
-        {items.map((item) => (
-          <tr key={item.id}>
-            <td>
-              <Standing item={item} />
-            </td>
-            <td data-label="Name, role">
-              <span className={tables.rn}>
-                <span className={clsx('m', layout.wrapAny)}>{item.name}</span>
-                <small>{item.role}</small>
-              </span>
-            </td>
-            <td data-label="When">
-              <span className={tables.rn}>
-                <span className="sec">{moment(item.created)}</span>
-                <small className={layout.wrapAny}>{item.user}</small>
-                {item.own && <small className="unk-t">who also launched the run</small>}
-              </span>
-            </td>
-            <td className="sec" style={{ whiteSpace: 'pre-line' }} data-label={item.comment || item.withdrawn !== null ? 'Comment' : undefined}>
-              {item.comment}
-              {item.withdrawn !== null && (
-                <span className="bad-t" style={{ display: 'block' }}>
-                  Withdrawn {moment(item.withdrawn)} by {item.withdrawn_by}: {item.withdrawn_reason}
-                </span>
-              )}
-            </td>
-            <td className="num">
-              {item.withdrawn === null && <Withdraw item={item} onAsk={() => onWithdraw(item)} />}
-            </td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
+    <Table
+      stack
+      className={styles.rows}
+      rows={items}
+      by={({ id }) => id}
+      columns={[
+        { head: 'Status', cell: (item) => <Standing item={item} /> },
+        {
+          head: 'Name, role',
+          label: 'Name, role',
+          cell: ({ name, role }) => (
+            <span className={tables.rn}>
+              <span className={clsx('m', layout.wrapAny)}>{name}</span>
+              <small>{role}</small>
+            </span>
+          ),
+        },
+        {
+          head: 'When, signed in as',
+          label: 'When',
+          cell: ({ created, user, own }) => (
+            <span className={tables.rn}>
+              <span className="sec">{moment(created)}</span>
+              <small className={layout.wrapAny}>{user}</small>
+              {own && <small className="unk-t">who also launched the run</small>}
+            </span>
+          ),
+        },
+        { head: 'Comment', label: 'Comment', tone: clsx('sec', styles.comment), cell: (item) => <Comment item={item} /> },
+        {
+          head: hiddenHead('Withdraw'),
+          tone: 'num',
+          cell: (item) => item.withdrawn === null && <Withdraw item={item} onAsk={() => onWithdraw(item)} />,
+        },
+      ]}
+    />
+  )
+}
+
+function Comment({ item: { comment, withdrawn, withdrawn_by, withdrawn_reason } }: { item: Signoff }) {
+  return (
+    <>
+      {comment}
+      {withdrawn !== null && (
+        <span className="bad-t">
+          Withdrawn {moment(withdrawn)} by {withdrawn_by}: {withdrawn_reason}
+        </span>
+      )}
+    </>
   )
 }
 
 function Withdraw({ item, onAsk }: { item: Signoff; onAsk: () => void }) {
   const barred = useBarredFromOwn('reviewer', { id: 'This sign-off', owner: item.user })
   return (
-    <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={barred !== undefined} title={barred} onClick={onAsk}>
-      Withdraw …
-    </button>
+    <Button small barred={barred} onClick={onAsk}>Withdraw …</Button>
   )
 }
 
@@ -143,7 +141,7 @@ function Standing({ item }: { item: Signoff }) {
   )
 }
 
-function useChange<T>(run: string, call: (given: T) => Promise<unknown>, onDone: () => void) {
+function useChange<T>(run: string, call: (body: T) => Promise<unknown>, onDone: () => void) {
   const cache = useQueryClient()
   return useMutation({
     mutationFn: call,
@@ -177,66 +175,22 @@ function SignForm({ run, seen, onDone }: SignFormProps) {
     onDone,
   )
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        sign.mutate(undefined)
-      }}
-    >
+    <Form sent={sign} onSend={() => sign.mutate(undefined)} send="Sign off" onLeave={onDone} off={!name.trim() || !role.trim()}>
       <p className="sec">
         You sign the verdict <b>{run.verdict}</b> with its findings and stages, sha256{' '}
         <span className="mono">{digest.slice(0, 16)}</span>
         {session && <>, signed in as {session.user}</>}. This cannot be edited later, only withdrawn.
         {own && ` You launched ${run.id}, and the sign-off states that.`}
       </p>
-      <label className={fields.lbl}>
-        Name
-        <input
-          className={fields.inp}
-          value={name}
-          maxLength={120}
-          required
-          data-autofocus
-          onChange={(event) => setName(event.target.value)}
-        />
-      </label>
-      <label className={fields.lbl}>
-        Role
-        <input
-          className={fields.inp}
-          value={role}
-          maxLength={120}
-          required
-          list="signoff-roles"
-          onChange={(event) => setRole(event.target.value)}
-        />
-      </label>
+      <Field label="Name" value={name} maxLength={120} required data-autofocus onChange={setName} />
+      <Field label="Role" value={role} maxLength={120} required list="signoff-roles" onChange={setRole} />
       <datalist id="signoff-roles">
         {ROLES.map((known) => (
           <option key={known} value={known} />
         ))}
       </datalist>
-      <label className={fields.lbl}>
-        Comment
-        <textarea
-          className={clsx(fields.inp, fields.area)}
-          value={comment}
-          maxLength={4000}
-          rows={4}
-          onChange={(event) => setComment(event.target.value)}
-        />
-      </label>
-      {sign.isError && <p className={fields.ferr}>{sign.error.message}</p>}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Not now
-        </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={sign.isPending || !name.trim() || !role.trim()}>
-          Sign off
-        </button>
-      </div>
-    </form>
+      <Field label="Comment" value={comment} maxLength={4000} rows={4} onChange={setComment} />
+    </Form>
   )
 }
 
@@ -244,37 +198,11 @@ function WithdrawForm({ run, signoff, onDone }: { run: string; signoff: Signoff;
   const [reason, setReason] = useState('')
   const withdraw = useChange(run, () => withdrawSignoff(run, signoff.id, reason.trim()), onDone)
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        withdraw.mutate(undefined)
-      }}
-    >
+    <Form sent={withdraw} onSend={() => withdraw.mutate(undefined)} send="Withdraw" leave="Keep it" onLeave={onDone} danger off={!reason.trim()}>
       <p className="sec">
         The sign-off of {signoff.name} ({signoff.role}) stays on record, with the reason that you give.
       </p>
-      <label className={fields.lbl}>
-        Reason
-        <textarea
-          className={clsx(fields.inp, fields.area)}
-          value={reason}
-          maxLength={4000}
-          rows={3}
-          required
-          data-autofocus
-          onChange={(event) => setReason(event.target.value)}
-        />
-      </label>
-      {withdraw.isError && <p className={fields.ferr}>{withdraw.error.message}</p>}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Keep it
-        </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.danger, buttons.p)} disabled={withdraw.isPending || !reason.trim()}>
-          Withdraw
-        </button>
-      </div>
-    </form>
+      <Field label="Reason" value={reason} maxLength={4000} rows={3} required data-autofocus onChange={setReason} />
+    </Form>
   )
 }

@@ -13,17 +13,19 @@ import type { SweepDetail } from '../client'
 import { plain } from '../format/numbers'
 import { moment } from '../format/time'
 import { unitText } from '../format/units'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from '../trends/cells'
-import { Card, NumHead } from '../ui/Card'
+import { Button } from '../ui/Button'
+import { Card } from '../ui/Card'
+import { Table } from '../ui/Table'
 import { usePolling } from '../ui/usePolling'
 import { activeOf, statementOf, valueText } from './states'
 import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 import cards from '../ui/cards.module.css'
 import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
 
 const sweepQuery = (id: string) => queryOptions({ queryKey: ['sweep', id], queryFn: () => getSweep(id) })
 
@@ -55,23 +57,22 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
   })
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>{sweep.name}</h1>
-          <p className="sec">
+      <PageHead
+        title={sweep.name}
+        note={
+          <>
             {sweep.id}, {sweep.title} over {sweep.runs} values. {statementOf(sweep.states)}.
-          </p>
-        </div>
-        <div className={layout.acts}>
-          <Link to="/sweeps" className={buttons.btn}>
-            All sweeps
-          </Link>
-          <a className={buttons.btn} href={at(`/api/v1/sweeps/${sweep.id}/table.csv`)} download>
-            <IconDownload className="i s" aria-hidden /> CSV
-          </a>
-          {activeOf(sweep.states) > 0 && <Cancel sweep={sweep} />}
-        </div>
-      </div>
+          </>
+        }
+      >
+        <Link to="/sweeps" className={buttons.btn}>
+          All sweeps
+        </Link>
+        <a className={buttons.btn} href={at(`/api/v1/sweeps/${sweep.id}/table.csv`)} download>
+          <IconDownload className="i s" aria-hidden /> CSV
+        </a>
+        {activeOf(sweep.states) > 0 && <Cancel sweep={sweep} />}
+      </PageHead>
       {codes.length > 1 && (
         <div className={clsx(cards.note, cards.warn)} style={{ marginBottom: 'var(--gap)' }}>
           The code changed while the sweep ran: {codes.length} codes ran its runs. Differences between the values may come
@@ -83,53 +84,45 @@ function Shown({ sweep }: { sweep: SweepDetail }) {
           <OutcomesChart points={points} axis={axis} sync={sweep.id} name={({ x }) => axis.xText(x)} />
         </ChartCard>
         <Card title="Runs" note={`Submitted by ${sweep.owner}, ${moment(sweep.created)}`} className={layout.c12} flush>
-          <Table sweep={sweep} />
+          <Points sweep={sweep} />
         </Card>
       </div>
     </>
   )
 }
 
-function Table({ sweep }: { sweep: SweepDetail }) {
-  const reasons = sweep.points.map(({ outcome }) => [outcome?.error, outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' '))
+function Points({ sweep }: { sweep: SweepDetail }) {
+  const rows = sweep.points.map((point) => ({
+    ...point,
+    reason: [point.outcome?.error, point.outcome?.removed && 'Removed from the lists'].filter(Boolean).join(' '),
+  }))
   return (
-    <table className={clsx(tables.table, tables.stack)}>
-      <thead>
-        <tr>
-          <NumHead unit={unitText(sweep.unit)}>{sweep.path}</NumHead>
-          <th>Verdict</th>
-          <th>Run</th>
-          <th className="num">Worst margin</th>
-          <NumHead unit="upper bound">P(violation)</NumHead>
-          <NumHead unit="of the sample">Violations</NumHead>
-          <th>Code</th>
-          <th>Finished</th>
-          {reasons.some(Boolean) && <th>Reason</th>}
-        </tr>
-      </thead>
-      <tbody>
-        {sweep.points.map(({ value, run, outcome }, i) => (
-          <tr key={run}>
-            <td className="num b" data-label={sweep.path}>
+    <Table
+      stack
+      rows={rows}
+      columns={[
+        {
+          head: sweep.path,
+          unit: unitText(sweep.unit),
+          label: sweep.path,
+          tone: 'b',
+          cell: ({ value }) => (
+            <>
               {valueText(value)}
               {value === sweep.nominal && <div className="mut small">in the campaign</div>}
-            </td>
-            <td data-label="Verdict">
-              <OutcomeBadge outcome={outcome} />
-            </td>
-            <td data-label="Run">
-              <RunCell run={run} />
-            </td>
-            <td className="num" data-label="Worst margin">{marginOf(outcome)}</td>
-            <td className="num sec" data-label="P(violation)">{boundOf(outcome)}</td>
-            <td className="num sec" data-label="Violations">{sampleOf(outcome)}</td>
-            <td data-label="Code">{outcome && <CodeCell code={outcome.code} />}</td>
-            <td data-label="Finished">{outcome && <DateCell outcome={outcome} />}</td>
-            {reasons.some(Boolean) && <td className="sec">{reasons[i]}</td>}
-          </tr>
-        ))}
-      </tbody>
-    </table>
+            </>
+          ),
+        },
+        { head: 'Verdict', label: 'Verdict', cell: ({ outcome }) => <OutcomeBadge outcome={outcome} /> },
+        { head: 'Run', label: 'Run', cell: ({ run }) => <RunCell run={run} /> },
+        { head: 'Worst margin', num: true, label: 'Worst margin', cell: ({ outcome }) => marginOf(outcome) },
+        { head: 'P(violation)', unit: 'upper bound', tone: 'sec', label: 'P(violation)', cell: ({ outcome }) => boundOf(outcome) },
+        { head: 'Violations', unit: 'of the sample', tone: 'sec', label: 'Violations', cell: ({ outcome }) => sampleOf(outcome) },
+        { head: 'Code', label: 'Code', cell: ({ outcome }) => outcome && <CodeCell code={outcome.code} /> },
+        { head: 'Finished', label: 'Finished', cell: ({ outcome }) => outcome && <DateCell outcome={outcome} /> },
+        rows.some(({ reason }) => reason) && { head: 'Reason', tone: 'sec', cell: ({ reason }) => reason },
+      ]}
+    />
   )
 }
 
@@ -149,19 +142,15 @@ function Cancel({ sweep }: { sweep: SweepDetail }) {
   const active = activeOf(sweep.states)
   if (!sure)
     return (
-      <button type="button" className={buttons.btn} disabled={barred !== undefined} title={barred} onClick={() => setSure(true)}>
-        <IconBan className="i s" aria-hidden /> Cancel
-      </button>
+      <Button icon={IconBan} barred={barred} onClick={() => setSure(true)}>Cancel</Button>
     )
   return (
     <span className={layout.row}>
       <span className="sec">{cancel.error ? cancel.error.message : `Cancel ${active === 1 ? 'the run' : `the ${active} runs`} that have not ended?`}</span>
-      <button type="button" className={clsx(buttons.btn, buttons.p)} disabled={cancel.isPending} onClick={() => cancel.mutate()}>
+      <Button main disabled={cancel.isPending} onClick={() => cancel.mutate()}>
         Cancel {active === 1 ? 'it' : 'them'}
-      </button>
-      <button type="button" className={buttons.btn} onClick={() => setSure(false)}>
-        Keep running
-      </button>
+      </Button>
+      <Button onClick={() => setSure(false)}>Keep running</Button>
     </span>
   )
 }

@@ -6,9 +6,11 @@ import { Link } from '@tanstack/react-router'
 import { listSweeps } from '../api/calls'
 import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
+import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card } from '../ui/Card'
+import { Table } from '../ui/Table'
 import { statementOf } from './states'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
@@ -23,17 +25,12 @@ export function SweepsPage() {
   if (!data) return <Loading what="sweeps" title="Sweeps" failed={failureReason} />
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>Sweeps</h1>
-        </div>
-        <div className={layout.acts}>
-          <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
-            <IconPlus className="i s" aria-hidden />
-            New run or sweep
-          </Link>
-        </div>
-      </div>
+      <PageHead title="Sweeps">
+        <Link to="/launch" className={clsx(buttons.btn, buttons.p)}>
+          <IconPlus className="i s" aria-hidden />
+          New run or sweep
+        </Link>
+      </PageHead>
       <Card title="All sweeps" note="One campaign with several values of a fixed parameter" flush={data.length > 0}>
         {data.length === 0 && (
           <p className="sec">
@@ -41,42 +38,31 @@ export function SweepsPage() {
           </p>
         )}
         {data.length > 0 && (
-          <table className={clsx(tables.table, tables.stack)}>
-            <thead>
-              <tr>
-                <th>Sweep</th>
-                <th>Parameter</th>
-                <th className="num">Runs</th>
-                <th>State</th>
-                <th className={layout.hideS}>User</th>
-                <th>Submitted</th>
-              </tr>
-            </thead>
-            <tbody>
-              {data.map((sweep) => (
-                <tr key={sweep.id}>
-                  <td>
-                    <span className={tables.rn}>
-                      <Link to="/sweeps/$id" params={{ id: sweep.id }}>
-                        {sweep.name}
-                      </Link>
-                      <small>
-                        {sweep.id}
-                        {sweep.campaign_name !== sweep.name && ` · ${sweep.campaign_name}`}
-                      </small>
-                    </span>
-                  </td>
-                  <td className="sec" data-label="Parameter">{sweep.path}</td>
-                  <td className="num" data-label="Runs">{count(sweep.runs)}</td>
-                  <td className="sec nw" data-label="State">{statementOf(sweep.states)}</td>
-                  <td className={clsx('sec', layout.hideS)} data-label="User">{sweep.owner}</td>
-                  <td className="sec nw" data-label="Submitted" title={moment(sweep.created)}>
-                    {when(sweep.created)}
-                  </td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
+          <Table
+            stack
+            rows={data}
+            columns={[
+              {
+                head: 'Sweep',
+                cell: ({ id, name, campaign_name }) => (
+                  <span className={tables.rn}>
+                    <Link to="/sweeps/$id" params={{ id }}>
+                      {name}
+                    </Link>
+                    <small>
+                      {id}
+                      {campaign_name !== name && ` · ${campaign_name}`}
+                    </small>
+                  </span>
+                ),
+              },
+              { head: 'Parameter', label: 'Parameter', tone: 'sec', cell: ({ path }) => path },
+              { head: 'Runs', num: true, label: 'Runs', cell: ({ runs }) => count(runs) },
+              { head: 'State', label: 'State', tone: 'sec nw', cell: ({ states }) => statementOf(states) },
+              { head: 'User', label: 'User', className: layout.hideS, tone: 'sec', cell: ({ owner }) => owner },
+              { head: 'Submitted', label: 'Submitted', tone: 'sec nw', tip: ({ created }) => moment(created), cell: ({ created }) => when(created) },
+            ]}
+          />
         )}
       </Card>
     </>

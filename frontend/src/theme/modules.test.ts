@@ -42,11 +42,11 @@ it('has every class of a module that is used, and none that is not', () => {
 
 it('looks for no element by a class that a module has renamed', () => {
   const global = files.filter((file) => file.endsWith('.css') && !file.endsWith('.module.css')).map(classesOf)
-  const asked = files
+  const names = files
     .filter((file) => /\.tsx?$/.test(file))
     .flatMap((file) => [...read(file).matchAll(/(?:closest|querySelector(?:All)?)(?:<\w+>)?\(\s*'([^']+)'/g)])
     .flatMap(([, selector = '']) => [...selector.matchAll(/\.([a-z][\w-]*)/g)].map(([, name = '']) => name))
     .filter((name) => !name.startsWith('u-')) // uPlot's own
-  expect(asked).toContain('sr')
-  for (const name of asked) expect(global.some((classes) => classes.has(camel(name))), name).toBe(true)
+  expect(names).toContain('sr')
+  for (const name of names) expect(global.some((classes) => classes.has(camel(name))), name).toBe(true)
 })

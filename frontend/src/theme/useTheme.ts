@@ -1,9 +1,8 @@
 // Light or dark: the stored choice, else the system's setting, for the page, its widgets and its canvases.
-import { useSyncExternalStore } from 'react'
+import { storeOf } from '../ui/store'
 
 export type Theme = 'light' | 'dark'
 
-const listeners = new Set<() => void>()
 const system = matchMedia('(prefers-color-scheme: dark)')
 
 function stored(): Theme | null {
@@ -17,20 +16,20 @@ function stored(): Theme | null {
 
 const current = (): Theme => stored() ?? (system.matches ? 'dark' : 'light')
 
-let shown = current()
+const shown = storeOf(current())
 
 function apply(): void {
-  shown = current()
-  document.documentElement.dataset.theme = shown
-  document.documentElement.dataset.mantineColorScheme = shown
-  for (const listener of listeners) listener()
+  const theme = current()
+  document.documentElement.dataset.theme = theme
+  document.documentElement.dataset.mantineColorScheme = theme
+  shown.set(theme)
 }
 
 system.addEventListener('change', apply)
 addEventListener('storage', apply)
 
 export function toggleTheme(): void {
-  const next: Theme = shown === 'dark' ? 'light' : 'dark'
+  const next: Theme = shown.get() === 'dark' ? 'light' : 'dark'
   try {
     localStorage.setItem('theme', next)
   } catch {
@@ -39,9 +38,4 @@ export function toggleTheme(): void {
   apply()
 }
 
-function subscribe(listener: () => void): () => void {
-  listeners.add(listener)
-  return () => listeners.delete(listener)
-}
-
-export const useTheme = (): Theme => useSyncExternalStore(subscribe, () => shown)
+export const useTheme = shown.useValue

@@ -8,11 +8,11 @@ import type { RelatedRun, RunDetail } from '../client'
 import { count } from '../format/numbers'
 import { Failed } from '../page/Trouble'
 import { Card } from '../ui/Card'
-import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from './cells'
+import { hiddenHead, Table } from '../ui/Table'
+import { CodeCell, DateCell, outcomeColumns } from './cells'
 import { differenceOf } from './difference'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
 
 const relatedQuery = (run: string, state: string) =>
   queryOptions({ queryKey: ['related', run, state], queryFn: () => getRelated(run) })
@@ -37,54 +37,28 @@ export function RelatedCard({ run }: { run: RunDetail }) {
       {!data && !error && <p className="mut">Loading other runs …</p>}
       {!data && error && <Failed error={error} retry={() => void refetch()} />}
       {data && rows.length === 0 && <p className="sec">No other run has this campaign, with this seed or another.</p>}
-      {rows.length > 0 && <Table own={run.id} rows={rows} />}
+      {rows.length > 0 && <Others own={run.id} rows={rows} />}
     </Card>
   )
 }
 
-function Table({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {
+function Others({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {
   return (
-    <table className={tables.table}>
-      <thead>
-        <tr>
-          <th>Verdict</th>
-          <th>Run</th>
-          <th>Differs in</th>
-          <th className="num">Worst margin</th>
-          <th className="num">P(violation)</th>
-          <th>Code</th>
-          <th>Finished</th>
-          <th>
-            <span className="sr">Compare</span>
-          </th>
-        </tr>
-      </thead>
-      <tbody>
-        {rows.map((other) => (
-          <tr key={other.id}>
-            <td>
-              <OutcomeBadge outcome={other} />
-            </td>
-            <td>
-              <RunCell run={other.id} name={other.name} />
-            </td>
-            <td className="sec">{differenceOf(other)}</td>
-            <td className="num">{marginOf(other)}</td>
-            <td className="num sec">{boundOf(other)}</td>
-            <td>
-              <CodeCell code={other.code} />
-            </td>
-            <td>
-              <DateCell outcome={other} />
-            </td>
-            <td>
-              <Link to="/compare" search={{ runs: `${own},${other.id}` }} className={clsx(buttons.btn, buttons.s)} aria-label={`Compare ${own} with ${other.id}`}>
-                <IconArrowsDiff className="i s" aria-hidden /> Compare
-              </Link>
-            </td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
+    <Table
+      rows={rows}
+      columns={[
+        ...outcomeColumns<RelatedRun>({ head: 'Differs in', tone: 'sec', cell: differenceOf }),
+        { head: 'Code', cell: ({ code }) => <CodeCell code={code} /> },
+        { head: 'Finished', cell: (other) => <DateCell outcome={other} /> },
+        {
+          head: hiddenHead('Compare'),
+          cell: ({ id }) => (
+            <Link to="/compare" search={{ runs: `${own},${id}` }} className={clsx(buttons.btn, buttons.s)} aria-label={`Compare ${own} with ${id}`}>
+              <IconArrowsDiff className="i s" aria-hidden /> Compare
+            </Link>
+          ),
+        },
+      ]}
+    />
   )
 }

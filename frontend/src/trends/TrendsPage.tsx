@@ -1,7 +1,6 @@
 // The runs of a campaign in time: verdicts, worst margins, bounds, and where the code changed.
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
-import { clsx } from 'clsx'
 import { useMemo } from 'react'
 import { getTrend } from '../api/calls'
 import { facetsQuery } from '../api/queries'
@@ -14,15 +13,16 @@ import { PageHead } from '../page/PageHead'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { Card, Seg } from '../ui/Card'
+import { Digest } from '../ui/Digests'
 import { FilterMenu } from '../ui/FilterMenu'
+import { Table } from '../ui/Table'
 import { usePolling } from '../ui/usePolling'
 import { type Along, apart, axisOf } from './axis'
-import { boundOf, CodeCell, DateCell, marginOf, OutcomeBadge, RunCell } from './cells'
+import { CodeCell, DateCell, outcomeColumns } from './cells'
 import type { TrendSearch } from './search'
 import { changesOf } from './changes'
 import buttons from '../ui/buttons.module.css'
 import layout from '../ui/layout.module.css'
-import tables from '../ui/tables.module.css'
 import styles from './trends.module.css'
 
 const trendQuery = ({ campaign, name, label }: TrendSearch) =>
@@ -61,26 +61,20 @@ function Campaigns() {
           </p>
         )}
         {data.campaigns.length > 0 && (
-          <table className={tables.table}>
-            <thead>
-              <tr>
-                <th>Campaign</th>
-                <th className="num">Runs</th>
-              </tr>
-            </thead>
-            <tbody>
-              {data.campaigns.map(({ value, runs }) => (
-                <tr key={value}>
-                  <td>
-                    <Link to="/trends" search={{ name: value }}>
-                      {value}
-                    </Link>
-                  </td>
-                  <td className="num">{count(runs)}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
+          <Table
+            rows={data.campaigns}
+            columns={[
+              {
+                head: 'Campaign',
+                cell: ({ value }) => (
+                  <Link to="/trends" search={{ name: value }}>
+                    {value}
+                  </Link>
+                ),
+              },
+              { head: 'Runs', num: true, cell: ({ runs }) => count(runs) },
+            ]}
+          />
         )}
       </Card>
     </>
@@ -103,38 +97,32 @@ function Shown({ trend }: { trend: Trend }) {
     rows: runs.map((run) => [
       run.id, rfc3339(run.created), run.finished === null ? null : rfc3339(run.finished), run.state, run.verdict, run.seed,
       run.margin, run.unit, run.upper_bound, run.confidence, run.campaign_digest, run.code, run.requirements.join('; '),
-      Object.entries(run.labels).map(([key, value]) => `${key}=${value}`).join('; '),
+      labelsText(run.labels, '; '),
     ]),
   })
   return (
     <>
-      <div className={layout.ph}>
-        <div className={layout.t}>
-          <h1>{trend.name}</h1>
-          <p className="sec">
-            {trend.digest ? (
+      <PageHead
+        title={trend.name}
+        note={
+          trend.digest ? (
               <>
-                Runs of one campaign, sha256{' '}
-                <span className="mono" title={trend.digest}>
-                  {trend.digest.slice(0, 16)}
-                </span>
+                Runs of one campaign, sha256 <Digest of={trend.digest} />
               </>
             ) : (
               `Runs of ${count(trend.campaigns)} ${trend.campaigns === 1 ? 'campaign' : 'campaigns'} of this name`
-            )}
-          </p>
-        </div>
-        <div className={layout.acts}>
-          {trend.digest && (
-            <Link to="/trends" search={{ name: trend.name, label: search.label }} className={buttons.btn}>
-              All campaigns of this name
-            </Link>
-          )}
-          {(trend.labels.length > 0 || search.label) && (
-            <FilterMenu name="Label" options={trend.labels} value={search.label} onChange={narrow} />
-          )}
-        </div>
-      </div>
+            )
+        }
+      >
+        {trend.digest && (
+          <Link to="/trends" search={{ name: trend.name, label: search.label }} className={buttons.btn}>
+            All campaigns of this name
+          </Link>
+        )}
+        {(trend.labels.length > 0 || search.label) && (
+          <FilterMenu name="Label" options={trend.labels} value={search.label} onChange={narrow} />
+        )}
+      </PageHead>
       {runs.length === 0 ? (
         <p className="sec">{search.label ? 'No run of this campaign has the chosen labels.' : 'No run has this campaign.'}</p>
       ) : (
@@ -149,7 +137,7 @@ function Shown({ trend }: { trend: Trend }) {
             flush
             footer={total > runs.length && `The newest ${runs.length} of ${count(total)} runs.`}
           >
-            <Table runs={runs} named={!trend.digest} label={search.label} />
+            <Runs runs={runs} named={!trend.digest} label={search.label} />
           </Card>
         </div>
       )}
@@ -171,76 +159,58 @@ function AlongSeg({ value, onChange }: { value: Along; onChange: (value: Along) 
   )
 }
 
-function Table({ runs, named, label }: { runs: readonly TrendRun[]; named: boolean; label: string[] | undefined }) {
+function Runs({ runs, named, label }: { runs: readonly TrendRun[]; named: boolean; label: string[] | undefined }) {
   const stated = runs.some(({ requirements }) => requirements.length > 0)
   const labelled = runs.some(({ labels }) => Object.keys(labels).length > 0)
+  const newest = runs.toReversed()
   return (
-    <table className={tables.table}>
-      <thead>
-        <tr>
-          <th className="num">No.</th>
-          <th>Verdict</th>
-          <th>Run</th>
-          <th className="num">Worst margin</th>
-          <th className="num">P(violation)</th>
-          {named && <th>Campaign</th>}
-          <th className="num">Seed</th>
-          <th>Code</th>
-          {stated && <th>Evidence for</th>}
-          {labelled && <th>Labels</th>}
-          <th>Finished</th>
-        </tr>
-      </thead>
-      <tbody>
-        {runs.map((run, i) => (
-          <tr key={run.id} className={clsx(runs[i + 1]?.code_changed && styles.changed)}>
-            <td className="num sec">{i + 1}</td>
-            <td>
-              <OutcomeBadge outcome={run} />
-            </td>
-            <td>
-              <RunCell run={run.id} name={run.name} />
-            </td>
-            <td className="num">{marginOf(run)}</td>
-            <td className="num sec">{boundOf(run)}</td>
-            {named && (
-              <td className="sec">
-                <Link to="/trends" search={{ campaign: run.campaign_digest, label }} className="mono" title={run.campaign_digest}>
-                  {run.campaign_digest.slice(0, 8)}
-                </Link>
-                {run.campaign_changed && ' changed'}
-              </td>
-            )}
-            <td className="num sec">{run.seed}</td>
-            <td className="nw">
-              <CodeCell code={run.code} />
-              {run.code_changed && <span className="b"> changed</span>}
-            </td>
-            {stated && (
-              <td className="sec">
-                {run.requirements.map((id, at) => (
-                  <span key={id}>
-                    {at > 0 && ', '}
-                    <Link to="/requirements" search={{ q: id }}>
-                      {id}
-                    </Link>
-                  </span>
-                ))}
-              </td>
-            )}
-            {labelled && (
-              <td className="sec">
-                {Object.entries(run.labels)
-                  .map(([key, value]) => `${key}=${value}`)
-                  .join(', ')}
-              </td>
-            )}
-            <td>
-              <DateCell outcome={run} />
-            </td>
-          </tr>
-        )).reverse()}
-      </tbody>
-    </table>
+    <Table
+      rows={newest}
+      row={(_, i) => ({ className: newest[i - 1]?.code_changed ? styles.changed : undefined })}
+      columns={[
+        { head: 'No.', num: true, tone: 'sec', cell: (_, i) => runs.length - i },
+        ...outcomeColumns<TrendRun>(),
+        named && {
+          head: 'Campaign',
+          tone: 'sec',
+          cell: ({ campaign_digest: campaign, campaign_changed }) => (
+            <>
+              <Link to="/trends" search={{ campaign, label }} className="mono" title={campaign}>
+                {campaign.slice(0, 8)}
+              </Link>
+              {campaign_changed && ' changed'}
+            </>
+          ),
+        },
+        { head: 'Seed', num: true, tone: 'sec', cell: ({ seed }) => seed },
+        {
+          head: 'Code',
+          tone: 'nw',
+          cell: ({ code, code_changed }) => (
+            <>
+              <CodeCell code={code} />
+              {code_changed && <span className="b"> changed</span>}
+            </>
+          ),
+        },
+        stated && { head: 'Evidence for', tone: 'sec', cell: ({ requirements }) => <Requirements ids={requirements} /> },
+        labelled && { head: 'Labels', tone: 'sec', cell: ({ labels }) => labelsText(labels, ', ') },
+        { head: 'Finished', cell: (run) => <DateCell outcome={run} /> },
+      ]}
+    />
   )
+}
+
+const labelsText = (labels: TrendRun['labels'], between: string): string =>
+  Object.entries(labels).map(([key, value]) => `${key}=${value}`).join(between)
+
+function Requirements({ ids }: { ids: readonly string[] }) {
+  return ids.map((id, at) => (
+    <span key={id}>
+      {at > 0 && ', '}
+      <Link to="/requirements" search={{ q: id }}>
+        {id}
+      </Link>
+    </span>
+  ))
 }

@@ -3,6 +3,8 @@ import { Link } from '@tanstack/react-router'
 import type { Outcome } from '../client'
 import { decimalsFor, NONE, percent, signed } from '../format/numbers'
 import { rfc3339, when } from '../format/time'
+import { Digest } from '../ui/Digests'
+import type { Column } from '../ui/Table'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import tables from '../ui/tables.module.css'
 
@@ -30,15 +32,8 @@ export function RunCell({ run, name }: { run: string; name?: string }) {
   )
 }
 
-export function CodeCell({ code }: { code: string | null | undefined }) {
-  return code ? (
-    <span className="mono" title={code}>
-      {code.slice(0, 12)}
-    </span>
-  ) : (
-    <span className="mut">not stored</span>
-  )
-}
+export const CodeCell = ({ code }: { code: string | null | undefined }) =>
+  code ? <Digest of={code} first={12} /> : <span className="mut">not stored</span>
 
 /** When it ended, or was submitted if it has not ended. */
 export function DateCell({ outcome }: { outcome: Outcome }) {
@@ -50,3 +45,12 @@ export function DateCell({ outcome }: { outcome: Outcome }) {
     </time>
   )
 }
+
+/** Verdict, name, worst margin and bound of runs; further ones after the name. */
+export const outcomeColumns = <T extends Outcome & { id: string; name: string }>(...further: Column<T>[]): Column<T>[] => [
+  { head: 'Verdict', cell: (run) => <OutcomeBadge outcome={run} /> },
+  { head: 'Run', cell: ({ id, name }) => <RunCell run={id} name={name} /> },
+  ...further,
+  { head: 'Worst margin', num: true, cell: marginOf },
+  { head: 'P(violation)', num: true, tone: 'sec', cell: boundOf },
+]

@@ -7,5 +7,6 @@ export function Modal({ opened, ...props }: ModalProps) {
   if (opened && !used) setUsed(true)
   // Mounted closed and opened then, because the focus returns to what had it when a mounted dialog opened.
   const mounted = useDeferredValue(opened, false)
-  return used ? <MantineModal opened={opened && mounted} {...props} /> : null
+  // Mantine locks scrolling by a style element, which the security policy could refuse.
+  return used ? <MantineModal opened={opened && mounted} centered lockScroll={false} {...props} /> : null
 }

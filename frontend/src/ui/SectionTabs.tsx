@@ -21,18 +21,18 @@ export function SectionTabs({ sections }: { sections: Section[] }) {
   const [shown, setShown] = useState({ order: sections.map(({ id }) => id), current: sections[0]?.id })
   const { order, current } = shown
   const bar = useRef<HTMLElement>(null)
-  const asked = useRef<string | undefined>(undefined)
+  const target = useRef<string | undefined>(undefined)
   const ids = sections.map(({ id }) => id).join()
   const read = useCallback(() => {
     const places = placesOf(ids.split(','))
     const found = inPageOrder(places).map(({ id }) => id)
     const [height, whole] = [innerHeight, document.documentElement.scrollHeight]
-    const at = currentOf(places, lineOf({ height, at: scrollY, most: whole - height }, LINE), asked.current)
+    const at = currentOf(places, lineOf({ height, at: scrollY, most: whole - height }, LINE), target.current)
     setShown((before) => (before.current === at && before.order.join() === found.join() ? before : { order: found, current: at }))
   }, [ids])
   useEffect(() => {
     const scrolled = () => {
-      asked.current = undefined
+      target.current = undefined
     }
     // Cards that are loaded later, and other widths of the window, move the sections.
     const moved = new ResizeObserver(read)
@@ -54,7 +54,7 @@ export function SectionTabs({ sections }: { sections: Section[] }) {
     return () => cancelAnimationFrame(frame)
   }, [current])
   const jumped = (id: string) => {
-    asked.current = id
+    target.current = id
     setShown((before) => ({ ...before, current: id }))
   }
   const ordered = inOrder(sections, order)

@@ -1,21 +1,24 @@
 // Small drawings for tables: the position of a value within its bounds, and the size of a margin.
 
-interface WithinProps {
+interface PlaceProps {
   low: number
   high: number
   nominal: number
   value: number | null
-  width?: number
 }
 
+/** The position of a value on a line from `from` to `to` [px], whose ends are the bounds. */
+const along = ({ low, high }: PlaceProps, from: number, to: number) => (v: number) =>
+  from + ((to - from) * (Math.min(Math.max(v, low), high) - low)) / (high - low || 1)
+
 /** Bounds as a line with end ticks, the nominal value as a tick, the value as a dot. */
-export function WithinBounds({ low, high, nominal, value, width = 104 }: WithinProps) {
-  const x = (v: number) => 5 + ((width - 10) * (Math.min(Math.max(v, low), high) - low)) / (high - low || 1)
+export function WithinBounds({ width = 104, ...place }: PlaceProps & { width?: number }) {
+  const x = along(place, 5, width - 5)
   return (
     <svg width={width} height={14} viewBox={`0 0 ${width} 14`} aria-hidden="true">
       <path d={`M5 7H${width - 5}M5 3.5v7M${width - 5} 3.5v7`} stroke="var(--line-2)" strokeWidth={1.5} />
-      <path d={`M${x(nominal)} 2v10`} stroke="var(--c-nom)" strokeWidth={2} />
-      {value !== null && <circle cx={x(value)} cy={7} r={4} fill="var(--c-worst)" />}
+      <path d={`M${x(place.nominal)} 2v10`} stroke="var(--c-nom)" strokeWidth={2} />
+      {place.value !== null && <circle cx={x(place.value)} cy={7} r={4} fill="var(--c-worst)" />}
     </svg>
   )
 }
@@ -45,25 +48,16 @@ export function MarginBar({ margin, threshold, open }: MarginProps) {
   )
 }
 
-interface PlaceProps {
-  low: number
-  high: number
-  nominal: number
-  value: number | null
-  /** Drawn full at a bound, hollow inside. */
-  bound: boolean
-}
-
-/** The position of a value within its bounds, for narrow columns. */
-export function Place({ low, high, nominal, value, bound }: PlaceProps) {
-  const x = (v: number) => 4 + (30 * (Math.min(Math.max(v, low), high) - low)) / (high - low || 1)
+/** The position of a value within its bounds, for narrow columns; full at a bound, hollow inside. */
+export function Place({ bound, ...place }: PlaceProps & { bound: boolean }) {
+  const x = along(place, 4, 34)
   return (
     <svg width={38} height={12} viewBox="0 0 38 12" style={{ display: 'block' }} aria-hidden="true">
       <path d="M4 6h30" stroke="var(--line-2)" strokeWidth={1.5} />
-      <path d={`M${x(nominal)} 1.5v9`} stroke="var(--c-nom)" strokeWidth={1.5} />
-      {value !== null && (
+      <path d={`M${x(place.nominal)} 1.5v9`} stroke="var(--c-nom)" strokeWidth={1.5} />
+      {place.value !== null && (
         <circle
-          cx={x(value)}
+          cx={x(place.value)}
           cy={6}
           r={bound ? 3.2 : 2.6}
           fill={bound ? 'var(--c-worst)' : 'var(--surface)'}

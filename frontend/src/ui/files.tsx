@@ -1,7 +1,8 @@
 // Copy to the clipboard, save as a file.
 import { clsx } from 'clsx'
+import { useClipboard } from '@mantine/hooks'
 import { IconCheck, IconCopy } from '@tabler/icons-react'
-import { type ReactNode, useEffect, useState } from 'react'
+import type { ReactNode } from 'react'
 import buttons from './buttons.module.css'
 
 /** Saves text or a blob as a file. */
@@ -22,15 +23,9 @@ interface CopyProps {
 
 /** A button that copies and confirms it. */
 export function CopyButton({ text, children }: CopyProps) {
-  const [done, setDone] = useState(false)
-  useEffect(() => {
-    if (!done) return
-    const timer = setTimeout(() => setDone(false), 1600)
-    return () => clearTimeout(timer)
-  }, [done])
-  const copy = () => void navigator.clipboard.writeText(text()).then(() => setDone(true))
+  const { copied: done, copy } = useClipboard({ timeout: 1600 })
   return (
-    <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={copy}>
+    <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => copy(text())}>
       {done ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />}
       <span aria-live="polite">{done ? 'Copied' : children}</span>
     </button>

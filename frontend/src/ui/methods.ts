@@ -1,8 +1,8 @@
 // The colours and marker of every search method, from the catalogue. Those of the shipped methods are built in; a loaded
 // catalogue adds those of other packages. Each method has a CSS variable of its own. Start reading at `methodLook`.
-import { useSyncExternalStore } from 'react'
 import type { Catalogue, MethodEntry } from '../client'
 import shipped from './shipped.json'
+import { storeOf } from './store'
 
 export type Shape = NonNullable<MethodEntry['look']>['marker']
 
@@ -59,9 +59,8 @@ function paint(): void {
 
 const SHIPPED = shipped as readonly Declared[]
 let known: ReadonlyMap<string, MethodLook> = new Map(byName(SHIPPED))
-let lookup = lookupIn(known)
+const lookup = storeOf(lookupIn(known))
 paint()
-const listeners = new Set<() => void>()
 
 /**
  * Takes in the methods of a catalogue. One without a look keeps the look that is known of it; what a run kept adds only
@@ -72,23 +71,17 @@ export function learnMethods(catalogue: Catalogue, kept = false): Catalogue {
   const before = known
   if (news.some(([name, look]) => JSON.stringify(before.get(name)) !== JSON.stringify(look))) {
     known = new Map([...known, ...news])
-    lookup = lookupIn(known)
     paint()
-    listeners.forEach((listener) => listener())
+    lookup.set(lookupIn(known))
   }
   return catalogue
 }
 
 /** The look of a method; a stage that is not a search has a grey ring. */
-export const methodLook: Lookup = (name) => lookup(name)
-
-function subscribe(listener: () => void): () => void {
-  listeners.add(listener)
-  return () => listeners.delete(listener)
-}
+export const methodLook: Lookup = (name) => lookup.get()(name)
 
 /** `methodLook` as a hook, which renders again when a catalogue adds methods. */
-export const useMethodLook = (): Lookup => useSyncExternalStore(subscribe, () => lookup)
+export const useMethodLook = lookup.useValue
 
 /** The outline of a marker in a box of 10 by 10, as SVG path data. */
 export const OUTLINE: Record<Shape, string> = {

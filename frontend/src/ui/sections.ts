@@ -24,11 +24,11 @@ export function inPageOrder<T extends Placed>(sections: readonly T[]): T[] {
 
 /**
  * The section at the reading line: the last one in page order that begins above it, the first of its row.
- * `asked`: the one that was jumped to, which is current although another one is next to it or the page ends below it.
+ * `target`: the one that was jumped to, which is current although another one is next to it or the page ends below it.
  */
-export function currentOf(sections: readonly Placed[], line: number, asked?: string): string | undefined {
+export function currentOf(sections: readonly Placed[], line: number, target?: string): string | undefined {
   const ordered = inPageOrder(sections)
-  if (asked !== undefined && ordered.some(({ id }) => id === asked)) return asked
+  if (target !== undefined && ordered.some(({ id }) => id === target)) return target
   const last = ordered.findLast(({ top }) => top <= line) ?? ordered[0]
   return last && ordered.find(({ top }) => Math.abs(top - last.top) <= ROW)?.id
 }

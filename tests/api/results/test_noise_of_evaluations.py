@@ -12,8 +12,9 @@ from backend.scenes.base.progress import Progress
 from backend.scenes.base.setting import load
 from backend.scenes.panel.sampled import _sample
 from campaigns import Campaign, library, load_file
-from campaigns.results.baseline import BaselineResult, Reevaluated
 from campaigns.results.draws import of_draws
+from campaigns.results.stage import Reevaluated
+from campaigns.stages.baseline import BaselineResult
 from campaigns.stored.records import Columns, StagePlan
 from clearance.testing.problems import Problem
 from tests import results

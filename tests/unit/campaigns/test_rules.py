@@ -1,4 +1,4 @@
-"""The rules of a claim: each is written once, in order; the audit has the limits again; pages and guide are current."""
+"""The rules of a claim: each is written once, in order; the audit has the limits again."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from campaigns.results import remedies
 from campaigns.results.base import MethodKind
 from campaigns.rules import FAMILIES, LIMITS, RULES
 from campaigns.stages.found import declared
-from tools import rules as written
 from worker.evidence.audit import limits as audit
 
 REPOSITORY = Path(__file__).parents[3]
@@ -74,13 +73,6 @@ def test_the_audit_has_the_same_limits() -> None:
     mine = {name: value for name, value in vars(audit).items() if name.isupper() and name != "LEAST"}
     assert mine == {name: LIMITS[name].value for name in mine}
     assert {kind: family.least.value for kind, family in FAMILIES.items() if family.least} == audit.LEAST
-
-
-def test_pages_and_guide_are_written_from_todays_rules() -> None:
-    """By `python -m tools.rules`."""
-    assert written.PAGES.read_text(encoding="utf-8") == written.pages()
-    guide = written.GUIDE.read_text(encoding="utf-8")
-    assert guide == written.guide(guide)
 
 
 def test_other_guides_state_todays_limits() -> None:

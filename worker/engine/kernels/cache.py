@@ -19,7 +19,6 @@ if not os.environ.get("NUMBA_CACHE_DIR"):
 
 @contextmanager
 def _watched(function: Any) -> Iterator[Watched]:
-    """Report and time the compilation, if there is one."""
     watched, succeeded = Watched(function, cache_folder()), False
     try:
         yield watched

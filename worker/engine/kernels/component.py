@@ -12,33 +12,13 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from worker.engine.kernels import signatures as sig
-from worker.engine.kernels.look import ObstacleLook, VehicleLook
+from worker.engine.kernels.look import ObstacleLook as ObstacleLook  # components import all that they need from here
+from worker.engine.kernels.look import VehicleLook as VehicleLook
 from worker.engine.kernels.maths import kernel
-from worker.engine.kernels.parameters import Declared, Parameter, declared, extended
-
-__all__ = [
-    "Avoider",
-    "Component",
-    "Controller",
-    "Criterion",
-    "Declared",
-    "Derived",
-    "Environment",
-    "Fault",
-    "Limit",
-    "NoTrim",
-    "Obstacle",
-    "ObstacleLook",
-    "Parameter",
-    "Reach",
-    "Signal",
-    "Switches",
-    "Trim",
-    "Vehicle",
-    "VehicleLook",
-    "declared",
-    "extended",
-]
+from worker.engine.kernels.parameters import Declared as Declared
+from worker.engine.kernels.parameters import Parameter as Parameter
+from worker.engine.kernels.parameters import declared as declared
+from worker.engine.kernels.parameters import extended as extended
 
 Switches = Callable[[Any, float], list[float]]
 """switches(parameters or derived constants, horizon [s]) -> instants of its discontinuities [s], in plain Python."""

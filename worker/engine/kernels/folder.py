@@ -8,6 +8,6 @@ from pathlib import Path
 
 def cache_folder() -> Path:
     """The folder of compiled loops: CLEARANCE_KERNEL_CACHE, else the user's cache folder."""
-    given = os.environ.get("CLEARANCE_KERNEL_CACHE")
+    setting = os.environ.get("CLEARANCE_KERNEL_CACHE")
     base = os.environ.get("XDG_CACHE_HOME")
-    return Path(given) if given else (Path(base) if base else Path.home() / ".cache") / "clearance" / "kernels"
+    return Path(setting) if setting else (Path(base) if base else Path.home() / ".cache") / "clearance" / "kernels"

@@ -55,11 +55,13 @@ class Parts:
         return {"criterion": self.criterion} | {f"objectives.{i}": c for i, c in enumerate(self.objectives)}
 
     @property
-    def all(self) -> tuple[Component, ...]:
-        """Every component."""
-        found: list[Component] = [self.vehicle, self.controller, self.avoider, *self.criteria.values()]
-        found += [*self.obstacles, *self.environment, *(placed.fault for placed in self.faults)]
-        return tuple(found)
+    def named(self) -> dict[str, Component]:
+        """Every component by the prefix of its parameters."""
+        found: dict[str, Component] = {"vehicle": self.vehicle, "controller": self.controller, "avoider": self.avoider}
+        found |= self.criteria
+        found |= {f"obstacles.{i}": o for i, o in enumerate(self.obstacles)}
+        found |= {f"environment.{i}": e for i, e in enumerate(self.environment)}
+        return found | {f"faults.{i}": placed.fault for i, placed in enumerate(self.faults)}
 
     @property
     def late(self) -> bool:
@@ -92,35 +94,21 @@ class Span:
 
 def sections(parts: Parts) -> tuple[Section, ...]:
     """The sections of the flat vector, in order."""
-    named: list[tuple[str, type]] = [
-        ("vehicle", parts.vehicle.parameters),
-        ("controller", parts.controller.parameters),
-        ("avoider", parts.avoider.parameters),
-        ("start", parts.vehicle.start),
-        ("goal", parts.avoider.goal),
-        ("criterion", parts.criterion.parameters),
-        *((f"obstacles.{i}", o.parameters) for i, o in enumerate(parts.obstacles)),
-        *((f"environment.{i}", e.parameters) for i, e in enumerate(parts.environment)),
-        *((f"faults.{i}", f.fault.parameters) for i, f in enumerate(parts.faults)),
-        *((f"objectives.{i}", c.parameters) for i, c in enumerate(parts.objectives)),
-    ]
+    first, last = ("vehicle", "controller", "avoider"), list(parts.criteria)[1:]
+    fields = {prefix: part.parameters for prefix, part in parts.named.items()}
+    named = {prefix: fields[prefix] for prefix in first}
+    named |= {"start": parts.vehicle.start, "goal": parts.avoider.goal}
+    named |= {prefix: fields[prefix] for prefix in fields if prefix not in last}
+    named |= {prefix: fields[prefix] for prefix in last}
     found: list[Section] = []
-    for prefix, fields in named:
-        found.append(Section(prefix, fields, found[-1].last if found else 0, declared(fields)))
+    for prefix, own in named.items():
+        found.append(Section(prefix, own, found[-1].last if found else 0, declared(own)))
     return tuple(found)
 
 
 def derivations(parts: Parts, flat: Sequence[Section]) -> Iterator[tuple[Section, Derived]]:
     """The sections whose components derive constants from them, in order."""
-    known: dict[str, Vehicle | Controller | Avoider | Obstacle | Environment | Fault | Criterion] = {
-        "vehicle": parts.vehicle,
-        "controller": parts.controller,
-        "avoider": parts.avoider,
-        **{f"obstacles.{i}": o for i, o in enumerate(parts.obstacles)},
-        **{f"environment.{i}": e for i, e in enumerate(parts.environment)},
-        **{f"faults.{i}": f.fault for i, f in enumerate(parts.faults)},
-        **parts.criteria,
-    }
+    known = parts.named
     for section in flat:
         part = known.get(section.prefix)
         if part is not None and part.derived is not None:

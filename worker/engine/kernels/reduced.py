@@ -44,10 +44,10 @@ def sentence(text: str) -> str:
     return f"the compiler refuses this: {first[:200].rstrip('.:') or 'it gives no reason'}"
 
 
-def _name(given: str) -> str:
+def _name(text: str) -> str:
     """`scipy.special.gamma` of <built-in function gamma>, <ufunc 'clip'>, <function f at 0x7f...>."""
-    found = re.search(r"(?:function|ufunc|class|type) '?([\w.]+)", given)
-    return found[1] if found else given.strip("<>' ")
+    found = re.search(r"(?:function|ufunc|class|type) '?([\w.]+)", text)
+    return found[1] if found else text.strip("<>' ")
 
 
 _KNOWN: list[tuple[re.Pattern[str], Callable[[re.Match[str]], str]]] = [
@@ -111,9 +111,9 @@ _KNOWN: list[tuple[re.Pattern[str], Callable[[re.Match[str]], str]]] = [
 ]
 
 
-def _type(given: str) -> str:
+def _type(kind: str) -> str:
     """float64 as "number", UniTuple(float64 x 2) as "tuple of 2"."""
-    given = re.sub(r"UniTuple\((\w+),? x (\d+)\)", r"tuple of \2", given)
-    given = re.sub(r"Tuple\(([^()]*)\)", lambda m: f"tuple of {len([p for p in m[1].split(',') if p.strip()])}", given)
-    given = re.sub(r"\b(?:Literal\[int\]\(-?\d+\)|int64|float64)\b", "number", given)
-    return given.strip(" '")[:120]
+    kind = re.sub(r"UniTuple\((\w+),? x (\d+)\)", r"tuple of \2", kind)
+    kind = re.sub(r"Tuple\(([^()]*)\)", lambda m: f"tuple of {len([p for p in m[1].split(',') if p.strip()])}", kind)
+    kind = re.sub(r"\b(?:Literal\[int\]\(-?\d+\)|int64|float64)\b", "number", kind)
+    return kind.strip(" '")[:120]

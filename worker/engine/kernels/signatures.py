@@ -13,7 +13,6 @@ from worker.engine.kernels.views import Body, Body3, Errors, Seen, Sight, Surrou
 Time = Annotated[float, "s"]
 Place = Annotated[Any, "m", "position in the world frame, as many numbers as the loop has dimensions"]
 Velocity = Annotated[Any, "m/s", "in the world frame"]
-Place3 = Annotated[tuple[float, float, float], "m", "position in space, z = 0 in the plane"]
 Velocity3 = Annotated[tuple[float, float, float], "m/s", "in space"]
 Pose = Annotated[tuple[float, float, float, float, float, float], "m, rad", "x, y, z, roll, pitch, yaw"]
 State = Annotated[Any, "of the vehicle, in the order and units of its states"]

@@ -136,47 +136,24 @@ FAR = 1e7
 
 
 @kernel
-def shifted2(q: Any, error: Sight) -> Any:
-    """The position that has the same relative view of the true obstacle in the plane as q has of the displaced one."""
-    return q[0] - error.x, q[1] - error.y
-
-
-@kernel
-def shifted3(q: Any, error: Sight) -> Any:
-    """The position that has the same relative view of the true obstacle in space as q has of the displaced one."""
+def shifted(q: Any, error: Sight) -> Any:
+    """The position that has the same relative view of the true obstacle as q has of the displaced one."""
+    if len(q) == 2:
+        return q[0] - error.x, q[1] - error.y
     return q[0] - error.x, q[1] - error.y, q[2] - error.z
 
 
 @kernel
-def shown2(b: Any, error: Sight, q: Any) -> Body:
-    """An obstacle in the plane as perceived: displaced, or far away if unseen."""
+def shown(b: Any, error: Sight, q: Any) -> Body | Body3:
+    """An obstacle as perceived: displaced, or far away if unseen."""
     seen = error.visible > 0.5
-    return Body(
-        b.x + error.x if seen else q[0] + FAR,
-        b.y + error.y if seen else q[1],
-        b.vx + error.vx if seen else 0.0,
-        b.vy + error.vy if seen else 0.0,
-        b.radius,
-        b.gap if seen else FAR,
-        b.nx,
-        b.ny,
-    )
-
-
-@kernel
-def shown3(b: Any, error: Sight, q: Any) -> Body3:
-    """An obstacle in space as perceived: displaced, or far away if unseen."""
-    seen = error.visible > 0.5
-    return Body3(
-        b.x + error.x if seen else q[0] + FAR,
-        b.y + error.y if seen else q[1],
-        b.z + error.z if seen else q[2],
-        b.vx + error.vx if seen else 0.0,
-        b.vy + error.vy if seen else 0.0,
-        b.vz + error.vz if seen else 0.0,
-        b.radius,
-        b.gap if seen else FAR,
-        b.nx,
-        b.ny,
-        b.nz,
-    )
+    x = b.x + error.x if seen else q[0] + FAR
+    y = b.y + error.y if seen else q[1]
+    vx = b.vx + error.vx if seen else 0.0
+    vy = b.vy + error.vy if seen else 0.0
+    gap = b.gap if seen else FAR
+    if len(q) == 2:
+        return Body(x, y, vx, vy, b.radius, gap, b.nx, b.ny)
+    z = b.z + error.z if seen else q[2]
+    vz = b.vz + error.vz if seen else 0.0
+    return Body3(x, y, z, vx, vy, vz, b.radius, gap, b.nx, b.ny, b.nz)

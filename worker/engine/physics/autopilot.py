@@ -79,28 +79,28 @@ def turn(x: State, heading: float, p: Any) -> float:
 
 
 @kernel
-def held(wanted: float, low: float, high: float, rate: float, push: float) -> tuple[float, float]:
+def saturated(wanted: float, low: float, high: float, rate: float, push: float) -> tuple[float, float]:
     """A saturated command and the derivative of its integrator: 0 while `push` drives it further into saturation."""
-    given = clip(wanted, low, high)
-    return given, (0.0 if (wanted - given) * push > 0.0 else rate)
+    limited = clip(wanted, low, high)
+    return limited, (0.0 if (wanted - limited) * push > 0.0 else rate)
 
 
 @kernel
 def elevator(x: State, theta: float, total: float, p: Any) -> tuple[float, float]:
     """Elevator [rad] and the derivative of its integrator; nose up is negative."""
     e = theta - x[4]
-    return held(p.elevator - (p.K_p1 * e + p.K_i1 * total - p.K_d1 * x[10]), -p.stop, p.stop, e, -e)
+    return saturated(p.elevator - (p.K_p1 * e + p.K_i1 * total - p.K_d1 * x[10]), -p.stop, p.stop, e, -e)
 
 
 @kernel
 def aileron(x: State, phi: float, total: float, p: Any) -> tuple[float, float]:
     """Aileron [rad] and the derivative of its integrator; right roll is positive."""
     e = phi - x[3]
-    return held(p.K_p2 * e + p.K_i2 * total - p.K_d2 * x[9], -p.stop, p.stop, e, e)
+    return saturated(p.K_p2 * e + p.K_i2 * total - p.K_d2 * x[9], -p.stop, p.stop, e, e)
 
 
 @kernel
 def throttle(x: State, speed: float, total: float, p: Any) -> tuple[float, float]:
     """Throttle, 0 to 1, and the derivative of its integrator."""
     e = speed - x[6]
-    return held(p.throttle + p.K_p4 * e + p.K_i4 * total, 0.0, 1.0, e, e)
+    return saturated(p.throttle + p.K_p4 * e + p.K_i4 * total, 0.0, 1.0, e, e)

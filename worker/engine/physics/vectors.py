@@ -107,6 +107,14 @@ def seen_from(q: Vector, body: Any) -> tuple[tuple[float, float, float], tuple[f
 
 
 @kernel
+def centre(body: Any, q: Vector) -> Vector:
+    """The centre of an obstacle, in as many dimensions as q has."""
+    if len(q) == 2:
+        return body.x, body.y
+    return body.x, body.y, body.z
+
+
+@kernel
 def normal(body: Any, q: Vector) -> Vector:
     """The unit vector away from an obstacle, in as many dimensions as q has."""
     if len(q) == 2:

@@ -108,18 +108,18 @@ def _within(r: Range, normal: Floats) -> Floats:
 
 def _quantile(r: Range, u: Floats) -> Floats:
     """Quantiles of one parameter, as fractions of its range."""
-    given = r.distribution
-    if isinstance(given, Uniform):
+    distribution = r.distribution
+    if isinstance(distribution, Uniform):
         return u
     from scipy import special, stats
 
-    if isinstance(given, Normal | TruncatedNormal):
-        mean, deviation = _scaled(r, given.mean, given.deviation)
+    if isinstance(distribution, Normal | TruncatedNormal):
+        mean, deviation = _scaled(r, distribution.mean, distribution.deviation)
         if deviation > FLAT:  # practically uniform; the tail probabilities would cancel
             return u
         shaped = stats.truncnorm.ppf(u, -mean / deviation, (1 - mean) / deviation, loc=mean, scale=deviation)
-    elif isinstance(given, Triangular):
-        shaped = stats.triang.ppf(u, float(np.clip((given.mode - r.low) / (r.high - r.low), 0.0, 1.0)))
+    elif isinstance(distribution, Triangular):
+        shaped = stats.triang.ppf(u, float(np.clip((distribution.mode - r.low) / (r.high - r.low), 0.0, 1.0)))
     else:
-        shaped = special.betaincinv(given.alpha, given.beta, u)
+        shaped = special.betaincinv(distribution.alpha, distribution.beta, u)
     return np.clip(np.asarray(shaped, dtype=np.float64), 0.0, 1.0)

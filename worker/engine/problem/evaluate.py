@@ -43,7 +43,7 @@ class InProcess:
         rows = [slice(i, i + size) for i in range(0, len(points), size)]
         drawn = [None if seeds is None else seeds[r] for r in rows]
         parts = list(self._pool.map(self.problem.evaluate, [points[r] for r in rows], drawn))
-        reasons = {i * size + row: why for i, (_, given) in enumerate(parts) for row, why in given.items()}
+        reasons = {i * size + row: why for i, (_, whys) in enumerate(parts) for row, why in whys.items()}
         costs = np.concatenate([batch.costs for batch, _ in parts])
         return Batch(costs, np.concatenate([batch.status for batch, _ in parts])), reasons
 

@@ -7,6 +7,6 @@ the deciding criterion.
 
 from __future__ import annotations
 
-from worker.engine.reference.reference import NAME, Flight, Reference
+from worker.engine.reference.reference import Reference
 
-__all__ = ["NAME", "Flight", "Reference"]
+__all__ = ["Reference"]

@@ -25,26 +25,26 @@ def answer(what: int, t: float, x: Any, dx: Any, y: Any, p: Any) -> float:
     """Answers `stepper.call`; p: the extended parameters (N_P,), followed by the stored noise (N_D,) and the held
     guidance (N_G,)."""
     xs, dxs, ys, ps = carray(x, N_X), carray(dx, N_X), carray(y, N_Y), carray(p, N_P + N_D + N_G)
-    given = load_p(ps, 0, 0)
+    extended = load_p(ps, 0, 0)
     if what == SLOPE:
-        rate, channels = closed_loop(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), given)
+        rate, channels = closed_loop(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), extended)
         store_x(dxs, 0, 0, rate)
         store_y(ys, 0, 0, channels[Y0:Y1])
     elif what == SEE:  # the compiler drops what only the slope needs
-        store_y(ys, 0, 0, closed_loop(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), given)[1][Y0:Y1])
+        store_y(ys, 0, 0, closed_loop(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), extended)[1][Y0:Y1])
     elif what == SAMPLE:
-        store_g(ps, N_P + N_D, 0, guide(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), given))
+        store_g(ps, N_P + N_D, 0, guide(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), extended))
     elif what == DRAW:
-        store_d(ps, N_P, 0, drawn(t, given))
+        store_d(ps, N_P, 0, drawn(t, extended))
     elif what == BEGIN:
-        store_g(ps, N_P + N_D, 0, initial_guidance(given))
-        store_x(xs, 0, 0, initial(given))
+        store_g(ps, N_P + N_D, 0, initial_guidance(extended))
+        store_x(xs, 0, 0, initial(extended))
     elif what == LIMIT:
-        return envelope(load_x(xs, 0, 0), given)  # type: ignore[no-any-return]
+        return envelope(load_x(xs, 0, 0), extended)  # type: ignore[no-any-return]
     elif what == BARRED:
-        return 1.0 if excluded(AHEAD + load_y(ys, 0, 0), given) else 0.0
+        return 1.0 if excluded(AHEAD + load_y(ys, 0, 0), extended) else 0.0
     else:
-        return cost(AHEAD + load_y(ys, 0, 0), given)  # type: ignore[no-any-return]
+        return cost(AHEAD + load_y(ys, 0, 0), extended)  # type: ignore[no-any-return]
     return 0.0
 
 

@@ -102,12 +102,11 @@ def _library(function: Any) -> Any:
 
 @intrinsic
 def _call(context, system, what, t, b, at, to, y, p):  # type: ignore[no-untyped-def]
-    """`stepper.call` for a system given by address."""
     signature = types.float64(system, types.int64, t, b, types.int64, types.int64, y, p)
 
     def codegen(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         system, what, t, b, at, to, y, p = arguments
-        table, channels, given = (
+        table, channels, parameters = (
             context.make_array(signature.args[k])(context, builder, value) for k, value in ((3, b), (6, y), (7, p))
         )
         width = builder.extract_value(table.shape, 1)
@@ -116,6 +115,6 @@ def _call(context, system, what, t, b, at, to, y, p):  # type: ignore[no-untyped
         pointer = double.as_pointer()
         kind = ir.FunctionType(double, [number, double, pointer, pointer, pointer, pointer]).as_pointer()
         function = builder.inttoptr(system, kind)
-        return builder.call(function, [what, t, *rows, channels.data, given.data])
+        return builder.call(function, [what, t, *rows, channels.data, parameters.data])
 
     return signature, codegen

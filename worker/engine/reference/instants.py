@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from worker.engine.kernels.component import Environment, Fault
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.flights import Flights
 
@@ -66,12 +67,11 @@ def _switches(flights: Flights, p: tuple[float, ...], horizon: float) -> set[flo
     With sampled guidance, perception between samples has no effect, so its switches are left out.
     """
     parts, spans = flights.parts, flights.loop.extended
-    inner = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults) if f.fault.path in ("navigation", "actuator")}
-    outer = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults)}
-    around = {f"environment.{i}": e for i, e in enumerate(parts.environment)}
     found: set[float] = set()
-    for prefix, part in ((inner if parts.sampled else outer) | around).items():
-        if part.switches is not None:
+    for prefix, part in parts.named.items():
+        if not isinstance(part, Fault | Environment) or part.switches is None:
+            continue
+        if isinstance(part, Environment) or not parts.sampled or part.path in ("navigation", "actuator"):
             at = spans[prefix]
             found.update(part.switches(at.fields(*p[at.first : at.last]), horizon))
     return found

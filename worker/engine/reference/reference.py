@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from worker.engine.reference import flight, plain
 from worker.engine.reference.instants import Stretches, Timetable
-from worker.engine.reference.stepper import CHANNEL_ROWS, ROWS
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
+from worker.engine.systems.closed_loop.confirm import Flight
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.threads import usual_threads
 
@@ -25,25 +23,13 @@ _SYSTEMS: WeakKeyDictionary[Loop, Any] = WeakKeyDictionary()
 """Compiled systems and the integrator by loop, for as long as the loop exists."""
 
 
-@dataclass(frozen=True)
-class Flight:
-    """The criterion's value, or None and the reason; `reason` also states a coarse tolerance."""
-
-    cost: float | None
-    reason: str = ""
-
-
 class Reference:
-    """The reference integrator for one closed loop: compiled at first use, or in plain Python with SciPy's DOP853.
-
-    It is thread-safe.
-    """
+    """The reference integrator for one closed loop, compiled at first use; it is thread-safe."""
 
     name = NAME
 
-    def __init__(self, flights: Flights, compiled: bool = True) -> None:
+    def __init__(self, flights: Flights) -> None:
         self.flights = flights
-        self.compiled = compiled
         self.timetable = Timetable(flights)
 
     def simulate(self, vector: Floats, counts: int | None = None) -> Flight:
@@ -76,19 +62,14 @@ class Reference:
         counts: the deciding seed of each vector, as in `simulate`.
         """
         counts = [None] * len(vectors) if counts is None else counts
-        threads = min(usual_threads(), len(vectors)) if self.compiled else 1
+        threads = min(usual_threads(), len(vectors)) or 1
         simulated: list[Flight] = []
-        if threads > 1:
+        if len(vectors):
             _ = self._system  # compile once, before the threads start
-            with ThreadPoolExecutor(threads, thread_name_prefix="reference") as pool:
-                while len(simulated) < len(vectors) and not cancelled():
-                    some = slice(len(simulated), len(simulated) + threads)
-                    simulated += pool.map(self.simulate, vectors[some], counts[some])
-            return simulated
-        for vector, seed in zip(vectors, counts, strict=True):
-            if cancelled():
-                break
-            simulated.append(self.simulate(vector, seed))
+        with ThreadPoolExecutor(threads, thread_name_prefix="reference") as pool:
+            while len(simulated) < len(vectors) and not cancelled():
+                some = slice(len(simulated), len(simulated) + threads)
+                simulated += pool.map(self.simulate, vectors[some], counts[some])
         return simulated
 
     @cached_property
@@ -109,28 +90,27 @@ class Reference:
             stretches = self.timetable.of(p)
         except (ArithmeticError, ValueError) as error:
             return Flight(None, f"{NAME} could not simulate it: {error}")
-        if self.compiled:
-            self._fly(p, stretches, found)
-        else:
-            plain.fly(self.flights, p, stretches, found)
+        self._fly(p, stretches, found)
         return self._judged(found)
 
     def _fly(self, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
         from worker.engine.reference import compiled
+        from worker.engine.reference.stepper import CHANNEL_ROWS, ROWS
 
         loop = self.flights.loop
         system, fly = self._system
         first, last = loop.channels.of["criterion"]
         states, channels = np.zeros((ROWS, loop.n_state)), np.zeros((CHANNEL_ROWS, last - first))
-        given = np.array((*p, *(0.0,) * (compiled.draws(loop) + loop.n_held)))
+        parameters = np.array((*p, *(0.0,) * (compiled.draws(loop) + loop.n_held)))
         where = stretches.instants, stretches.asks, stretches.before, stretches.patience
-        fly(system.address, *where, states, channels, given, np.zeros(4), found)
+        fly(system.address, *where, states, channels, parameters, np.zeros(4), found)
 
     def _judged(self, found: Floats) -> Flight:
-        """The output of `flight.fly` as a `Flight`."""
+        from worker.engine.reference import flight  # imported late: a campaign's process must start fast
+
         cost, code, when, since, why, noticed = (float(v) for v in found)
         if code < flight.OK:
-            return Flight(None, f"{NAME} could not simulate it: {_stuck(code, when)}")
+            return Flight(None, f"{NAME} could not simulate it: {_stuck(code == flight.STUCK, when)}")
         if code != flight.OK:
             _, reasons = self.flights.judge(np.array([code]), np.array([when]))
             return Flight(None, f"{NAME}: {reasons[0]}")
@@ -138,10 +118,11 @@ class Reference:
             return Flight(None, f"{NAME}: {self.flights.parts.criterion.quantity} is not a finite number")
         if why == flight.OK:
             return Flight(cost)
-        return Flight(cost, f"with a tolerance of {flight.COARSE:g} from t = {since:.6g} s: {_stuck(why, noticed)}")
+        stuck = _stuck(why == flight.STUCK, noticed)
+        return Flight(cost, f"with a tolerance of {flight.COARSE:g} from t = {since:.6g} s: {stuck}")
 
 
-def _stuck(code: float, when: float) -> str:
-    if code == flight.STUCK:
+def _stuck(chatters: bool, when: float) -> str:
+    if chatters:
         return f"the loop chatters (switches back and forth without progress) from t = {when:.6g} s"
     return f"at t = {when:.6g} s the required step is below the floating-point spacing of time"

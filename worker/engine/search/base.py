@@ -5,7 +5,7 @@ The driver counts, stores, stops at the budget and tracks the best point; a meth
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, is_dataclass
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -27,6 +27,12 @@ class Batch(NamedTuple):
     def ranked(self) -> Floats:
         """The first criterion's costs (m,) with infinity where not ok: for comparisons only, it is not a value."""
         return np.where(self.status == OK, self.costs[:, 0], np.inf)
+
+    def split(self, lengths: Sequence[int]) -> list[Batch]:
+        """The batches of the parts of a request, in their order."""
+        ends = np.cumsum(lengths)
+        rows = [slice(end - length, end) for length, end in zip(lengths, ends, strict=True)]
+        return [Batch(self.costs[some], self.status[some]) for some in rows]
 
 
 @dataclass
@@ -205,61 +211,45 @@ AT_ONCE = 256
 """Searches that `side_by_side` runs at a time: each may hold a thread."""
 
 
-def independently(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Floats | Several, Batch, list[str]]:
-    """Advance several searches in slots: each continues once its own points have ended. Returns their sentences."""
-    endings = [""] * len(searches)
-    wanted: dict[int, Floats] = {}
-    begun = 0
-    request = Several([])
-    try:
-        while True:
-            while len(wanted) < at_once and begun < len(searches):
-                _advance(begun, searches[begun], None, wanted, endings)
-                if begun in wanted:
-                    request.groups.append((begun, wanted[begun]))
-                begun += 1
-            if not wanted:
-                return endings
-            batch = yield request
-            i, request = request.answered, Several([])
-            _advance(i, searches[i], batch, wanted, endings)
-            if i in wanted:
-                request.groups.append((i, wanted[i]))
-    finally:
-        for search in searches:
-            search.close()
-
-
-def side_by_side(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Floats, Batch, list[str]]:
-    """Advance several searches together: one request contains the next points of all of them.
+def side_by_side(
+    searches: list[Search], at_once: int = AT_ONCE, in_slots: bool = False
+) -> Generator[Any, Batch, list[str]]:
+    """Advance several searches together: one request contains the next points of all of them. Returns their sentences.
 
     If there are more than `at_once`, the next begins when one has ended. Their order is the given order, so the
-    outcome depends on nothing else. Returns their sentences.
+    outcome depends on nothing else. in_slots: each continues once its own points have ended; requests are `Several`.
     """
     endings = [""] * len(searches)
     wanted: dict[int, Floats] = {}
     begun = 0
+    further: list[int] = []
     try:
         while True:
             while len(wanted) < at_once and begun < len(searches):
-                _advance(begun, searches[begun], None, wanted, endings)
+                if _advance(begun, searches[begun], None, wanted, endings):
+                    further.append(begun)
                 begun += 1
             if not wanted:
                 return endings
-            order = sorted(wanted)
-            batch = yield np.concatenate([wanted[i] for i in order])
-            ends = np.cumsum([len(wanted[i]) for i in order])
-            for i, end in zip(order, ends, strict=True):
-                first = end - len(wanted[i])
-                _advance(i, searches[i], Batch(batch.costs[first:end], batch.status[first:end]), wanted, endings)
+            if in_slots:
+                request = Several([(i, wanted[i]) for i in further])
+                batch = yield request
+                answers = {request.answered: batch}
+            else:
+                order = sorted(wanted)
+                batch = yield np.concatenate([wanted[i] for i in order])
+                answers = dict(zip(order, batch.split([len(wanted[i]) for i in order]), strict=True))
+            further = [i for i, answer in answers.items() if _advance(i, searches[i], answer, wanted, endings)]
     finally:
         for search in searches:
             search.close()
 
 
-def _advance(i: int, search: Search, batch: Batch | None, wanted: dict[int, Floats], endings: list[str]) -> None:
+def _advance(i: int, search: Search, batch: Batch | None, wanted: dict[int, Floats], endings: list[str]) -> bool:
+    """Whether the search continues, with the points that it wants next."""
     try:
         wanted[i] = next(search) if batch is None else search.send(batch)
     except StopIteration as end:
         wanted.pop(i, None)
         endings[i] = end.value or ""
+    return i in wanted

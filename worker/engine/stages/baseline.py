@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from campaigns.asked.regression import Baseline, BaselineCase
-from campaigns.claims.numbers import number
-from campaigns.claims.say import Part, count, joined, say
-from campaigns.claims.spans import Spans
+from campaigns.asked.regression import BaselineCase
+from campaigns.claims.stages import earlier_run, ends
 from campaigns.results.base import OK, STATUS
-from campaigns.results.baseline import BaselineResult, Reevaluated
+from campaigns.results.stage import Reevaluated
+from campaigns.stages.baseline import BaselineResult
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import Asking, Context, Seeded, drive
 from worker.engine.stages.parts.outcome import Outcome, Stage
@@ -37,7 +36,9 @@ def run(context: Context, position: int) -> Outcome[BaselineResult]:
     columns = drive(context, position, _asking(points, seeds), len(points) + 1).columns
     index = {case.label: row for row, case in enumerate(usable)}
     cases = [_case(problem, case, reasons[case.label], index.get(case.label), columns) for case in baseline.cases]
-    statement = _statement(problem, baseline, cases)
+    stated = [earlier_run.Case(c.label, c.index is not None, c.cost is not None, c.reason, c.assumed) for c in cases]
+    thresholds = (baseline.threshold, problem.threshold)
+    statement = earlier_run.evaluated(baseline.run, stated, thresholds, problem.unit)
     return Outcome(BaselineResult(run=baseline.run, cases=cases, drawn_realisations=len(seeds), statement=statement))
 
 
@@ -46,7 +47,7 @@ def _asking(points: list[Floats], seeds: list[int]) -> Asking[str]:
         yield Seeded(np.array(points[: len(seeds)]), np.array(seeds, dtype=np.int64))
     if len(points) > len(seeds):
         yield np.array(points[len(seeds) :])
-    return "evaluated the findings of the baseline"
+    return ends.BASELINE
 
 
 def _unusable(problem: Problem, case: BaselineCase) -> str:
@@ -56,18 +57,17 @@ def _unusable(problem: Problem, case: BaselineCase) -> str:
     for path, value in case.parameters.items():
         known = ranges.get(path)
         if path not in problem.paths:
-            found.append(f"there is no parameter {path}")
+            found.append(earlier_run.no_parameter(path))
         elif known is None:
             fixed = float(problem.system.nominal[problem.paths[path]])
             if fixed != value:
-                found.append(f"{path} = {value:.9g} is not uncertain any more, it is {fixed:.9g}")
+                found.append(earlier_run.certain(path, value, fixed))
         else:
             slack = ROUNDING * (known.high - known.low)
             if not known.low - slack <= value <= known.high + slack:
-                bounds = f"{number(known.low)} to {number(known.high)}"
-                found.append(f"{path} = {value:.9g} is outside the bounds {bounds} of this campaign")
+                found.append(earlier_run.outside(path, value, known.low, known.high))
     if case.realisation is not None and not problem.realisations.random:
-        found.append(f"it drew the noise seed {case.realisation}, and nothing in this campaign is random")
+        found.append(earlier_run.not_random(case.realisation))
     return "; ".join(found)
 
 
@@ -94,28 +94,6 @@ def _case(problem: Problem, case: BaselineCase, reason: str, row: int | None, co
         assumed=[r.path for r in problem.ranges if r.path not in case.parameters],
         realisation=case.realisation,
     )
-
-
-def _statement(problem: Problem, baseline: Baseline, cases: list[Reevaluated]) -> Spans:
-    known = [case for case in cases if case.cost is not None]
-    clauses: list[Part] = [
-        say(count(len(known), "known"), " of ", count(len(cases), "cases"), f" findings of {baseline.run} evaluated")
-    ]
-    clauses += [
-        say(f"{case.label} {'was not evaluated' if case.index is None else 'has no value'}: {case.reason}")
-        for case in cases
-        if case.cost is None
-    ]
-    clauses += [
-        say(f"{', '.join(case.assumed)} of {case.label} {'is' if len(case.assumed) == 1 else 'are'} nominal: ")
-        + say(f"{baseline.run} did not vary {'it' if len(case.assumed) == 1 else 'them'}")
-        for case in known
-        if case.assumed
-    ]
-    if baseline.threshold != problem.threshold:
-        before, now = number(baseline.threshold), number(problem.threshold)
-        clauses.append(f"the threshold of {baseline.run} was {before} {problem.unit}, here it is {now} {problem.unit}")
-    return joined("; ", clauses)
 
 
 stage = Stage("baseline", run)

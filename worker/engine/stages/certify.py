@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from campaigns.asked.stages import Certify
-from campaigns.claims.say import count, number, say, symbol
+from campaigns.claims.stages import ends
+from campaigns.claims.stages import sample as sentences
 from campaigns.limits import DRAWS
 from campaigns.results import CertifyResult
 from campaigns.results.base import EXCLUDED
@@ -26,6 +27,7 @@ from worker.engine.stages.parts import noise
 from worker.engine.stages.parts.base import Asking, Context, Seeded, Through, drive
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.sample import DRAWN, Noise, Sample
+from worker.engine.stages.parts.seeds import some
 from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import System, slotted
@@ -44,26 +46,25 @@ class _Drawn:
 
 def run(context: Context, position: int) -> Outcome[CertifyResult]:
     """Draw and simulate the sample, then the grid."""
-    problem, asked = context.problem, context.campaign.stages.certify
-    assert asked is not None
+    problem, request = context.problem, context.campaign.stages.certify
+    assert request is not None
     drawn = _Drawn()
-    grid = 0 if asked.grid is None else asked.grid.points**problem.dimension
+    grid = 0 if request.grid is None else request.grid.points**problem.dimension
     random = stream(context.campaign.seed, STREAM)
     single = slotted(problem.system).single() if noise.noisy(context) else None
-    searching = _search(problem, asked, random, drawn, single)
-    driven = drive(context, position, searching, DRAWS * asked.samples + grid + 1)
+    searching = _search(problem, request, random, drawn, single)
+    driven = drive(context, position, searching, DRAWS * request.samples + grid + 1)
     assert driven.columns is not None
     own = problem.realisations.random
     kind = DRAWN if own else Noise.of_calls(context, single=True)
-    sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
-    quantile = sample.quantile(asked.quantile, problem.quantity, problem.unit)
+    sample = Sample.of(some(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
+    quantile = sample.quantile(request.quantile, problem.quantity, problem.unit)
     drawing = sample.statement()
-    short = say("; only ", count(sample.size), " of ", count(asked.samples), " samples were not excluded")
-    statement = say(drawing.statement, "; ", quantile.statement, short if sample.size < asked.samples else ())
+    statement = sentences.certified(drawing.statement, quantile.statement, sample.size, request.samples)
     tally = driven.tally
     result = CertifyResult(
         sample=drawing.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
-        grid=_grid(context, asked.grid.points, driven.columns, drawn.draws) if asked.grid is not None else None,
+        grid=_grid(context, request.grid.points, driven.columns, drawn.draws) if request.grid is not None else None,
         drawn_realisations=drawn.draws if own else 0,
         evaluations=tally.evaluations,
         failed=tally.failed,
@@ -76,11 +77,11 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
 
 
 def _search(
-    problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn, single: System | None
+    problem: Problem, request: Certify, random: np.random.Generator, drawn: _Drawn, single: System | None
 ) -> Asking[str]:
-    most = DRAWS * asked.samples
-    while drawn.evaluated < asked.samples and drawn.draws < most:
-        draws = min(BLOCK, asked.samples - drawn.evaluated, most - drawn.draws)
+    most = DRAWS * request.samples
+    while drawn.evaluated < request.samples and drawn.draws < most:
+        draws = min(BLOCK, request.samples - drawn.evaluated, most - drawn.draws)
         drawn_points = problem.quantile(random.random((draws, problem.dimension)))
         own = of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
         if single is not None:
@@ -89,14 +90,13 @@ def _search(
             batch = yield drawn_points if own is None else Seeded(drawn_points, own)
         drawn.draws += draws
         drawn.evaluated += int(np.count_nonzero(batch.status != EXCLUDED))
-    if asked.grid is None:
-        return Ended("drawn", "drew {flights} samples", flights=drawn.evaluated)
-    points = asked.grid.points
+    if request.grid is None:
+        return Ended("drawn", ends.SAMPLE, flights=drawn.evaluated)
+    points = request.grid.points
     total = points**problem.dimension
     for first in range(0, total, BLOCK):
         yield _of_grid(np.arange(first, min(first + BLOCK, total)), points, problem.dimension)
-    ended = "drew {flights} samples and evaluated a grid of {grid}"
-    return Ended("drawn", ended, flights=drawn.evaluated, grid=total)
+    return Ended("drawn", ends.GRID, flights=drawn.evaluated, grid=total)
 
 
 def _of_grid(index: Any, points: int, dimension: int) -> Floats:
@@ -105,24 +105,17 @@ def _of_grid(index: Any, points: int, dimension: int) -> Floats:
     return np.asarray(indices / (points - 1))
 
 
-def _rows(columns: Columns, first: int, last: int) -> Columns:
-    rows = slice(first, last)
-    return Columns(columns.points[rows], columns.costs[rows], columns.status[rows], columns.seconds[rows], {})
-
-
 def _grid(context: Context, points: int, columns: Columns, first: int) -> GridResult:
     """The lowest point of the grid and its spacing; nothing is known between its points."""
     problem = context.problem
-    rows = _rows(columns, first, len(columns.status))
+    rows = some(columns, first)
     sample = Sample.of(rows, problem, context.campaign.confidence)
-    lowest = None
+    lowest = stated = None
     if len(sample.costs):
         row = int(np.nanargmin(rows.costs[:, 0]))
         cost = float(rows.costs[row, 0])
         lowest = GridPoint(cost=cost, margin=cost - problem.threshold, parameters=problem.named(rows.points[row]))
-    found = say("none of them could be evaluated")
-    if lowest is not None:
-        found = say("lowest ", symbol(problem.quantity), " ", number(lowest.cost, problem.unit))
+        stated = (problem.quantity, cost, problem.unit)
     return GridResult(
         points=points,
         total=len(rows.status),
@@ -131,11 +124,7 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
         violations=sample.violations,
         failed=sample.failed,
         excluded=sample.excluded,
-        statement=say(
-            *("full grid of ", count(points), " points on every axis, ", count(len(rows.status)), " in all: ", found),
-            *(", ", count(sample.violations), sample.violate()),
-            "; nothing is claimed between these points",
-        ),
+        statement=sentences.grid(points, len(rows.status), stated, sample.violations, sample.failed),
     )
 
 

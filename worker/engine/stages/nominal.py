@@ -7,12 +7,13 @@ evaluation is always the nominal one. A simulator that fails at every point ends
 from __future__ import annotations
 
 from campaigns.asked.problem import Problem as Wrong
+from campaigns.claims.stages import ends
+from campaigns.claims.stages.calls import without_value
 from campaigns.results import NominalResult
 from campaigns.results.base import OK, STATUS
 from worker.engine.stages.parts import noise
 from worker.engine.stages.parts.base import Context, drive, once
 from worker.engine.stages.parts.outcome import Outcome, Stage
-from worker.engine.stages.parts.store import Columns
 from worker.engine.stages.parts.traced import traced
 from worker.engine.systems.base import CampaignUnusable
 
@@ -21,7 +22,7 @@ def run(context: Context, position: int) -> Outcome[NominalResult]:
     """Evaluate the nominal case; its trace shows even an evaluation that failed."""
     problem, simulator = context.problem, context.campaign.simulator
     if simulator is None:
-        search = once(problem.nominal_point[None, :], "evaluated the nominal case")
+        search = once(problem.nominal_point[None, :], ends.NOMINAL)
         columns, measured = drive(context, position, search, 1).columns, None
         assert columns is not None
     else:
@@ -29,7 +30,8 @@ def run(context: Context, position: int) -> Outcome[NominalResult]:
         columns = drive(context, position, noise.measuring(problem, points), 2**62).columns
         assert columns is not None
         if not (columns.status == OK).any():
-            raise CampaignUnusable([Wrong("simulator.name", simulator.name, _lost(columns, len(points)))])
+            reason = without_value(len(columns.status), len(points), noise.reasons(columns))
+            raise CampaignUnusable([Wrong("simulator.name", simulator.name, reason)])
         measured = noise.measured(columns, len(points), problem)
     known = columns.status[0] == OK
     cost = float(columns.costs[0, 0]) if known else None
@@ -48,16 +50,6 @@ def run(context: Context, position: int) -> Outcome[NominalResult]:
         shown, why = traced(problem.system, "nominal", {}, cost, exact)
         result = result.model_copy(update={"untraced": {"nominal": why} if why else {}})
     return Outcome(result, traces=() if shown is None else (shown,))
-
-
-def _lost(columns: Columns, points: int) -> str:
-    """Why a run ends whose first evaluations have no value."""
-    found = noise.reasons(columns)
-    more = f" (and {len(found) - 1} other reasons)" if len(found) > 1 else ""
-    return (
-        f"none of its first {len(columns.status)} evaluations, of {points} points within the bounds, has a value: "
-        f"{found[0] if found else 'no reason was given'}{more}"
-    )
 
 
 stage = Stage("nominal", run)

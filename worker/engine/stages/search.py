@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
-from campaigns.asked.stages import Search as Asked
+from campaigns.asked.stages import Search as SearchRequest
 from campaigns.results import SearchResult
 from campaigns.results.search import Best
 from campaigns.results.search import Minimum as MinimumFound
@@ -31,15 +31,15 @@ from worker.engine.systems.base import slots
 def run(context: Context, position: int) -> Outcome[SearchResult]:
     """Run the search stage that is planned at this position."""
     index = sum(planned.kind == "search" for planned in context.plan[:position])
-    asked = context.campaign.stages.search[index]
-    method = context.methods[asked.method]
+    request = context.campaign.stages.search[index]
+    method = context.methods[request.method]
     minima: list[Minimum] = []
     members = Members()
     space = Space(
         dimension=context.problem.dimension,
-        budget=asked.evaluations,
+        budget=request.evaluations,
         random=stream(context.campaign.seed, index),
-        starts=_starts(context, asked),
+        starts=_starts(context, request),
         quantile=context.problem.quantile,
         report=minima.append,
         attribute=members.attribute,
@@ -47,11 +47,11 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
         confidence=context.campaign.confidence,
         slots=slots(context.problem.system),
     )
-    options: Any = TypeAdapter(method.options).validate_python(asked.options)
+    options: Any = TypeAdapter(method.options).validate_python(request.options)
     if method.compiles:
         _warm(method, space.dimension)
     search = members.listening(method.search(space, options))
-    driven = drive(context, position, search, asked.evaluations, method.repeats)
+    driven = drive(context, position, search, request.evaluations, method.repeats)
     minima.sort(key=lambda m: _place(m, space.starts))
     result = _result(context, method, options, driven, minima)
     rows = members.rows(driven.columns, context.methods) if driven.columns else []
@@ -76,8 +76,8 @@ def _warm(method: Method, dimension: int) -> None:
     search.close()
 
 
-def _starts(context: Context, asked: Asked) -> Floats:
-    points = [context.problem.point(start) for start in asked.starts]
+def _starts(context: Context, request: SearchRequest) -> Floats:
+    points = [context.problem.point(start) for start in request.starts]
     return np.clip(np.array(points), 0.0, 1.0) if points else np.empty((0, context.problem.dimension))
 
 

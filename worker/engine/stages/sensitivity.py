@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Generator
 
 from campaigns.asked.stages import Sensitivity
+from campaigns.claims.stages import ends
 from campaigns.results import SensitivityResult
 from worker.engine.search.base import Batch, Floats
 from worker.engine.stages.parts import indices
@@ -20,25 +21,25 @@ from worker.engine.stages.parts.streams import stream
 
 def run(context: Context, position: int) -> Outcome[SensitivityResult]:
     """The curves in one batch, each kind of index in another."""
-    asked = context.campaign.stages.sensitivity
-    assert asked is not None
+    request = context.campaign.stages.sensitivity
+    assert request is not None
     found: list[SensitivityResult] = []
-    drive(context, position, _search(context, asked, found), 2**62)
+    drive(context, position, _search(context, request, found), 2**62)
     return Outcome(found[0])
 
 
-def _search(context: Context, asked: Sensitivity, found: list[SensitivityResult]) -> Generator[Floats, Batch, str]:
+def _search(context: Context, request: Sensitivity, found: list[SensitivityResult]) -> Generator[Floats, Batch, str]:
     problem, seed, confidence = context.problem, context.campaign.seed, context.campaign.confidence
-    through = yield from curves(problem, problem.nominal_point, asked.points)
+    through = yield from curves(problem, problem.nominal_point, request.points)
     morris = sobol = None
-    if asked.morris is not None:
+    if request.morris is not None:
         random = stream(seed, indices.MORRIS_STREAM)
-        morris = yield from indices.morris(problem, asked.morris, random, confidence)
-    if asked.sobol is not None:
+        morris = yield from indices.morris(problem, request.morris, random, confidence)
+    if request.sobol is not None:
         random = stream(seed, indices.SOBOL_STREAM)
-        sobol = yield from indices.sobol(problem, asked.sobol, random, confidence)
-    found.append(SensitivityResult(points=asked.points, curves=through, morris=morris, sobol=sobol))
-    return "evaluated every curve"
+        sobol = yield from indices.sobol(problem, request.sobol, random, confidence)
+    found.append(SensitivityResult(points=request.points, curves=through, morris=morris, sobol=sobol))
+    return ends.CURVES
 
 
 stage = Stage("sensitivity", run)

@@ -12,12 +12,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from campaigns.claims.say import say
-from campaigns.results import Finding, SensitivityResult, ValidateResult
+from campaigns.claims.stages import ends
+from campaigns.results import Finding, ValidateResult
 from campaigns.results.base import OK
-from campaigns.results.baseline import BaselineResult, Reevaluated
 from campaigns.results.finding import ClosestApproach, FoundBy, Validation
-from campaigns.results.sensitivity import Curve
+from campaigns.results.slices import Curve
+from campaigns.results.stage import Reevaluated
 from campaigns.results.validate import Gathered
 from worker.engine.stages.parts import boundary, findings, incumbents, noise, offered, seeds
 from worker.engine.stages.parts.base import Context, Driven, all_columns, drive
@@ -27,6 +27,7 @@ from worker.engine.stages.parts.encounter import encounter
 from worker.engine.stages.parts.outcome import Outcome, Stage
 from worker.engine.stages.parts.store import Trace
 from worker.engine.stages.parts.traced import traced
+from worker.engine.systems.base import Floats
 
 
 def run(context: Context, position: int) -> Outcome[ValidateResult]:
@@ -34,8 +35,8 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     found = findings.Found()
     driven = drive(context, position, findings.search(context, position, found), _budget(context), repeats=True)
     unfinished = findings.settle(context, position, found)
-    asked = [Case("nominal", context.problem.nominal_point, context.nominal_cost)]
-    nominal, *confirmed = cases(context, [*asked, *(Case("", b.point, b.cost) for b in found.basins)])
+    first = Case("nominal", context.problem.nominal_point, context.nominal_cost)
+    nominal, *confirmed = cases(context, [first, *(Case("", b.point, b.cost) for b in found.basins)])
     polished = [_finding(context, i, found, case) for i, case in enumerate(confirmed)]
     everything = range(position + 1)
     violations, also = offered.violations(context, everything)
@@ -73,9 +74,9 @@ def _since(
     context: Context, named: Sequence[Finding], found: findings.Found, labels: Sequence[str]
 ) -> list[str | None]:
     """The finding whose basin contains each case of the baseline; labels: those of the basins."""
-    results = [result for result in context.results.values() if isinstance(result, BaselineResult)]
     distance = context.campaign.stages.findings.distance
-    return [_matching(case, named, found, labels, distance) for result in results for case in result.cases]
+    cases = [case for result in context.results.values() for case in result.reevaluated]
+    return [_matching(case, named, found, labels, distance) for case in cases]
 
 
 def _matching(
@@ -132,43 +133,47 @@ def _budget(context: Context) -> int:
 
 
 def _gathered(context: Context, driven: Driven, found: findings.Found, unfinished: bool) -> Gathered:
-    asked = context.campaign.stages.findings
+    request = context.campaign.stages.findings
     complete = driven.stop == "rule" and not unfinished
-    beyond = "" if complete else ": some findings may be duplicates, or not fully polished"
     return Gathered(
-        distance=asked.distance,
-        barrier=asked.barrier,
-        at_most=asked.at_most,
+        distance=request.distance,
+        barrier=request.barrier,
+        at_most=request.at_most,
         candidates=len(found.candidates),
         left_out=found.left_out,
         rounds=found.rounds,
         complete=complete,
-        statement=say(driven.how.statement, beyond),
+        statement=ends.gathered(driven.how.statement, complete),
     )
 
 
 def _finding(context: Context, i: int, found: findings.Found, case: Validation) -> Finding:
     """The worst case in basin `i`, validated; it gets its label when all are sorted."""
-    problem, basin = context.problem, found.basins[i]
-    evidence, searched = found.of(basin), context.searched
+    basin, searched = found.basins[i], context.searched
+    evidence = found.of(basin)
     known = [
         FoundBy(position=at, method=searched[at].method, evaluations=needed)
         for at, columns in all_columns(context, list(searched))
         if (needed := findings.reached(context, columns, basin)) is not None
     ]
     slices, beyond = evidence.after or (None, None)
+    found_here = _described(context, basin.point, basin.cost, known, case)
+    validation = case.model_copy(update={"neighbours": evidence.neighbours})
+    return found_here.model_copy(update={"validation": validation, "slices": slices, "boundary": beyond})
+
+
+def _described(context: Context, point: Floats, cost: float, found: list[FoundBy], case: Validation) -> Finding:
+    problem = context.problem
     return Finding(
         label="",
-        cost=basin.cost,
-        margin=basin.cost - problem.threshold,
-        parameters=problem.named(basin.point),
-        point=[float(u) for u in basin.point],
-        methods=list(dict.fromkeys(k.method for k in known)),
-        found=known,
-        at_bounds=problem.at_bounds(basin.point),
-        validation=case.model_copy(update={"neighbours": evidence.neighbours}),
-        slices=slices,
-        boundary=beyond,
+        cost=cost,
+        margin=cost - problem.threshold,
+        parameters=problem.named(point),
+        point=[float(u) for u in point],
+        methods=list(dict.fromkeys(by.method for by in found)),
+        found=found,
+        at_bounds=problem.at_bounds(point),
+        validation=case,
     )
 
 
@@ -198,26 +203,15 @@ def _lowest_drawn(context: Context, positions: range) -> offered.Stored | None:
 
 def _stored(context: Context, at: offered.Stored, case: Validation) -> Finding:
     """A stored evaluation as a finding, exactly as it was evaluated."""
-    problem, search = context.problem, context.searched.get(at.position)
-    method = None if search is None else search.method
-    return Finding(
-        label="",
-        cost=at.cost,
-        margin=at.cost - problem.threshold,
-        parameters=problem.named(at.point),
-        point=[float(u) for u in at.point],
-        methods=[] if method is None else [method],
-        found=[] if method is None else [FoundBy(position=at.position, method=method, evaluations=at.index + 1)],
-        at_bounds=problem.at_bounds(at.point),
-        validation=case,
-    )
+    search = context.searched.get(at.position)
+    found = [] if search is None else [FoundBy(position=at.position, method=search.method, evaluations=at.index + 1)]
+    return _described(context, at.point, at.cost, found, case)
 
 
 def _curves(context: Context, named: Sequence[Finding]) -> Iterator[Curve]:
     """All slices: through the nominal point, if sensitivity was requested, and through the findings."""
     for result in context.results.values():
-        if isinstance(result, SensitivityResult):
-            yield from result.curves
+        yield from result.slices
     for finding in named:
         if finding.slices is not None:
             yield from finding.slices.curves

@@ -7,5 +7,6 @@ import os
 
 def usual_threads() -> int:
     """CLEARANCE_THREADS, else the number of cores available to this process."""
-    given = os.environ.get("CLEARANCE_THREADS", "")
-    return int(given) if given.isascii() and given.isdigit() and int(given) > 0 else len(os.sched_getaffinity(0))
+    setting = os.environ.get("CLEARANCE_THREADS", "")
+    stated = int(setting) if setting.isascii() and setting.isdigit() else 0
+    return stated or len(os.sched_getaffinity(0))

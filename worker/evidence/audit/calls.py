@@ -22,21 +22,21 @@ class Calls:
     """
 
     def __init__(self, campaign: Campaign, claims: JsonObject, points: Any, costs: Any, status: Any) -> None:
-        self.campaign, self.claims, asked = campaign, claims, campaign.simulator
-        self.measures = asked is not None and len(status) > 1
-        self.number = asked.calls if asked is not None else 1
+        self.campaign, self.claims, simulator = campaign, claims, campaign.simulator
+        self.measures = simulator is not None and len(status) > 1
+        self.number = simulator.calls if simulator is not None else 1
         self.measured = _measured(points, costs, status) if self.measures else {}
         declared = not self.measures or bool(claims["results"][0]["measured"]["declared"])
         self.repeats = not self.measures or (self.measured["identical"] and declared)
         self.noisy = self.measures and (self.number > 1 or not self.repeats)
 
-    def case(self, given: JsonObject) -> JsonObject:
+    def case(self, recorded: JsonObject) -> JsonObject:
         """The validation of a case by independent calls."""
-        repeats, threshold = given["repeats"], self.campaign.criterion.threshold
+        repeats, threshold = recorded["repeats"], self.campaign.criterion.threshold
         values = np.array(repeats["values"], dtype=np.float64)  # None becomes NaN
         violating, failed = int((values <= threshold).sum()), int(np.isnan(values).sum())
         low, high = interval(violating, len(values), self.campaign.confidence, failed)
-        cost = math.nan if given["cost"] is None else given["cost"]
+        cost = math.nan if recorded["cost"] is None else recorded["cost"]
         agrees, violates = cost > threshold and not violating and not failed, violating > 0
         found = {"violating": violating, "failed": failed, "low": low, "high": high}
         found["confidence"] = self.campaign.confidence
@@ -45,11 +45,11 @@ class Calls:
 
     def checks(self, noise: str, flaky: Any) -> dict[str, bool]:
         """The checks that the rules require of a simulator's calls, by name; noise: that of the claimed sample."""
-        asked = self.campaign.simulator
-        if not self.measures or asked is None:
+        simulator = self.campaign.simulator
+        if not self.measures or simulator is None:
             return {}
         found: dict[str, bool] = {}
-        if asked.retries:
+        if simulator.retries:
             found["retries"] = flaky if flaky is MISSING else flaky == 0
         found["noise of calls"] = self._several(noise) if self.number > 1 else self.repeats and self._later()
         return found
@@ -65,13 +65,13 @@ class Calls:
         return [last["nominal"], *found, *(best["validation"] for best in last.get("incumbents", []))]
 
     def _several(self, noise: str) -> bool:
-        asked = self.campaign.simulator
+        simulator = self.campaign.simulator
         cases = [(case["cost"], self.case(case)) for case in self._cases()]
         clear = all(recomputed["agrees"] and recomputed["ok"] for _, recomputed in cases)
         spot = self.claims["results"][-1]["spot_checks"]
         clear = clear and spot["compared"] == spot["checked"]
         own = noise == "drawn" and not self.measured["by_process"]
-        return clear and own and asked is not None and asked.combine == "worst"
+        return clear and own and simulator is not None and simulator.combine == "worst"
 
     def _later(self) -> bool:
         spot = self.claims["results"][-1]["spot_checks"]
@@ -91,12 +91,12 @@ def _measured(points: Any, costs: Any, status: Any) -> JsonObject:
         groups.setdefault(point.tobytes(), []).append(row)
     identical, several, squares = True, [], []
     for rows in groups.values():
-        held = costs[rows][status[rows] == OK]
+        values = costs[rows][status[rows] == OK]
         identical &= _same(costs[rows], status[rows])
         used &= _same(costs[rows[:-1]], status[rows[:-1]])  # the last of each was in a fresh process
-        if len(held) > 1:
-            several.append(float(held.max() - held.min()))
-            squares.append(float(np.var(held - held.min(), ddof=1)))
+        if len(values) > 1:
+            several.append(float(values.max() - values.min()))
+            squares.append(float(np.var(values - values.min(), ddof=1)))
     failed = int(np.count_nonzero((status != OK) & (status != EXCLUDED)))
     return {
         "points": len(groups),

@@ -24,7 +24,7 @@ from campaigns.results.verdict import SCOPE
 from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 from worker.evidence.audit.record import MISSING, Record, UnreadableError
-from worker.evidence.audit.regression import evaluated, regression
+from worker.evidence.audit.regression import evaluated, position, regression
 
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
 """Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
@@ -54,17 +54,17 @@ def audit(record: Record, at_most: int = limits.VIOLATIONS, spot_checks: int = l
     """Every claim with its recomputed value; raises `UnreadableError` for a record with a different structure."""
     try:
         run = Run(record)
-        given = run.claims | {"sound": True, "placed": True, "checks": _as_stated(run)}
+        claims = run.claims | {"sound": True, "placed": True, "checks": _as_stated(run)}
         try:
             run.describe()
-            given["sentence"], sentence = _sentence(run)
+            claims["sentence"], sentence = _sentence(run)
             expected = _stored(run) | {"sentence": sentence} | _concluded(run, at_most, spot_checks)
         except (KeyError, TypeError):  # with a result or the catalogue absent or null, only a violation follows
             unknown = dict.fromkeys(("results", "comparison", "statistics", "sentence"), MISSING)
-            expected = _stored(run) | unknown | {"checks": dict.fromkeys(given["checks"], MISSING)}
+            expected = _stored(run) | unknown | {"checks": dict.fromkeys(claims["checks"], MISSING)}
     except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
         raise UnreadableError(f"the record is not that of a run: {type(error).__name__}: {error}") from None
-    return [*(Item(name, *pair) for name, pair in record.twice.items()), *_compared("", given, expected)]
+    return [*(Item(name, *pair) for name, pair in record.twice.items()), *_compared("", claims, expected)]
 
 
 def closing(items: Sequence[Item]) -> tuple[bool, str]:
@@ -78,16 +78,16 @@ def closing(items: Sequence[Item]) -> tuple[bool, str]:
     return True, f"the verdict follows from the stored evaluations{left}"
 
 
-def _compared(name: str, given: Any, expected: Any) -> Iterator[Item]:
-    if isinstance(expected, dict) and isinstance(given, dict) and not name.endswith("at_bounds"):
+def _compared(name: str, stated: Any, expected: Any) -> Iterator[Item]:
+    if isinstance(expected, dict) and isinstance(stated, dict) and not name.endswith("at_bounds"):
         for key, value in expected.items():
-            yield from _compared(f"{name}.{key}".lstrip("."), given.get(key, MISSING), value)
-    elif isinstance(expected, list) and isinstance(given, list):
-        yield Item(f"{name}.count", len(given), len(expected))
-        for k, pair in enumerate(zip(given, expected, strict=False)):
+            yield from _compared(f"{name}.{key}".lstrip("."), stated.get(key, MISSING), value)
+    elif isinstance(expected, list) and isinstance(stated, list):
+        yield Item(f"{name}.count", len(stated), len(expected))
+        for k, pair in enumerate(zip(stated, expected, strict=False)):
             yield from _compared(f"{name}.{k}", *pair)
     else:
-        yield Item(name, given, None if expected != expected else expected)  # NaN: there is no such cost
+        yield Item(name, stated, None if expected != expected else expected)  # NaN: there is no such cost
 
 
 def _stored(run: Run) -> Tree:
@@ -127,22 +127,21 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs))}}
     results: list[Tree] = [{"sample": run.samples[k]} if k in run.samples else {} for k in range(len(run.plan) - 1)]
     rows, known = [], {finding["label"] for finding in run.findings}
-    for k, given in zip(run.searches, run.claims["comparison"], strict=True):
+    for k, compared in zip(run.searches, run.claims["comparison"], strict=True):
         spent = run.ended[k]["evaluations"] >= run.plan[k].planned
         results[k] = run.ended[k] | {"sample": run.samples.get(k), "stop": {"kind": "budget" if spent else "rule"}}
         rows.append({"position": k, "kind": run.methods[k].kind, "best": run.best[k]} | run.ended[k])
-        rows[-1]["findings"] = [label for label in given["findings"] if label in known]
+        rows[-1]["findings"] = [label for label in compared["findings"] if label in known]
     checks = _checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
-    for k, planned in enumerate(run.plan):
-        if planned.kind == "baseline":
-            results[k] = evaluated(run, k)
+    if run.campaign.baseline is not None:
+        results[position(run)] = evaluated(run)
     if run.calls.measures:
         results[0] = {"measured": run.calls.measured}
     if run.calls.noisy:
         best = zip([k for k in run.searches if not math.isnan(run.best[k])], _incumbents(run), strict=False)
-        held = [{"position": k, "cost": run.best[k], "validation": {"cost": run.best[k]} | v} for k, v in best]
-        last["incumbents"] = held
+        incumbents = [{"position": k, "cost": run.best[k], "validation": {"cost": run.best[k]} | v} for k, v in best]
+        last["incumbents"] = incumbents
     expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
     if run.campaign.baseline is not None:
         expected["regression"] = regression(run)
@@ -160,9 +159,9 @@ def _as_stated(run: Run) -> dict[str, bool]:
 
 def _incumbents(run: Run) -> Iterator[Tree]:
     """The independent calls of every search's best, recomputed; one too few is missing at the end."""
-    given = run.claims["results"][-1].get("incumbents", [])
-    yield from (run.calls.case(best["validation"]) for best in given)
-    yield from ({"repeats": {"violating": MISSING}} for _ in range(len(run.searches) - len(given)))
+    stated = run.claims["results"][-1].get("incumbents", [])
+    yield from (run.calls.case(best["validation"]) for best in stated)
+    yield from ({"repeats": {"violating": MISSING}} for _ in range(len(run.searches) - len(stated)))
 
 
 def _checks(run: Run, agreed: bool) -> dict[str, bool]:
@@ -244,8 +243,8 @@ def _probability(run: Run) -> dict[str, bool]:
     noise, bound = (sample["noise"], sample["upper_bound"]) if sample else ("stated", 1.0)
     excluded = run.total["excluded"] / max(len(run.status), 1)
     if run.random:
-        asked = campaign.given_scenario.realisations
-        checks["noise"] = noise == "drawn" and not (asked.combine == "mean" and len(asked.seeds) > 1)
+        realisations = campaign.given_scenario.realisations
+        checks["noise"] = noise == "drawn" and not (realisations.combine == "mean" and len(realisations.seeds) > 1)
     if excluded:
         checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= limits.EXCLUDED
     if run.outside():
@@ -277,15 +276,15 @@ def _sentence(run: Run) -> tuple[Tree, Tree]:
         as_is = exact or value is None or name not in spans
         return value if as_is else words((spans[name].model_copy(update={"value": value}),))
 
-    given: Tree = {"opening": opening if opening in begun else begun, "words": claims["reason"]}
+    stated: Tree = {"opening": opening if opening in begun else begun, "words": claims["reason"]}
     expected: Tree = {"opening": opening, "words": f"{text} {SCOPE}{scope}" if scope else text}
     if len(run.costs):
-        given |= {name: written(name, spans[name].value if name in spans else None) for name in numbers}
+        stated |= {name: written(name, spans[name].value if name in spans else None) for name in numbers}
         expected |= {name: written(name, value) for name, value in numbers.items()}
-        given["methods"], expected["methods"] = text.partition("searched by ")[2][: len(methods)], methods
-    given["checks"] = {c["name"]: c["text"] for c in claims["checks"]}
+        stated["methods"], expected["methods"] = text.partition("searched by ")[2][: len(methods)], methods
+    stated["checks"] = {c["name"]: c["text"] for c in claims["checks"]}
     checks = {c["name"]: words(SPANS.validate_python(c["statement"])) for c in claims["checks"] if "statement" in c}
-    return given, expected | {"checks": checks}
+    return stated, expected | {"checks": checks}
 
 
 def _numbers(run: Run) -> Tree:

@@ -60,7 +60,7 @@ class Run:
         self.highest, self.total = max(self.costs.tolist(), default=math.nan), counts(self.status)
         self.varies = self.highest - self.lowest > limits.ROUNDING * max(abs(self.highest), abs(self.lowest))
         self.others = self.means()
-        self.findings = [self.finding(k, given) for k, given in enumerate(self.claims["findings"], 1)]
+        self.findings = [self.finding(k, recorded) for k, recorded in enumerate(self.claims["findings"], 1)]
         violating = [f for f in self.findings if f["validation"]["violates"]]
         again = self._again()
         violating = [f for f in violating if "repeats" in f["validation"] or (f["margin"] <= 0.0 and again)]
@@ -84,27 +84,27 @@ class Run:
 
     def means(self) -> tuple[str, ...]:
         """The independent means by which a case is confirmed."""
-        asked, known = self.campaign.simulator, self.claims.get("components")
-        if asked is None:
+        simulator, known = self.campaign.simulator, self.claims.get("components")
+        if simulator is None:
             return ("half_step", "integrator")
-        entry = known.simulator(asked.name) if known else None
+        entry = known.simulator(simulator.name) if known else None
         return ("again",) if entry is None or entry.step is None else ("half_step", "again")
 
-    def finding(self, number: int, given: Tree) -> Tree:
+    def finding(self, number: int, recorded: Tree) -> Tree:
         """A finding by the stored evaluation at its point."""
-        here = self.raw[(self.status == OK) & (self.points == np.array(given["point"])).all(axis=1)]
-        cost = min(here.tolist(), key=lambda c: abs(c - given["cost"]), default=math.nan)
-        ends = zip(self.campaign.uncertain, given["point"], strict=True)
+        here = self.raw[(self.status == OK) & (self.points == np.array(recorded["point"])).all(axis=1)]
+        cost = min(here.tolist(), key=lambda c: abs(c - recorded["cost"]), default=math.nan)
+        ends = zip(self.campaign.uncertain, recorded["point"], strict=True)
         edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
         name = f"F{number}"
         found = {"label": name, "cost": cost, "margin": cost - self.threshold, "at_bounds": edges}
-        return found | {"validation": {"name": name, "cost": cost} | self.case(given["validation"])}
+        return found | {"validation": {"name": name, "cost": cost} | self.case(recorded["validation"])}
 
-    def case(self, given: Tree) -> Tree:
+    def case(self, recorded: Tree) -> Tree:
         """The validation of a case, from its cost as in the campaign and those by independent means."""
         if self.calls.noisy:
-            return self.calls.case(given)
-        stated = (given["cost"], *(given[k]["cost"] for k in self.others))
+            return self.calls.case(recorded)
+        stated = (recorded["cost"], *(recorded[k]["cost"] for k in self.others))
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
         floor = min(limits.ROUNDING, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
@@ -133,15 +133,15 @@ class Run:
         claimable = (s for k, s in self.samples.items() if k in (certify or random) and s["upper_bound"] is not None)
         self.claimed = next(claimable, None)
         self.bound = self.claimed and self.claimed["upper_bound"]
-        for finding, given in zip(self.findings, self.claims["findings"], strict=True):
-            ranges = zip(self.bounds.items(), given["point"], strict=True)
+        for finding, recorded in zip(self.findings, self.claims["findings"], strict=True):
+            ranges = zip(self.bounds.items(), recorded["point"], strict=True)
             finding["parameters"] = {path: low + u * (high - low) for (path, (low, high)), u in ranges}
 
     def sample(self, k: int) -> Tree:
         """The random sample of a search, or of the certify stage, whose grid comes after its draws."""
-        asked = self.campaign.stages.certify if self.plan[k].kind == "certify" else None
-        options = {} if asked else self.campaign.stages.search[self.searches.index(k)].options
-        grid = asked.grid.points ** len(self.bounds) if asked and asked.grid else 0
+        certify = self.campaign.stages.certify if self.plan[k].kind == "certify" else None
+        options = {} if certify else self.campaign.stages.search[self.searches.index(k)].options
+        grid = certify.grid.points ** len(self.bounds) if certify and certify.grid else 0
         drawn = np.flatnonzero(self.stage == k)[: max(self.ended[k]["evaluations"] - grid, 0)]
         costs, found = np.sort(self.raw[drawn][self.status[drawn] == OK]), counts(self.status[drawn])
         draws, outside, level = found.pop("evaluations"), self.outside(), self.campaign.confidence
@@ -150,29 +150,34 @@ class Run:
         found |= {"excluded_fraction": found["excluded"] / max(draws, 1)}
         found |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
         if self.random:
-            own = asked and self.claims["results"][k]["drawn_realisations"] == draws
+            own = certify and self.claims["results"][k]["drawn_realisations"] == draws
             found["noise"] = "drawn" if own else "stated"
         if self.calls.noisy:
-            found["noise"] = "drawn" if asked or self.calls.number == 1 else "stated"
+            found["noise"] = "drawn" if certify or self.calls.number == 1 else "stated"
         if options.get("interval"):  # the k-th interim analysis spends 1 / (k (k + 1)) of the error
             look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
             level = 1.0 - (1.0 - level) / (look * (look + 1))
         independent = options.get("sampling", "plain") == "plain" and not options.get("continued")
         found["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None
-        if asked:
+        if certify:
             ranked = [-math.inf] * found["failed"] + costs.tolist()
-            found["quantile"] = lowest_of_quantile(ranked, asked.quantile - outside, self.campaign.confidence)
-            if size < asked.samples and draws < limits.DRAWS * asked.samples:  # an excluded draw is repeated, so often
-                found["samples"] = asked.samples
+            found["quantile"] = lowest_of_quantile(ranked, certify.quantile - outside, self.campaign.confidence)
+            if (
+                size < certify.samples and draws < limits.DRAWS * certify.samples
+            ):  # an excluded draw is repeated, so often
+                found["samples"] = certify.samples
         return found
 
     def outside(self) -> float:
         """The probability that unbounded normal draws lie beyond the bounds; the sum of tails where correlated."""
         tails = {}
         for path, (low, high) in self.bounds.items():
-            given = self.campaign.uncertain[path].distribution
-            if given.kind == "normal":
-                ends = ((given.mean - low) / given.deviation, (high - given.mean) / given.deviation)
+            distribution = self.campaign.uncertain[path].distribution
+            if distribution.kind == "normal":
+                ends = (
+                    (distribution.mean - low) / distribution.deviation,
+                    (high - distribution.mean) / distribution.deviation,
+                )
                 tails[path] = sum(math.erfc(end / math.sqrt(2)) / 2 for end in ends)
         mixed = {path for c in self.campaign.correlations if c.value != 0.0 for path in c.between}
         if any(tail > 0.0 and path in mixed for path, tail in tails.items()):

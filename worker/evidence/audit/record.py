@@ -63,10 +63,12 @@ def of_folder(folder: Path) -> Record:
             results = earlier.brought_up(kinds, claims.get("results", []), claims["findings"])
             claims["results"], claims["findings"] = results
         with (folder / "evaluations.npz").open("rb") as packed, np.load(packed, allow_pickle=False) as arrays:
-            held = sorted(int(name[7:]) for name in arrays.files if name.startswith("status_"))
-            stage = np.repeat(held, [len(arrays[f"status_{k}"]) for k in held])
-            rows = [np.concatenate([arrays[f"{name}_{k}"] for k in held]) for name in ("points", "costs", "status")]
-            again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in held)
+            positions = sorted(int(name[7:]) for name in arrays.files if name.startswith("status_"))
+            stage = np.repeat(positions, [len(arrays[f"status_{k}"]) for k in positions])
+            rows = [
+                np.concatenate([arrays[f"{name}_{k}"] for k in positions]) for name in ("points", "costs", "status")
+            ]
+            again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in positions)
     except UNREADABLE as error:
         raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
     campaign = load_file(folder / "campaign.json")

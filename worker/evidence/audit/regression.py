@@ -13,61 +13,62 @@ from worker.evidence.audit import limits
 from worker.evidence.audit.recompute import Run, Tree
 
 
-def evaluated(run: Run, position: int) -> Tree:
-    """The result of the baseline stage, from its evaluations."""
-    _, costs, status = run.rows(position)
+def position(run: Run) -> int:
+    """Where the plan has the stage that evaluates the findings of the baseline."""
+    return [planned.kind for planned in run.plan].index("baseline")
+
+
+def evaluated(run: Run) -> Tree:
+    """The result of that stage, from its evaluations."""
+    _, costs, status = run.rows(position(run))
     cases = []
-    for given in run.claims["results"][position]["cases"]:
-        k = given["index"]
+    for recorded in run.claims["results"][position(run)]["cases"]:
+        k = recorded["index"]
         known = k is not None and status[k] == OK
-        cases.append({"label": given["label"], "cost": float(costs[k]) if known else math.nan})
+        cases.append({"label": recorded["label"], "cost": float(costs[k]) if known else math.nan})
     return {"cases": cases}
 
 
 def regression(run: Run) -> Tree:
     """What has become of every finding of either run."""
     stated, policy = run.claims["regression"], run.campaign.regression
-    cases = [_case(run, given) for given in stated["cases"]]
+    cases = [_case(run, recorded) for recorded in stated["cases"]]
     violations = [case for case in cases if case["margin"] <= 0]
     known = bool(violations) and not any(case["newly_violating"] for case in violations)
     failing = [_fails(policy.fail_on, case) for case in cases]
     rows = [case | {"fails": fails} for case, fails in zip(cases, failing, strict=True)]
     baseline = run.campaign.baseline
     assert baseline is not None
-    left_out = {finding["label"] for finding in run.findings} - {given["now"] for given in stated["cases"]}
-    left_out |= {case.label for case in baseline.cases} - {given["before"] for given in stated["cases"]}
+    left_out = {finding["label"] for finding in run.findings} - {recorded["now"] for recorded in stated["cases"]}
+    left_out |= {case.label for case in baseline.cases} - {recorded["before"] for recorded in stated["cases"]}
     return {
         "run": baseline.run,
-        "position": _position(run),
+        "position": position(run),
         "cases": [*rows, *({"before": label} for label in sorted(left_out))],  # another count
         "ok": not any(failing),
         "accepted": "violation" not in policy.fail_on and known,
     }
 
 
-def _position(run: Run) -> int:
-    return [planned.kind for planned in run.plan].index("baseline")
-
-
-def _case(run: Run, given: Tree) -> Tree:
+def _case(run: Run, recorded: Tree) -> Tree:
     """The case of one row, NaN where there is no number; before and now are taken as given."""
-    found: Any = next((f for f in run.findings if f["label"] == given["now"]), None)
-    if given["before"] is None:
+    found: Any = next((f for f in run.findings if f["label"] == recorded["now"]), None)
+    if recorded["before"] is None:
         return _row("new", math.nan, math.nan, found["margin"], math.nan, found["margin"] <= 0)
     baseline = run.campaign.baseline
     assert baseline is not None
-    case = next(case for case in baseline.cases if case.label == given["before"])
+    case = next(case for case in baseline.cases if case.label == recorded["before"])
     basin = found["margin"] if found is not None else math.inf
-    beside = {row["before"] for row in run.claims["regression"]["cases"] if row["now"] == given["now"]}
+    beside = {row["before"] for row in run.claims["regression"]["cases"] if row["now"] == recorded["now"]}
     if any(other.cost < case.cost for other in baseline.cases if other.label in beside):
         found = None  # another finding of the baseline represents this basin
-    _, costs, status = run.rows(_position(run))
-    before, k = case.cost - run.threshold, given["evaluation"]
+    _, costs, status = run.rows(position(run))
+    before, k = case.cost - run.threshold, recorded["evaluation"]
     if k is None or status[k] != OK:
         return _row("not compared", before, math.nan, math.nan, math.nan, False)
     again = float(costs[k]) - run.threshold
     lowest = again if found is None else min(again, found["margin"])
-    tolerance = _tolerance(run, case.difference, given["now"])
+    tolerance = _tolerance(run, case.difference, recorded["now"])
     new = lowest <= 0 < before
     if before <= 0 < lowest:
         standing = "fixed" if basin > 0 else "better"
@@ -94,8 +95,8 @@ def _tolerance(run: Run, before: float, label: str | None) -> float:
     return float(max([before, *apart, spread, run.campaign.regression.tolerance, floor]))
 
 
-def _fails(asked: list[Any], case: Tree) -> bool:
+def _fails(fail_on: list[Any], case: Tree) -> bool:
     if case["standing"] == "not compared":
-        return "not_compared" in asked or ("violation" in asked and case["margin_before"] <= 0)
+        return "not_compared" in fail_on or ("violation" in fail_on and case["margin_before"] <= 0)
     kinds = {case["standing"], *(["new_violation"] if case["newly_violating"] else [])}
-    return bool(kinds & {"new", "worse", "new_violation"} & set(asked))
+    return bool(kinds & {"new", "worse", "new_violation"} & set(fail_on))

@@ -17,7 +17,7 @@ from campaigns.codes import CheckCode
 from campaigns.results import SearchResult
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
-from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.evidence import Evidence, check
 
 
 def agreement(problem: Problem, evidence: Evidence) -> Check:
@@ -94,7 +94,7 @@ def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, n
 
 
 def _check(ok: bool, *statement: Part) -> Check:
-    return Check(code=CheckCode.AGREEMENT, ok=ok, statement=say(*statement))
+    return check(CheckCode.AGREEMENT, ok, *statement)
 
 
 def _titled(search: SearchResult) -> Span:

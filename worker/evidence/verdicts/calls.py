@@ -16,37 +16,37 @@ from campaigns.claims.spans import Spans
 from campaigns.codes import CheckCode
 from campaigns.results import Finding
 from campaigns.results.finding import Validation
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
-from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.evidence import Evidence, check
 
 
 def calls(problem: Problem, evidence: Evidence) -> list[Check]:
     """The checks of a simulator's calls; none for a closed loop."""
-    asked, measured = problem.campaign.simulator, evidence.nominal.measured
-    if asked is None or measured is None:
+    simulator, measured = problem.campaign.simulator, evidence.nominal.measured
+    if simulator is None or measured is None:
         return []
-    if asked.calls > 1:
-        ok, statement = _several(asked, measured, problem, evidence)
+    if simulator.calls > 1:
+        ok, statement = _several(simulator, measured, problem, evidence)
     elif not measured.repeats:
         advice = _advice(measured.deviation, evidence.nominal.margin)
         ok, statement = False, say("the simulator ", measured.statement, "; ", advice)
     else:
         ok, statement = _later(measured, problem, evidence)
-    return [*_retried(asked, evidence), Check(code=CheckCode.CALLS, ok=ok, statement=statement)]
+    return [*_retried(simulator, evidence), check(CheckCode.CALLS, ok, statement)]
 
 
 def each(problem: Problem) -> str:
     """What an evaluation is, as a clause; empty if it is one call."""
-    asked = problem.campaign.simulator
-    return "" if asked is None or asked.calls == 1 else f", each {_combined(asked)}"
+    simulator = problem.campaign.simulator
+    return "" if simulator is None or simulator.calls == 1 else f", each {_combined(simulator)}"
 
 
 def stated(problem: Problem, checks: list[Check]) -> list[Spans]:
     """What a "cleared" verdict on a simulator with several calls rests on, as a sentence."""
-    asked = problem.campaign.simulator
-    if asked is None or asked.calls == 1:
+    simulator = problem.campaign.simulator
+    if simulator is None or simulator.calls == 1:
         return []
     return [say(capital(c.statement), ".") for c in checks if c.code == CheckCode.CALLS]
 
@@ -75,14 +75,14 @@ def _advice(deviation: float | None, margin: float | None) -> Spans:
     return say("set simulator.repeats to {count: ", count(proposed(deviation, margin), "repeats"), ", combine: worst}")
 
 
-def _combined(asked: Simulator) -> str:
-    if asked.repeats is not None and asked.repeats.quantile is not None:
-        return f"the {100 * asked.repeats.quantile:g} % quantile of {asked.calls} calls"
-    return f"the {asked.combine} of {asked.calls} calls"
+def _combined(simulator: Simulator) -> str:
+    if simulator.repeats is not None and simulator.repeats.quantile is not None:
+        return f"the {100 * simulator.repeats.quantile:g} % quantile of {simulator.calls} calls"
+    return f"the {simulator.combine} of {simulator.calls} calls"
 
 
-def _retried(asked: Simulator, evidence: Evidence) -> list[Check]:
-    if not asked.retries:
+def _retried(simulator: Simulator, evidence: Evidence) -> list[Check]:
+    if not simulator.retries:
         return []
     statement = say("no call that failed succeeded when tried again")
     if evidence.flaky:
@@ -90,29 +90,31 @@ def _retried(asked: Simulator, evidence: Evidence) -> list[Check]:
             *(count(evidence.flaky, "flaky"), " of ", count(evidence.evaluations, "evaluations"), " evaluations "),
             "succeeded only when a call that had failed was tried again; find out why calls fail",
         )
-    return [Check(code=CheckCode.RETRIES, ok=not evidence.flaky, statement=statement)]
+    return [check(CheckCode.RETRIES, not evidence.flaky, statement)]
 
 
-def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Spans]:
+def _several(simulator: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Spans]:
     """The check of evaluations by several calls."""
     cases = [*_cases(evidence)]
     apart = max((_range(v) for _, v in cases), default=0.0)
     is_ = say(
-        f"each evaluation is {_combined(asked)}; calls of the same case differ by up to ",
+        f"each evaluation is {_combined(simulator)}; calls of the same case differ by up to ",
         *(number(apart, problem.unit, "apart"), ", evaluations by up to "),
         number(measured.spread or 0.0, problem.unit, "spread"),
     )
-    if asked.combine != "worst":
-        return False, say(is_, f"; a {asked.combine} can hide a violation by one of the calls; set combine to worst")
+    if simulator.combine != "worst":
+        return False, say(
+            is_, f"; a {simulator.combine} can hide a violation by one of the calls; set combine to worst"
+        )
     without = [name for name, v in cases if v.repeats is None]
     if without:
         return False, say(is_, "; no independent calls of ", listed(without))
-    held = [(name, v, v.repeats) for name, v in cases if v.repeats is not None]
-    bad = [say(name, " ", r.statement) for name, _, r in held if r.violating or r.failed]
-    bad += [say(name, " has no value to compare") for name, v, _ in held if v.cost is None]
+    called = [(name, v, v.repeats) for name, v in cases if v.repeats is not None]
+    bad = [say(name, " ", r.statement) for name, _, r in called if r.violating or r.failed]
+    bad += [say(name, " has no value to compare") for name, v, _ in called if v.cost is None]
     lucky = [
         say(name, " violates with ", number(v.cost, problem.unit), " in the search, and in none of its calls")
-        for name, v, r in held
+        for name, v, r in called
         if v.cost is not None and v.cost <= problem.threshold and not r.violating
     ]
     if bad or lucky:
@@ -128,9 +130,9 @@ def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: E
         )
     if evidence.sample is None or evidence.sample.noise != "drawn":
         return False, say(is_, "; add a certify stage, in which every sample is one call")
-    many = sum(len(r.values) for _, _, r in held)
+    many = sum(len(r.values) for _, _, r in called)
     return True, say(
-        *(is_, "; none of ", count(many, "calls"), " independent calls of ", listed([name for name, _, _ in held])),
+        *(is_, "; none of ", count(many, "calls"), " independent calls of ", listed([name for name, _, _ in called])),
         " violates",
     )
 

@@ -11,7 +11,7 @@ from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts.agreement import agreement
 from worker.evidence.verdicts.calls import calls
 from worker.evidence.verdicts.encounter import encounter
-from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.evidence import Evidence, check
 from worker.evidence.verdicts.probability import probability
 
 
@@ -36,68 +36,60 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
 def _nominal(problem: Problem, evidence: Evidence) -> Check:
     nominal, unit = evidence.nominal, problem.unit
     if nominal.status != "ok" or nominal.cost is None or nominal.margin is None:
-        statement = say(f"the nominal case was not evaluated: {nominal.reason}")
-        return Check(code=CheckCode.NOMINAL, ok=False, statement=statement)
+        return check(CheckCode.NOMINAL, False, f"the nominal case was not evaluated: {nominal.reason}")
     cost, margin = number(nominal.cost, unit, "cost"), signed(nominal.margin, unit, "margin")
-    statement = say("the nominal case has ", cost, ", a margin of ", margin)
-    return Check(code=CheckCode.NOMINAL, ok=nominal.margin > 0, statement=statement)
+    return check(CheckCode.NOMINAL, nominal.margin > 0, "the nominal case has ", cost, ", a margin of ", margin)
 
 
 def _ended(problem: Problem, evidence: Evidence) -> Check:
     empty = [method(s.method, s.title) for s in evidence.searches if s.best is None]
     if empty:
-        statement = say(joined(" and ", empty), " evaluated no case successfully")
-        return Check(code=CheckCode.SEARCH, ok=False, statement=statement)
+        return check(CheckCode.SEARCH, False, joined(" and ", empty), " evaluated no case successfully")
     stopped = [(s, s.stop) for s in evidence.searches if s.stop is not None]
     ways = joined(", ", [say(method(s.method, s.title), " ", unnamed(stop.statement)) for s, stop in stopped])
-    ended = "every search ended: " if evidence.complete else "not every search ended: "
-    return Check(code=CheckCode.SEARCH, ok=evidence.complete, statement=say(ended, ways))
+    every = len(stopped) == len(evidence.searches)
+    return check(CheckCode.SEARCH, every, "every search ended: " if every else "not every search ended: ", ways)
 
 
 def _no_violation(problem: Problem, evidence: Evidence) -> Check:
     """Over every stored evaluation of any stage."""
     worst, unit, code = evidence.finding, problem.unit, CheckCode.NO_VIOLATION
     if worst is None:
-        return Check(code=code, ok=False, statement=say("no evaluation succeeded"))
+        return check(code, False, "no evaluation succeeded")
     violation = evidence.violation
     if worst.margin > 0 and violation is not None and violation.validation is not None:
         # Of a simulator that does not repeat: no stored evaluation violates, but an independent call does.
         repeats = violation.validation.repeats
         called = () if repeats is None else say(" ", repeats.statement)
-        statement = say("in independent calls ", finding(violation.label), called, "; ", evidence.violations.statement)
-        return Check(code=code, ok=False, statement=statement)
+        counts = evidence.violations.statement
+        return check(code, False, "in independent calls ", finding(violation.label), called, "; ", counts)
     if worst.margin > 0 and not evidence.violating:
-        statement = say("the worst case found has a margin of ", signed(worst.margin, unit, "margin"))
-        return Check(code=code, ok=True, statement=statement)
+        return check(code, True, "the worst case found has a margin of ", signed(worst.margin, unit, "margin"))
     counts = evidence.violations.statement
     if worst.margin > 0:
-        return Check(code=code, ok=False, statement=counts)
+        return check(code, False, counts)
     stated = violation or worst
     confirmed = "confirmed" if violation is not None else "did not confirm"
     if violation is None and worst.violates:
         confirmed = "contradicts itself on"
     by = number(problem.threshold - stated.granted, unit, "violated_by")
-    statement = say(finding(stated.label), " violates the criterion by ", by, f"; validation {confirmed} it; ", counts)
-    return Check(code=code, ok=False, statement=statement)
+    violates = (finding(stated.label), " violates the criterion by ", by)
+    return check(code, False, *violates, f"; validation {confirmed} it; ", counts)
 
 
 def _minimum(problem: Problem, evidence: Evidence) -> Check:
     """No stored evaluation is lower than the worst finding, and it was fully polished."""
     worst, unit, code = evidence.finding, problem.unit, CheckCode.MINIMUM
     if worst is None or evidence.lowest is None:
-        return Check(code=code, ok=False, statement=say("no evaluation succeeded"))
+        return check(code, False, "no evaluation succeeded")
     if evidence.lowest < worst.cost:
         lowest = number(evidence.lowest, unit, "lowest")
-        return Check(
-            code=code, ok=False, statement=say("a stored evaluation has ", lowest, ", lower than every finding")
-        )
+        return check(code, False, "a stored evaluation has ", lowest, ", lower than every finding")
     gathered = evidence.gathered
     if not gathered.complete:
-        statement = say("the worst cases were not fully distinguished: ", gathered.statement)
-        return Check(code=code, ok=False, statement=statement)
+        return check(code, False, "the worst cases were not fully distinguished: ", gathered.statement)
     succeeded = count(evidence.succeeded, "evaluations")
-    statement = say(finding(worst.label), " is the lowest of all ", succeeded, " evaluations of all stages")
-    return Check(code=code, ok=True, statement=statement)
+    return check(code, True, finding(worst.label), " is the lowest of all ", succeeded, " evaluations of all stages")
 
 
 def _validated(problem: Problem, evidence: Evidence) -> Check:
@@ -105,20 +97,16 @@ def _validated(problem: Problem, evidence: Evidence) -> Check:
     threshold."""
     validation, spot = evidence.validation, evidence.spot_checks
     ok = validation.ok and not spot.violating and (spot.compared > 0 or not spot.checked)
-    return Check(
-        code=CheckCode(terms(problem.system).words.check),
-        ok=ok,
-        statement=say(validation.statement, "; ", spot.statement),
-    )
+    return check(CheckCode(terms(problem.system).words.check), ok, validation.statement, "; ", spot.statement)
 
 
 def _distances(problem: Problem) -> list[Check]:
     """Checks that rule out "cleared" for any result, such as that a vehicle inside an obstacle counts as clear."""
-    return [Check(code=code, ok=False, statement=statement) for code, statement in terms(problem.system).bars]
+    return [check(code, False, statement) for code, statement in terms(problem.system).bars]
 
 
 def _none_failed(evidence: Evidence) -> Check:
     failed: Part = count(evidence.failed, "failed") if evidence.failed else "none"
     excluded = say(", ", count(evidence.excluded, "excluded"), " excluded") if evidence.excluded else ()
-    statement = say(failed, " of ", count(evidence.evaluations, "evaluations"), " evaluations failed", excluded)
-    return Check(code=CheckCode.EVALUATIONS, ok=not evidence.failed, statement=statement)
+    of = (failed, " of ", count(evidence.evaluations, "evaluations"), " evaluations failed", excluded)
+    return check(CheckCode.EVALUATIONS, not evidence.failed, *of)

@@ -17,7 +17,7 @@ from campaigns.results.verdict import Check
 from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts.agreement import varies
-from worker.evidence.verdicts.evidence import Evidence
+from worker.evidence.verdicts.evidence import Evidence, check
 
 INTENDED = ", which the author states is intended: "
 
@@ -35,14 +35,14 @@ def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
     intended = {str(name): reason for name, reason in problem.campaign.encounter.intended.items()}
     found, shows = [], terms(problem.system).shows
     for code, condition in conditions.items():
-        held = condition(problem, evidence) if code in (CheckCode.INFLUENCE, *shows) else None
-        if held is None:
+        outcome = condition(problem, evidence) if code in (CheckCode.INFLUENCE, *shows) else None
+        if outcome is None:
             continue
-        ok, statement = held
+        ok, statement = outcome
         reason = intended.get(code.replace(" ", "_"))
         if not ok and reason is not None:
             ok, statement = True, say(_without_advice(statement), INTENDED, reason)
-        found.append(Check(code=code, ok=ok, statement=statement))
+        found.append(check(code, ok, statement))
     return found
 
 

@@ -4,24 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeVar
 
 from campaigns import rules
-from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, ValidateResult
-from campaigns.results.baseline import BaselineResult
+from campaigns.claims.say import Part, say
+from campaigns.codes import CheckCode
+from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, StageResult, ValidateResult
 from campaigns.results.sample import Sample
 from campaigns.results.validate import Encounter, Gathered, SpotChecks, Violations
+from campaigns.results.verdict import Check
 
-Part = TypeVar("Part")
+P = TypeVar("P")
+R = TypeVar("R", bound=StageResult)
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """The stages' results by kind, the worst finding, and the counts of all stored evaluations."""
+    """The results of the stages in the order of the run, the worst finding, the counts of all stored evaluations."""
 
-    nominal: NominalResult
-    searches: list[SearchResult]
-    validation: ValidateResult
+    results: Sequence[StageResult]
     finding: Finding | None
     evaluations: int
     failed: int
@@ -32,11 +34,28 @@ class Evidence:
     """How many stored evaluations violate the criterion."""
     flaky: int = 0
     """How many evaluations succeeded only when a failed call was tried again."""
-    complete: bool = True
-    certificate: CertifyResult | None = None
     others: Sequence[Finding] = ()
     """The findings that are not the worst."""
-    baseline: BaselineResult | None = None
+
+    @cached_property
+    def nominal(self) -> NominalResult:
+        """The nominal case, with which every run begins."""
+        return self._of(NominalResult)[0]
+
+    @cached_property
+    def searches(self) -> list[SearchResult]:
+        """What the methods found, in the order of the campaign."""
+        return self._of(SearchResult)
+
+    @cached_property
+    def certificate(self) -> CertifyResult | None:
+        """The independent sample, if the campaign requests one."""
+        return next(iter(self._of(CertifyResult)), None)
+
+    @cached_property
+    def validation(self) -> ValidateResult:
+        """What was confirmed by independent means, with which every run ends."""
+        return self._of(ValidateResult)[0]
 
     @property
     def succeeded(self) -> int:
@@ -89,8 +108,16 @@ class Evidence:
         samples = [self.certificate.sample] if self.certificate is not None else searched
         return next((s for s in samples if s.upper_bound is not None), None)
 
+    def _of(self, kind: type[R]) -> list[R]:
+        return [result for result in self.results if isinstance(result, kind)]
 
-def _stored(part: Part | None) -> Part:
+
+def check(code: CheckCode | str, ok: bool, *statement: Part) -> Check:
+    """One check with its sentence."""
+    return Check(code=code, ok=ok, statement=say(*statement))
+
+
+def _stored(part: P | None) -> P:
     """A part of the validate stage's result; only runs of earlier versions lack one, and these get no new verdict."""
     if part is None:
         raise ValueError("the validate stage was carried out by an earlier version: run the campaign again")

@@ -8,13 +8,12 @@ from __future__ import annotations
 from campaigns import rules
 from campaigns.claims.say import count, listed, percent, say
 from campaigns.claims.spans import Spans
+from campaigns.claims.stages.sample import violate
 from campaigns.codes import CheckCode
 from campaigns.results.sample import Sample
 from campaigns.results.verdict import Check, Statistics
 from worker.engine.problem.problem import Problem
-from worker.evidence.verdicts.evidence import Evidence
-
-VIOLATE = " samples violate the criterion"
+from worker.evidence.verdicts.evidence import Evidence, check
 
 
 def statistics(evidence: Evidence) -> Statistics | None:
@@ -56,9 +55,8 @@ def _outside(problem: Problem) -> list[Check]:
     if not stated:
         return []
     ok = problem.distributions.outside <= most
-    if not ok:
-        stated = say(stated, "; widen the bounds until at most ", percent(most, 6, "most"), " do")
-    return [Check(code=CheckCode.OUTSIDE, ok=ok, statement=stated)]
+    advice = () if ok else ("; widen the bounds until at most ", percent(most, 6, "most"), " do")
+    return [check(CheckCode.OUTSIDE, ok, stated, *advice)]
 
 
 def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
@@ -67,24 +65,14 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
         return []
     seeds = listed([str(seed) for seed in realised.seeds])
     if realised.several and realised.combine == "mean":
-        statement = say(
-            "every evaluation is the mean over noise realisations, which can hide a violation in one of them; "
-            "set combine to worst"
-        )
-        return [Check(code=code, ok=False, statement=statement)]
+        hides = "every evaluation is the mean over noise realisations, which can hide a violation in one of them; "
+        return [check(code, False, hides, "set combine to worst")]
     sample = evidence.sample
     if sample is None or sample.noise != "drawn":
-        statement = say(
-            *("the scenario has noise and only the realisations with seeds ", seeds, " were simulated; add a certify "),
-            "stage, which draws a realisation for every sample",
-        )
-        return [Check(code=code, ok=False, statement=statement)]
+        only = ("the scenario has noise and only the realisations with seeds ", seeds, " were simulated; ")
+        return [check(code, False, *only, "add a certify stage, which draws a realisation for every sample")]
     drew = "; the independent sample drew one for every evaluation"
-    return [
-        Check(
-            code=code, ok=True, statement=say("the searches simulated the noise realisations with seeds ", seeds, drew)
-        )
-    ]
+    return [check(code, True, "the searches simulated the noise realisations with seeds ", seeds, drew)]
 
 
 def _excluded(evidence: Evidence) -> list[Check]:
@@ -99,15 +87,14 @@ def _excluded(evidence: Evidence) -> list[Check]:
     most = rules.EXCLUDED.value
     if much > most:
         statement = say(statement, "; narrow the bounds until at most ", percent(most, 6, "most"), " are excluded")
-    return [Check(code=CheckCode.EXCLUSIONS, ok=much <= most, statement=statement)]
+    return [check(CheckCode.EXCLUSIONS, much <= most, statement)]
 
 
 def _advice(sample: Sample) -> Spans:
     """Advice on a bound above the ceiling: more samples help only if few of them violate."""
     if sample.violations > rules.CEILING.value * sample.samples:
-        drawn, lost = count(sample.samples, "samples"), count(sample.failed, "draws_failed")
-        how = say(" samples violate the criterion or failed (", lost, " failed)") if sample.failed else VIOLATE
-        return say(count(sample.violations, "violations"), " of its ", drawn, how)
+        drawn = count(sample.samples, "samples")
+        return say(count(sample.violations, "violations"), " of its ", drawn, " samples", violate(sample.failed))
     return say("draw more than ", count(sample.samples, "samples"), " samples")
 
 
@@ -116,21 +103,17 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     required = rules.required(target)
     goal = percent(required, 4, "target")
     if sample is None or sample.upper_bound is None:
-        statement = say("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
-        return [] if target is None else [Check(code=CheckCode.TARGET, ok=False, statement=statement)]
+        needs = ("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
+        return [] if target is None else [check(CheckCode.TARGET, False, *needs)]
     bound = say("the bound of ", percent(sample.upper_bound, name="upper_bound"))
     if target is None:
         ok = sample.upper_bound <= required
-        statement = say(bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
-        if not ok:
-            statement = say(statement, "; ", _advice(sample))
-        return [Check(code=CheckCode.PROBABILITY, ok=ok, statement=statement)]
+        is_ = (bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
+        return [check(CheckCode.PROBABILITY, ok, *is_, *(() if ok else ("; ", _advice(sample))))]
     if sample.noise == "stated":
         of = "the stated noise realisations" if problem.realisations.random else "evaluations of several calls"
-        statement = say(bound, f" holds only for {of}; add a certify stage")
-        return [Check(code=CheckCode.TARGET, ok=False, statement=statement)]
+        return [check(CheckCode.TARGET, False, bound, f" holds only for {of}; add a certify stage")]
     ok = sample.upper_bound <= required
-    statement = say(bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
-    if target > required:
-        statement = say(statement, "; the campaign states ", percent(target, 4), ", which does not loosen it")
-    return [Check(code=CheckCode.TARGET, ok=ok, statement=statement)]
+    meets = (bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
+    loose = ("; the campaign states ", percent(target, 4), ", which does not loosen it") if target > required else ()
+    return [check(CheckCode.TARGET, ok, *meets, *loose)]

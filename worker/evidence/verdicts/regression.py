@@ -15,10 +15,9 @@ from campaigns.asked.regression import BaselineCase, Policy
 from campaigns.claims.say import Part, count, finding, joined, number, say, signed, symbol
 from campaigns.claims.spans import Spans
 from campaigns.results import Finding
-from campaigns.results.baseline import Reevaluated
 from campaigns.results.baselines import difference
 from campaigns.results.regression import FindingChange, Regression, Standing
-from campaigns.stages.plan import plan
+from campaigns.results.stage import Reevaluated
 from worker.engine.problem.problem import Problem
 from worker.evidence.verdicts.evidence import Evidence
 
@@ -31,11 +30,12 @@ NAMED = 3
 
 def regression(problem: Problem, evidence: Evidence) -> Regression | None:
     """Every finding of either run with its change; None without a baseline."""
-    baseline, result = problem.campaign.baseline, evidence.baseline
-    if baseline is None or result is None:
+    baseline = problem.campaign.baseline
+    evaluated = next((at for at, result in enumerate(evidence.results) if result.reevaluated), None)
+    if baseline is None or evaluated is None:
         return None
     policy, matched = problem.campaign.regression, evidence.validation.since
-    rows = list(zip(baseline.cases, result.cases, matched, strict=True))
+    rows = list(zip(baseline.cases, evidence.results[evaluated].reevaluated, matched, strict=True))
     # Of several findings of the baseline in one basin, the lowest one represents it.
     lowest: dict[str | None, float] = {}
     for case, _, label in rows:
@@ -48,7 +48,7 @@ def regression(problem: Problem, evidence: Evidence) -> Regression | None:
     violating = [case for case in cases if case.margin is not None and case.margin <= 0]
     return Regression(
         run=baseline.run,
-        position=[stage.kind for stage in plan(problem.campaign)].index(result.stage),
+        position=evaluated,
         cases=cases,
         fail_on=policy.fail_on,
         ok=not failing,
@@ -141,14 +141,14 @@ def _all_known(violating: list[FindingChange]) -> bool:
 
 
 def _fails(policy: Policy, case: FindingChange) -> bool:
-    asked = policy.fail_on
+    fail_on = policy.fail_on
     if case.standing is Standing.NOT_COMPARED:  # other bounds or names must not hide a violation that was known
         known = case.margin_before is not None and case.margin_before <= 0
-        return "not_compared" in asked or ("violation" in asked and known)
+        return "not_compared" in fail_on or ("violation" in fail_on and known)
     return (
-        ("new_violation" in asked and case.newly_violating)
-        or ("new" in asked and case.standing is Standing.NEW)
-        or ("worse" in asked and case.standing is Standing.WORSE)
+        ("new_violation" in fail_on and case.newly_violating)
+        or ("new" in fail_on and case.standing is Standing.NEW)
+        or ("worse" in fail_on and case.standing is Standing.WORSE)
     )
 
 

@@ -67,12 +67,12 @@ def sentence(
 
 def scope(problem: Problem) -> Spans:
     """The scope of the sentence: the system with its conditions, bounds and settings."""
-    held, paths = terms(problem.system).scope, problem.symbols
+    described, paths = terms(problem.system).scope, problem.symbols
     units = {p.path: p.unit for p in problem.system.parameters}
     bounds = [say(paths[r.path], " ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
-    settings = say("; ", held.settings) if held.settings else ()
-    ends = f". This result holds for this model within these bounds; {held.version}."
-    return say(held.what, "; ", joined(", ", bounds), settings, ends)
+    settings = say("; ", described.settings) if described.settings else ()
+    ends = f". This result holds for this model within these bounds; {described.version}."
+    return say(described.what, "; ", joined(", ", bounds), settings, ends)
 
 
 def _reason(check: Check) -> Spans:

@@ -7,15 +7,17 @@ from collections.abc import Sequence
 from campaigns.claims.say import Part, case, count, joined, listed, number, say, unnamed
 from campaigns.claims.spans import Spans
 from campaigns.claims.terms import Words
-from campaigns.results import ValidateResult
+from campaigns.results import StageResult, ValidateResult
 from campaigns.results.finding import Finding, Validation
 from campaigns.results.validate import SpotChecks, Violations
 from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
 
 
-def worded(problem: Problem, result: ValidateResult, findings: Sequence[Finding]) -> ValidateResult:
-    """The result of the stage, and its findings, with the sentences."""
+def worded(problem: Problem, result: StageResult, findings: Sequence[Finding]) -> StageResult:
+    """The result of a stage with the sentences; that of any other stage has its own already."""
+    if not isinstance(result, ValidateResult):
+        return result
     words = terms(problem.system).words
     cases = [found for found in (result.nominal, *(f.validation for f in findings)) if found is not None]
     statement = _agreement(words, cases) if all(found.repeats is None for found in cases) else _repeated(cases)

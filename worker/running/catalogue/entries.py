@@ -6,9 +6,9 @@ import inspect
 from dataclasses import asdict
 from functools import cache
 from types import ModuleType
-from typing import Any, Literal
+from typing import Any
 
-from pydantic import TypeAdapter
+from pydantic import BaseModel, TypeAdapter
 
 from campaigns.catalogue import ComponentEntry, MethodEntry, ParameterEntry, ReachEntry
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
@@ -18,7 +18,6 @@ from worker.engine.kernels.component import (
     Controller,
     Criterion,
     Declared,
-    Fault,
     Obstacle,
     Vehicle,
     declared,
@@ -31,31 +30,26 @@ def component_entry(component: Component, module: ModuleType) -> ComponentEntry:
     parameters = declared(component.parameters)
     if isinstance(component, Criterion) and component.worse == "low":
         parameters = parameters[1:]  # the threshold is a field of the campaign
-    return ComponentEntry(
-        role=component.role,
-        name=component.name,
-        title=component.title,
-        dimension=_dimension(component),
-        frame=component.frame if isinstance(component, Vehicle) else "enu",
-        written_in=_written_in(component),
-        moving=isinstance(component, Obstacle) and component.moving,
-        parameters=[_parameter_entry(p) for p in parameters],
-        starts=[_parameter_entry(p) for p in declared(component.start)] if isinstance(component, Vehicle) else [],
-        goals=[_parameter_entry(p) for p in declared(component.goal)] if isinstance(component, Avoider) else [],
-        fits=list(component.fits) if isinstance(component, Controller) else [],
-        demand=component.demand if isinstance(component, Avoider) else "",
-        demands=list(component.command) if isinstance(component, Controller) else [],
-        inputs=[s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
-        path=component.path if isinstance(component, Fault) else "",
-        quantity=component.quantity if isinstance(component, Criterion) else "",
-        unit=component.unit if isinstance(component, Criterion) else "",
-        worse=component.worse if isinstance(component, Criterion) else "",
-        of=component.of if isinstance(component, Criterion) else "",
-        measured_to=component.measured_to if isinstance(component, Criterion) else "",
-        reach=_reach(component),
-        look=_look(component),
-        text=inspect.getdoc(module) or "",
-    )
+    own = _shared(component, ComponentEntry) | {
+        "dimension": _dimension(component),
+        "frame": component.frame if isinstance(component, Vehicle) else "enu",
+        "written_in": "" if isinstance(component, Vehicle | Controller) else component.frame or "",
+        "parameters": [_parameter_entry(p) for p in parameters],
+        "starts": [_parameter_entry(p) for p in declared(component.start)] if isinstance(component, Vehicle) else [],
+        "goals": [_parameter_entry(p) for p in declared(component.goal)] if isinstance(component, Avoider) else [],
+        "fits": list(component.fits) if isinstance(component, Controller) else [],
+        "demands": list(component.command) if isinstance(component, Controller) else [],
+        "inputs": [s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
+        "reach": _reach(component),
+        "look": _look(component),
+        "text": inspect.getdoc(module) or "",
+    }
+    return ComponentEntry.model_validate(own)
+
+
+def _shared(thing: Component | Method | Declared, entry: type[BaseModel]) -> dict[str, Any]:
+    """What an entry has under the names of the declaration."""
+    return {name: getattr(thing, name) for name in entry.model_fields if hasattr(thing, name)}
 
 
 def _dimension(component: Component) -> int | None:
@@ -63,10 +57,6 @@ def _dimension(component: Component) -> int | None:
     if isinstance(component, Criterion):
         return next(iter(component.sample)) if len(component.sample) == 1 else None
     return component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None
-
-
-def _written_in(component: Component) -> Literal["", "enu", "ned"]:
-    return "" if isinstance(component, Vehicle | Controller) else component.frame or ""
 
 
 def _reach(component: Component) -> ReachEntry | None:
@@ -88,9 +78,7 @@ def _look(component: Component) -> ObstacleLook | VehicleLook | None:
 
 
 def _parameter_entry(p: Declared) -> ParameterEntry:
-    return ParameterEntry(
-        name=p.name, symbol=p.symbol, unit=p.unit, low=p.low, high=p.high, default=p.default, text=p.text
-    )
+    return ParameterEntry.model_validate(_shared(p, ParameterEntry))
 
 
 @cache
@@ -101,23 +89,9 @@ def _schema(options: type) -> dict[str, Any]:
 
 def method_entry(method: Method, module: ModuleType) -> MethodEntry:
     """A search method as data, with the JSON schema of its options."""
-    return MethodEntry(
-        name=method.name,
-        title=method.title,
-        kind=method.kind,
-        text=inspect.getdoc(module) or "",
-        how=method.how,
-        source=method.source,
-        evaluations=method.evaluations,
-        starts=method.starts,
-        family=method.family,
-        families={option: dict(by) for option, by in method.families.items()},
-        whole_budget=method.whole_budget,
-        effort=method.effort,
-        parallel=method.parallel,
-        at_once=method.at_once,
-        suits=method.suits,
-        proposed=dict(method.proposed),
-        options=_schema(method.options),
-        look=None if method.look is None else MethodLook.model_validate(asdict(method.look)),
-    )
+    own = _shared(method, MethodEntry) | {
+        "text": inspect.getdoc(module) or "",
+        "options": _schema(method.options),
+        "look": None if method.look is None else MethodLook.model_validate(asdict(method.look)),
+    }
+    return MethodEntry.model_validate(own)

@@ -6,12 +6,6 @@ functions declare: whatever it does (an error, a crash, an endless loop), it is 
 
 from __future__ import annotations
 
-import contextlib
-import json
-import os
-import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -22,7 +16,7 @@ from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from campaigns.documents import JsonObject
 from worker.engine.systems.simulators.declared.columns import Column
 from worker.engine.systems.simulators.declared.described import Described
-from worker.engine.systems.simulators.declared.descriptor import folders, listed
+from worker.engine.systems.simulators.declared.descriptor import folders, listed, unusable
 from worker.engine.systems.simulators.declared.folder import digest_of_place
 from worker.engine.systems.simulators.declared.function import (
     DESCRIBING,
@@ -33,6 +27,7 @@ from worker.engine.systems.simulators.declared.function import (
     in_units,
 )
 from worker.running.catalogue import describing
+from worker.running.catalogue.alone import NoAnswer, answer_of
 
 LONGEST = 60.0
 """Time for loading a file [s]."""
@@ -95,6 +90,11 @@ def listed_files() -> Iterator[PythonFunction | BadFile]:
                 yield error
 
 
+def unusable_simulators() -> list[str]:
+    """What is wrong with the descriptors and Python files in the operator's folders, a sentence each."""
+    return [*unusable(), *unusable_files()]
+
+
 def unusable_files() -> list[str]:
     """What is wrong with the Python files in the operator's folders, a sentence each."""
     found: list[str] = []
@@ -132,33 +132,17 @@ def digest_of(place: dict[str, str]) -> str:
 @lru_cache(maxsize=256)
 def _described(file: str, digest: str) -> tuple[PythonFunction, ...] | str:
     """What a file declares, as it was when its folder had this digest; or the reason why it cannot be used."""
-    roots = os.pathsep.join(p for p in [*sys.path, str(Path(__file__).parents[3])] if p)
     try:
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", describing.__name__, file], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL, env={**os.environ, "PYTHONPATH": roots, DESCRIBING: "1"}, start_new_session=True,
-        )  # fmt: skip
-    except OSError as error:
-        return f"it could not be loaded: {error.strerror}"
-    with process:
-        try:
-            output, _ = process.communicate(timeout=LONGEST)
-        except subprocess.TimeoutExpired:
-            return f"loading it took more than {LONGEST:g} s; put what runs long under `if __name__ == '__main__':`"
-        finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)  # with what it started
-    lines = output.decode(errors="replace").splitlines()
-    answer = next(
-        (line.removeprefix(describing.MARK) for line in reversed(lines) if line.startswith(describing.MARK)), None
-    )
-    if answer is None:
-        how = f"signal {-process.returncode}" if process.returncode < 0 else f"exit code {process.returncode}"
-        return f"loading it ended the process with {how}"
-    given = json.loads(answer)
-    if "error" in given:
-        return str(given["error"])
-    found = [PythonFunction(_restored(d["declaration"]), {"file": file, "name": d["name"]}) for d in given["found"]]
+        described = answer_of(describing.__name__, [file], describing.MARK, {DESCRIBING: "1"}, LONGEST)
+    except NoAnswer as error:
+        if not error.started:
+            return f"it could not be loaded: {error}"
+        if error.overdue:
+            return f"loading it took {error}; put what runs long under `if __name__ == '__main__':`"
+        return f"loading it {error}"
+    if "error" in described:
+        return str(described["error"])
+    found = [PythonFunction(_restored(d["declaration"]), {"file": file, "name": d["name"]}) for d in described["found"]]
     for function in found:
         try:
             _ = function.declaration.drawn
@@ -167,14 +151,14 @@ def _described(file: str, digest: str) -> tuple[PythonFunction, ...] | str:
     return tuple(found)
 
 
-def _restored(given: JsonObject) -> Declaration:
+def _restored(document: JsonObject) -> Declaration:
     return Declaration(
-        given["name"],
-        given["title"],
-        given["text"],
-        {name: Parameter(**p) for name, p in given["parameters"].items()},
-        {name: Output(**r) for name, r in given["results"].items()},
-        Settings(**given["settings"]),
-        {name: Column(**c) for name, c in given["trace"].items()},
-        given["scene"],
+        document["name"],
+        document["title"],
+        document["text"],
+        {name: Parameter(**p) for name, p in document["parameters"].items()},
+        {name: Output(**r) for name, r in document["results"].items()},
+        Settings(**document["settings"]),
+        {name: Column(**c) for name, c in document["trace"].items()},
+        document["scene"],
     )

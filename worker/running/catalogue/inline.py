@@ -75,12 +75,12 @@ def taken_out(document: Any, file: Path) -> tuple[Any, InlineProgram | None]:
 
     None for a campaign that gives no command. Raises `CampaignError` if the description cannot be used.
     """
-    given = document.get("simulator") if isinstance(document, Mapping) else None
-    if not isinstance(given, Mapping) or "command" not in given:
+    simulator = document.get("simulator") if isinstance(document, Mapping) else None
+    if not isinstance(simulator, Mapping) or "command" not in simulator:
         return document, None
-    described = {"name": NAME} | {key: value for key, value in given.items() if key not in OWN}
+    described = {"name": NAME} | {key: value for key, value in simulator.items() if key not in OWN}
     descriptor = descriptor_of(described, str(file))
-    named = {"name": descriptor.name} | {key: given[key] for key in OWN if key in given}
+    named = {"name": descriptor.name} | {key: simulator[key] for key in OWN if key in simulator}
     return {**document, "simulator": named}, InlineProgram(file.resolve().parent, descriptor, str(file))
 
 
@@ -113,5 +113,5 @@ def _problems(error: ValidationError) -> Iterator[Problem]:
             message = "not a key of a simulator's descriptor; remove it or correct its spelling"
         elif found["type"] == "missing":
             message = "this key is required"
-        given = "" if found["type"] == "missing" or not at else shown(found.get("input"))
-        yield Problem(".".join(["simulator", *at]), given, message)
+        value = "" if found["type"] == "missing" or not at else shown(found.get("input"))
+        yield Problem(".".join(["simulator", *at]), value, message)

@@ -13,8 +13,6 @@ import json
 import os
 import re
 import secrets
-import signal
-import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -27,6 +25,7 @@ from typing import Any, NamedTuple
 from campaigns.catalogue import Kind, UnusableEntry
 from worker.engine.components.own import FOLDERS, folders, listed
 from worker.engine.kernels.folder import cache_folder
+from worker.running.catalogue.alone import NoAnswer, answer_of
 
 PACKAGE = "worker.engine.components.own"
 PROCESS = "worker.running.examination"
@@ -155,33 +154,19 @@ def examine(file: Path) -> OwnFile:
 
 def _examined(file: Path, vehicles: dict[str, str]) -> dict[str, Any]:
     """What the process of the examination answers."""
-    roots = os.pathsep.join(p for p in [*sys.path, str(Path(__file__).parents[3])] if p)
-    given = os.pathsep.join(dict.fromkeys([str(file.parent), *map(str, folders())]))
-    environment = {**os.environ, "PYTHONPATH": roots, FOLDERS: given, "PYTHONDONTWRITEBYTECODE": "1"}
+    searched = os.pathsep.join(dict.fromkeys([str(file.parent), *map(str, folders())]))
+    environment = {FOLDERS: searched, "PYTHONDONTWRITEBYTECODE": "1"}
     longest = float(os.environ.get(TIMEOUT) or LONGEST)
     mark = f"examined {secrets.token_hex(8)} "  # what the file prints is no answer
     try:
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", PROCESS, str(file), json.dumps(vehicles), mark], stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment, start_new_session=True,
-        )  # fmt: skip
-    except OSError as error:
-        return {"text": f"it could not be examined: {error.strerror}", "until": time.time()}
-    with process:
-        try:
-            output, _ = process.communicate(timeout=longest)
-        except subprocess.TimeoutExpired:
-            text = f"examining it took more than {longest:g} s: remove what runs endlessly when the file is imported"
-            return {"text": text, "until": time.time() + AGAIN}
-        finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)  # with what it started
-    lines = [line for line in output.decode(errors="replace").splitlines() if line.startswith(mark)]
-    if not lines:
-        how = f"signal {-process.returncode}" if process.returncode < 0 else f"exit code {process.returncode}"
-        return {"text": f"examining it ended the process with {how}: remove what ends it", "until": time.time() + AGAIN}
-    answer: dict[str, Any] = json.loads(lines[-1].removeprefix(mark))
-    return answer
+        answer: dict[str, Any] = answer_of(PROCESS, [str(file), json.dumps(vehicles), mark], mark, environment, longest)
+        return answer
+    except NoAnswer as error:
+        if not error.started:
+            return {"text": f"it could not be examined: {error}", "until": time.time()}
+        advice = "what runs endlessly when the file is imported" if error.overdue else "what ends it"
+        text = f"examining it {'took ' if error.overdue else ''}{error}: remove {advice}"
+        return {"text": text, "until": time.time() + AGAIN}
 
 
 def _key(file: Path, vehicles: dict[str, str]) -> str:
@@ -275,8 +260,8 @@ def _declaration(file: Path) -> ast.Call | None:
 
 def _name(file: Path) -> ast.Constant | None:
     call = _declaration(file)
-    given = [] if call is None else [k.value for k in call.keywords if k.arg == "name"]
-    return next((value for value in given if isinstance(value, ast.Constant)), None)
+    values = [] if call is None else [k.value for k in call.keywords if k.arg == "name"]
+    return next((value for value in values if isinstance(value, ast.Constant)), None)
 
 
 def declared_as(file: Path) -> tuple[str, str] | None:

@@ -18,7 +18,6 @@ _TOO_MANY = re.compile(
     r"(\w+)(?:\.__init__|\.__new__)?\(\) takes (?:from \d+ to )?(\d+) positional arguments? but (\d+)"
 )
 _UNPACK = re.compile(r"(?:not enough values to unpack|too many values to unpack) \((expected.*)\)")
-_ATTRIBUTE = re.compile(r"'?(?:type object )?'?([\w.]+)'? (?:object )?has no attribute '(\w+)'")
 
 
 def mistake(error: BaseException, file: Path, doing: str) -> Mistake:
@@ -109,8 +108,8 @@ def _called(text: str) -> str:
     return f"TypeError: {text}"
 
 
-def _field(kind: str, given: str) -> str:
+def _field(kind: str, name: str) -> str:
     from worker.engine.kernels import component
 
     fields = getattr(getattr(component, kind, None), "__dataclass_fields__", None)
-    return meant(given, fields) if fields else "correct the name"
+    return meant(name, fields) if fields else "correct the name"

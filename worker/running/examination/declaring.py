@@ -53,13 +53,13 @@ def declared_by(source: Source, module: str) -> Component:
         named = re.match(r"\w+ has no field '(\w+)'", found.text)
         raise Mistake(found.text, source.line_of(named[1]) if named else found.line) from None
     check_names(source)
-    given = getattr(loaded, "component", None)
-    if not isinstance(given, typing.get_args(Component)):
+    value = getattr(loaded, "component", None)
+    if not isinstance(value, typing.get_args(Component)):
         raise Mistake(
-            f"component is {_what(given)}, expected one of {', '.join(KINDS)}: write component = Vehicle(...)",
+            f"component is {_what(value)}, expected one of {', '.join(KINDS)}: write component = Vehicle(...)",
             source.line_of(),
         )
-    component: Component = given
+    component: Component = value
     _check_fields(component, source)
     for field in ("parameters", "start", "goal"):
         if hasattr(component, field):
@@ -77,8 +77,8 @@ def _check_fields(component: Component, source: Source) -> None:
         value, line = getattr(component, field.name), source.line_of(field.name)
         allowed = _literals(hints[field.name])
         if allowed and value not in allowed:
-            given = ", ".join(map(repr, (a for a in allowed if a is not None)))
-            raise Mistake(f"{field.name} is {value!r:.40}, expected {given.replace(', ', ' or ')}: choose one", line)
+            choices = ", ".join(map(repr, (a for a in allowed if a is not None)))
+            raise Mistake(f"{field.name} is {value!r:.40}, expected {choices.replace(', ', ' or ')}: choose one", line)
         _check_field(field.name, value, component, line)
 
 
@@ -201,8 +201,8 @@ def _check_together(component: Component, source: Source) -> None:
 def _lacking(c: Component) -> Iterator[tuple[str, str, str]]:
     if isinstance(c, Controller):
         kinds = set(c.command)
-        for field, given in (("prepare", c.prepare), ("references", c.references), ("translate", c.translate)):
-            if given is not None and set(given) != kinds:
+        for field, functions in (("prepare", c.prepare), ("references", c.references), ("translate", c.translate)):
+            if functions is not None and set(functions) != kinds:
                 yield (
                     field,
                     f"the same kinds of demand as command ({listed(sorted(kinds))})",
@@ -250,17 +250,17 @@ def _check_kernel(slot: Slot, source: Source) -> None:
 
 
 def _check_arguments(name: str, slot: Slot, function: Any, line: int) -> None:
-    given = list(inspect.signature(function).parameters)
+    names = list(inspect.signature(function).parameters)
     expected = f"{name}({', '.join(slot.arguments)})"
-    if len(given) != len(slot.arguments):
+    if len(names) != len(slot.arguments):
         raise Mistake(
-            f"{name} has {len(given)} arguments ({', '.join(given) or 'none'}), and as {slot.field} it is called with "
+            f"{name} has {len(names)} arguments ({', '.join(names) or 'none'}), and as {slot.field} it is called with "
             f"{len(slot.arguments)}: write {expected}",
             line,
         )
-    if sorted(given) == sorted(slot.arguments) and given != list(slot.arguments):
+    if sorted(names) == sorted(slot.arguments) and names != list(slot.arguments):
         raise Mistake(
-            f"the arguments of {name} are in another order ({', '.join(given)}), and they are passed by position: "
+            f"the arguments of {name} are in another order ({', '.join(names)}), and they are passed by position: "
             f"write {expected}",
             line,
         )

@@ -51,9 +51,9 @@ def _fly(component: Component, parts: Parts, source: Source, calls: Calls) -> No
         trace = np.full((1, STEPS + 1, loop.n_state + loop.n_held), np.nan)
         fly(values, STEP, STEPS, 4 if parts.sampled else STEPS + 1, costs, status, when, trace)
         observed = rebuilt(loop.kernel("observation"), done, watch.watched)
-        state, held = trace[0, 0, : loop.n_state], trace[0, 0, loop.n_state :]
+        state, guidance = trace[0, 0, : loop.n_state], trace[0, 0, loop.n_state :]
         extend = rebuilt(loop.kernel("extend"), done, watch.watched)
-        observed(0.0, tuple(map(float, state)), tuple(map(float, held)), extend(tuple(map(float, values[0]))))
+        observed(0.0, tuple(map(float, state)), tuple(map(float, guidance)), extend(tuple(map(float, values[0]))))
     except Mistake:
         raise
     except UnnamedError as error:

@@ -14,10 +14,10 @@ class Mistake(Exception):
         self.text, self.line = text, line or 0
 
 
-def meant(given: str, names: Iterable[str]) -> str:
+def meant(name: str, names: Iterable[str]) -> str:
     """The close names as a question that ends a sentence, or the names themselves."""
     names = list(names)
-    close = difflib.get_close_matches(given, names, n=1)
+    close = difflib.get_close_matches(name, names, n=1)
     return f"did you mean {close[0]!r}?" if close else f"choose one of: {', '.join(names)}"
 
 

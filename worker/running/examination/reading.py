@@ -82,8 +82,8 @@ class Source:
     @cached_property
     def names(self) -> set[str]:
         """Names that the file itself has."""
-        given = {s.get_name() for s in self.table.get_symbols() if s.is_assigned() or s.is_imported()}
-        return given | {name for node in ast.walk(self.tree) if isinstance(node, ast.Global) for name in node.names}
+        bound = {s.get_name() for s in self.table.get_symbols() if s.is_assigned() or s.is_imported()}
+        return bound | {name for node in ast.walk(self.tree) if isinstance(node, ast.Global) for name in node.names}
 
     def scope(self, function: Function | ast.AsyncFunctionDef) -> symtable.SymbolTable:
         """The names of a function."""
@@ -104,8 +104,8 @@ class Source:
     def argument(self, field: str) -> ast.expr | None:
         """The value given for a field of the declaration, if it is written as a keyword."""
         call = self.declaration
-        given = call.keywords if isinstance(call, ast.Call) else []
-        return next((keyword.value for keyword in given if keyword.arg == field), None)
+        keywords = call.keywords if isinstance(call, ast.Call) else []
+        return next((keyword.value for keyword in keywords if keyword.arg == field), None)
 
     def line_of(self, field: str = "") -> int:
         """The line of a field of the declaration, or else of the declaration."""
@@ -174,15 +174,6 @@ def check(source: Source) -> None:
             "such as component = Vehicle(name=...)",
             len(source.text.splitlines()),
         )
-
-
-def named(source: Source) -> tuple[str, str] | None:
-    """The kind and the name of the component as they are written, such as ("Vehicle", "my_robot"); None if unclear."""
-    call, name = source.declaration, source.argument("name")
-    if not isinstance(call, ast.Call) or not isinstance(name, ast.Constant) or not isinstance(name.value, str):
-        return None
-    kind = _last_name(call.func)
-    return (kind, name.value) if kind in KINDS else None
 
 
 def _check_fields(cls: ast.ClassDef) -> None:

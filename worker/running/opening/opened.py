@@ -51,13 +51,13 @@ def flights(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> Fl
     return Flights(campaign, installed(), compiled, lanes)
 
 
-def _simulator(campaign: Campaign, asked: Simulator) -> Slotted:
+def _simulator(campaign: Campaign, simulator: Simulator) -> Slotted:
     """Open a simulator of this installation and check it against its declaration."""
     known = catalogue()
     problems = simulation_problems(campaign, known)
     if problems:
         raise CampaignUnusable(problems)
-    return simulated(campaign, simulators()[asked.name], known)
+    return simulated(campaign, simulators()[simulator.name], known)
 
 
 def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction, known: Catalogue) -> Slotted:
@@ -75,8 +75,8 @@ def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction
     wrong = _undeclared(opened, nominal, result)
     if wrong:
         raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, wrong)])
-    found, asked = slotted(opened), campaign.simulator
-    return found if asked is None or (asked.calls == 1 and not asked.retries) else Called(found, asked)
+    found, settings = slotted(opened), campaign.simulator
+    return found if settings is None or (settings.calls == 1 and not settings.retries) else Called(found, settings)
 
 
 def _python(simulator: PythonFunction, opening: Opening) -> Slotted:

@@ -14,7 +14,7 @@ The simulator evaluates in one slot, which ends when nothing was requested for a
 
 from __future__ import annotations
 
-from worker.running.runs import sources  # first: it records the files before they are loaded
+from worker.running.runs import sources as sources  # first: it records the files before they are loaded
 
 # isort: split
 from worker.running.processes import blas as blas  # before numpy is loaded
@@ -23,7 +23,6 @@ from worker.running.processes import blas as blas  # before numpy is loaded
 from campaigns import heap  # next: loading is not interrupted
 
 # isort: split
-import json
 import os
 import select
 import shutil
@@ -33,10 +32,11 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from campaigns import Campaign, CampaignError, thin
+from campaigns import Campaign, thin
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
 from campaigns.results import TraceHead
@@ -47,8 +47,8 @@ from worker.engine.systems.simulators.called import Called
 from worker.engine.systems.simulators.pooled import Pooled
 from worker.running.catalogue import installed
 from worker.running.opening import opened
-from worker.running.processes import memory
-from worker.running.processes.live import finite, plain, send
+from worker.running.processes import answering, memory
+from worker.running.processes.answering import finite, plain, within
 
 heap.loaded()
 
@@ -78,21 +78,14 @@ Systems = dict[str, Opened]
 
 def main() -> None:
     """Answer requests until the input ends."""
-    # Standard output is redirected, so that output of a function does not mix with the answers.
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
+    answers = answering.private_output()
     memory.bound()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that what the simulators started ends too
     place = _place()
     tempfile.tempdir = str(place)
     systems: Systems = {}
     try:
-        send(answers, {"ready": True})
-        for line in _lines(systems):
-            if sources.stale():
-                send(answers, {"stale": True})
-                return
-            send(answers, answer(line, systems))
+        answering.serve(answers, _lines(systems), lambda line: answer(line, systems))
     finally:
         # When this closes its output, the thread that started it may end, which sends another one.
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
@@ -109,31 +102,19 @@ def _place() -> Path:
     return Path(tempfile.mkdtemp(prefix=f"{PLACE}{os.getpid()}-"))
 
 
-def answer(line: str | bytes, systems: Systems) -> dict[str, object]:
-    """The response to one request; an invalid request gets a response with an error message."""
-    number = None
-    try:
-        request = json.loads(line)
-        if not isinstance(request["id"], int | str):
-            raise TypeError("id must be a whole number or text")
-        number = request["id"]
-        campaign = load_document(request["campaign"], "the campaign of a case")
-        if request.get("kind") == "installed":
-            there = campaign.digest in systems
-            return {"id": number, "missing": "" if there else missing(campaign, request["simulator"])}
-        case = _opened(campaign, request["simulator"], systems)
-        values = {path: _value(case.system, path, value) for path, value in request.get("parameters", {}).items()}
-        return {"id": number, **_evaluated(case, values, min(request.get("rows", 0), MOST_ROWS))}
-    except (CampaignError, CampaignUnusable) as error:
-        return {"id": number, "error": str(error)}
-    except MemoryError:
-        close(systems)
-        return {"id": number, "error": memory.sentence()}
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        return {"id": number, "error": f"invalid request: {type(error).__name__}: {error}"}
-    except Exception as error:
-        close(systems)
-        return {"id": number, "error": f"the evaluation failed: {type(error).__name__}: {error}"}
+def answer(line: str | bytes, systems: Systems) -> Mapping[str, object]:
+    """The response to one request."""
+    respond = partial(_response, systems=systems)
+    return answering.answered(line, respond, "the evaluation", lambda error: close(systems))
+
+
+def _response(request: Mapping[str, Any], systems: Systems) -> Mapping[str, object]:
+    campaign = load_document(request["campaign"], "the campaign of a case")
+    if request.get("kind") == "installed":
+        return {"missing": "" if campaign.digest in systems else missing(campaign, request["simulator"])}
+    case = _opened(campaign, request["simulator"], systems)
+    values = {path: _value(case.system, path, value) for path, value in request.get("parameters", {}).items()}
+    return _evaluated(case, values, min(request.get("rows", 0), MOST_ROWS))
 
 
 def close(systems: Systems) -> None:
@@ -145,7 +126,7 @@ def close(systems: Systems) -> None:
 
 def _lines(systems: Systems) -> Iterator[bytes]:
     """The lines of the input; without one for a while, the processes of the simulators end."""
-    reading, held = sys.stdin.fileno(), b""
+    reading, pending = sys.stdin.fileno(), b""
     while True:
         if not select.select([reading], [], [], IDLE if systems else None)[0]:
             close(systems)
@@ -153,7 +134,7 @@ def _lines(systems: Systems) -> Iterator[bytes]:
         received = os.read(reading, 65536)
         if not received:
             return
-        *lines, held = (held + received).split(b"\n")
+        *lines, pending = (pending + received).split(b"\n")
         yield from lines
 
 
@@ -235,7 +216,7 @@ def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     vector = system.nominal.copy()
     for path, value in values.items():
         vector[system.names[path]] = value
-    given = {p.path: float(v) for p, v in zip(system.parameters, vector, strict=False)}
+    parameters = {p.path: float(v) for p, v in zip(system.parameters, vector, strict=False)}
     try:
         trace = system.trace("case", values)
         if trace is not None:
@@ -243,7 +224,7 @@ def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     except NoTrace as error:
         if isinstance(error, NoResult) and error.timeout:
             # A failure may be one of the trace alone, which is found out by evaluating without it.
-            head = TraceHead(parameters=given, status=Status.TIMEOUT, reason=error.reason)
+            head = TraceHead(parameters=parameters, status=Status.TIMEOUT, reason=error.reason)
             return time.monotonic() - began, _Found(head)
         why = str(error)
     began = time.monotonic()
@@ -252,9 +233,9 @@ def _timed(system: System, values: Mapping[str, float]) -> tuple[float, _Found]:
     good = int(batch.status[0]) == OK
     cost = float(batch.costs[0, 0]) if good else None
     result = system.results[0]
-    own = cost if cost is None or result.worse == "low" else 0.0 - cost
+    own = {result.name: cost if cost is None or result.worse == "low" else 0.0 - cost}
     status = STATUS[int(batch.status[0])]
-    head = TraceHead(parameters=given, status=status, reason=reasons.get(0, ""), cost=cost, values={result.name: own})
+    head = TraceHead(parameters=parameters, status=status, reason=reasons.get(0, ""), cost=cost, values=own)
     return seconds, _Found(head, untraced=why if good else "")
 
 
@@ -263,11 +244,7 @@ def _value(system: System, path: str, value: Any) -> float:
     limits = next((p for p in system.parameters if p.path == path), None)
     if limits is None:
         raise ValueError(f"the simulator has no parameter {path!r}")
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{path} must be a number, given {value!r}")
-    if not limits.low <= value <= limits.high:
-        raise ValueError(f"{path} must be within {limits.low:g} to {limits.high:g} {limits.unit}, given {value!r}")
-    return float(value)
+    return within(path, value, limits.low, limits.high, limits.unit)
 
 
 if __name__ == "__main__":

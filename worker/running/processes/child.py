@@ -20,7 +20,7 @@ import json
 import os
 import sys
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from typing import Any, TextIO
@@ -34,10 +34,9 @@ from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.versions import OtherCode
 from worker.engine.stages.parts.store import Store
+from worker.running.processes.answering import private_output, send
 
 Execute = Callable[[Campaign, Store], Any]
-
-RUNNER = "worker.running.runs.runner:execute"
 
 
 def main() -> None:
@@ -64,7 +63,7 @@ def main() -> None:
         )
         write(engine, lambda connection: workers.publish(connection, published, code), PATIENCE)
     here = {"simulators": [s.version for s in document.simulators], "installation": sources.LOADED.digest}
-    _send(answers, {"ready": True, "fresh": fresh, **here})
+    send(answers, {"ready": True, "fresh": fresh, **here})
     serve(engine, execute, document, requests, answers)
 
 
@@ -76,11 +75,11 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
     for line in requests:
         request = json.loads(line)
         if "fresh" in request:
-            _send(answers, {"fresh": not sources.stale()})
+            send(answers, {"fresh": not sources.stale()})
         elif sources.stale():
-            _send(answers, {"outcome": "stale", "text": ""})
+            send(answers, {"outcome": "stale", "text": ""})
         else:
-            _send(answers, perform(execute, engine, components, Claim(**request)))
+            send(answers, perform(execute, engine, components, Claim(**request)))
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
@@ -142,17 +141,10 @@ def resolve(name: str) -> Execute:
 def _private_streams() -> tuple[TextIO, TextIO]:
     """Streams to the supervisor; standard input and output are redirected, so that print and input() are harmless."""
     requests = os.fdopen(os.dup(0), "r", encoding="utf-8")
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.close(nothing)
-    os.dup2(2, 1)
-    return requests, answers
-
-
-def _send(answers: TextIO, message: Mapping[str, object]) -> None:
-    answers.write(json.dumps(message) + "\n")
-    answers.flush()
+    return requests, private_output()
 
 
 if __name__ == "__main__":

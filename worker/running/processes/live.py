@@ -12,7 +12,7 @@ Run as `python -m worker.running.processes.live`; it ends when its input is clos
 
 from __future__ import annotations
 
-from worker.running.runs import sources  # first: it records the files before they are loaded
+from worker.running.runs import sources as sources  # first: it records the files before they are loaded
 
 # isort: split
 from worker.running.processes import blas as blas  # before numpy is loaded
@@ -21,25 +21,22 @@ from worker.running.processes import blas as blas  # before numpy is loaded
 from campaigns import heap  # next: loading is not interrupted
 
 # isort: split
-import json
-import os
 import sys
 from collections import OrderedDict
 from collections.abc import Mapping
-from typing import Any, TextIO
+from typing import Any
 
 import numpy as np
 
-from campaigns import CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import MAX_SEED
 from campaigns.stored.replies import FieldReply, FlightReply
-from worker.engine.systems.base import CampaignUnusable
 from worker.engine.systems.closed_loop.field import MOST, UNITS, field
 from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.closed_loop.trace import simulate, trace
 from worker.running.opening import opened
-from worker.running.processes import memory
+from worker.running.processes import answering, memory
+from worker.running.processes.answering import finite, plain, within
 
 heap.loaded()
 
@@ -48,51 +45,40 @@ PROBLEMS = 16
 
 ROWS = 400
 
+Problems = OrderedDict[str, Flights]
+"""By the digest of the campaign."""
+
 
 def main() -> None:
     """Answer requests until the input ends."""
-    # Standard output is redirected, so that output of a component does not mix with the answers.
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
+    answers = answering.private_output()
     memory.bound()
-    send(answers, {"ready": True})
-    problems: OrderedDict[str, Flights] = OrderedDict()
-    for line in sys.stdin.buffer:
-        if sources.stale():
-            send(answers, {"stale": True})
-            return
-        send(answers, answer(line, problems))
+    problems: Problems = OrderedDict()
+    answering.serve(answers, sys.stdin.buffer, lambda line: answer(line, problems))
 
 
-def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> dict[str, object]:
-    """The response to one request; an invalid request gets a response with an error message."""
-    number = None
-    try:
-        request = json.loads(line)
-        if not isinstance(request["id"], int | str):
-            raise TypeError("id must be a whole number or text")
-        number = request["id"]
-        flights = _realised(_flights(request["campaign"], problems), request)
-        parameters = request.get("parameters", {})
-        values = {path: _value(flights, path, value) for path, value in parameters.items()}
-        kind = request.get("kind", "flight")
-        if kind == "field":
-            return {"id": number, **_field(flights, values, request["time"], request["places"])}
-        if kind != "flight":
-            raise ValueError(f"kind must be 'flight' or 'field', given {kind!r}")
-        return {"id": number, **_flight(flights, values, request.get("rows", ROWS))}
-    except (CampaignError, CampaignUnusable) as error:
-        return {"id": number, "error": str(error)}
-    except MemoryError:
-        problems.clear()
-        return {"id": number, "error": memory.sentence()}
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        return {"id": number, "error": f"invalid request: {type(error).__name__}: {error}"}
-    except Exception as error:
-        return {"id": number, "error": f"the simulation failed: {type(error).__name__}: {error}"}
+def answer(line: str | bytes, problems: Problems) -> Mapping[str, object]:
+    """The response to one request."""
+
+    def lost(error: Exception) -> None:
+        if isinstance(error, MemoryError):
+            problems.clear()
+
+    return answering.answered(line, lambda request: _response(request, problems), "the simulation", lost)
 
 
-def _flights(document: Any, problems: OrderedDict[str, Flights]) -> Flights:
+def _response(request: Mapping[str, Any], problems: Problems) -> FieldReply | FlightReply:
+    flights = _realised(_flights(request["campaign"], problems), request)
+    values = {path: _value(flights, path, value) for path, value in request.get("parameters", {}).items()}
+    kind = request.get("kind", "flight")
+    if kind == "field":
+        return _field(flights, values, request["time"], request["places"])
+    if kind != "flight":
+        raise ValueError(f"kind must be 'flight' or 'field', given {kind!r}")
+    return _flight(flights, values, request.get("rows", ROWS))
+
+
+def _flights(document: Any, problems: Problems) -> Flights:
     campaign = load_document(document, "the campaign of a live simulation")
     flights = problems.pop(campaign.digest, None) or opened.flights(campaign)
     problems[campaign.digest] = flights
@@ -146,30 +132,8 @@ def _value(flights: Flights, path: str, value: Any) -> float:
     """The value of a parameter, which must exist and be within its component's limits."""
     if path not in flights.paths:
         raise ValueError(f"the scenario has no parameter {path!r}")
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{path} must be a number, given {value!r}")
     limits = next(p for s in flights.loop.sections for p in s.parameters if f"{s.prefix}.{p.name}" == path)
-    if not limits.low <= value <= limits.high:
-        raise ValueError(f"{path} must be within {limits.low:g} to {limits.high:g} {limits.unit}, given {value!r}")
-    return float(value)
-
-
-def plain(column: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:
-    return [float(v) if np.isfinite(v) else None for v in column]
-
-
-def finite(value: Any) -> Any:
-    """The value with null in place of non-finite numbers, which JSON cannot represent."""
-    if isinstance(value, dict):
-        return {k: finite(v) for k, v in value.items()}
-    if isinstance(value, list):
-        return [finite(v) for v in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
-
-
-def send(answers: TextIO, message: Mapping[str, object]) -> None:
-    answers.write(json.dumps(message, allow_nan=False) + "\n")
-    answers.flush()
+    return within(path, value, limits.low, limits.high, limits.unit)
 
 
 if __name__ == "__main__":

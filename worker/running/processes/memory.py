@@ -29,13 +29,13 @@ THREAD = 128 * 2**20
 
 def allowed() -> float:
     """The setting [GiB]; infinite for no bound. Raises `ValueError` if it is not a number of GiB."""
-    given = os.environ.get(SETTING, "").strip()
+    setting = os.environ.get(SETTING, "").strip()
     try:
-        value = float(given or DEFAULT)
+        value = float(setting or DEFAULT)
     except ValueError:
         value = math.nan
     if not value >= 0:
-        raise ValueError(f"invalid {SETTING} {given!r}: give a number of GiB such as 8, or 0 for no bound")
+        raise ValueError(f"invalid {SETTING} {setting!r}: give a number of GiB such as 8, or 0 for no bound")
     return value or math.inf
 
 

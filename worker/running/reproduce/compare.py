@@ -177,19 +177,19 @@ def _row(flights: Flights, result: Result) -> Row:
 
 
 def _judged(row: Row, problem: Problem) -> Row:
-    held = []
+    comparisons = []
     if row.ours is None:
         return replace(row, agrees=False) if row.available and row.model is not None else row
     if isinstance(row.ours, str):
-        held = [row.ours == expected for expected in (row.published, row.model) if expected is not None]
+        comparisons = [row.ours == expected for expected in (row.published, row.model) if expected is not None]
     if row.tolerance is not None and isinstance(row.ours, float) and isinstance(row.model, float):
-        held.append(abs(row.ours - row.model) <= row.tolerance)
+        comparisons.append(abs(row.ours - row.model) <= row.tolerance)
     if row.place is not None and row.ours_at is not None and row.model_at is not None:
-        held.extend(
+        comparisons.extend(
             abs(row.ours_at[path] - value) <= row.place * (_range(problem, path) or 0.0) * (1.0 + 1e-9)
             for path, value in row.model_at.items()
         )
-    return replace(row, agrees=all(held) if held else None)
+    return replace(row, agrees=all(comparisons) if comparisons else None)
 
 
 def _range(problem: Problem, path: str) -> float | None:

@@ -185,14 +185,14 @@ class _Opened:
             raise NotAvailable(f"this installation has no method {how.title}")
         known = {f.name for f in dataclasses.fields(method.options)}
         starts = [] if how.start is None else [dict(zip((p for _, p in case.paths), how.start, strict=True))]
-        asked = Asked(
+        planned = Asked(
             method=method.name,
             evaluations=how.evaluations,
             options={name: value for name, value in how.options if name in known},
             starts=starts,
         )
         campaign = self.campaign.model_copy(
-            update={"stages": self.campaign.stages.model_copy(update={"search": [asked]})}
+            update={"stages": self.campaign.stages.model_copy(update={"search": [planned]})}
         )
         store = MemoryStore()
         store.plan([StagePlan("search", method.name, how.evaluations)])

@@ -74,10 +74,10 @@ def counts(made: Reproduction) -> dict[str, int]:
 def summary(made: Reproduction) -> str:
     """The summary sentence."""
     n = counts(made)
-    held = "all rows that must agree do" if n["broken"] == 0 else f"{n['broken']} rows that must agree do not"
+    outcome = "all rows that must agree do" if n["broken"] == 0 else f"{n['broken']} rows that must agree do not"
     return (
         f"{n['rows']} rows: {n['agree']} agree, {n['disagree']} disagree, {n['undecided']} have no tolerance, "
-        f"{n['not_available']} are not available; {held}. "
+        f"{n['not_available']} are not available; {outcome}. "
         f"Computed in {made.seconds:.1f} s, plus {made.compile_seconds:.1f} s to compile or load the loops."
     )
 

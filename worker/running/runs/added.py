@@ -15,6 +15,7 @@ from campaigns.capsules.sources import LARGEST, LARGEST_OF_ALL, MOST_FILES, Entr
 from campaigns.checked.check import parts
 from worker.running.catalogue import installed
 from worker.running.runs import sources
+from worker.running.runs.sources import within
 
 
 def added(campaign: Campaign) -> tuple[Sources, dict[str, bytes]] | None:
@@ -42,9 +43,9 @@ def added(campaign: Campaign) -> tuple[Sources, dict[str, bytes]] | None:
 def _of_packages(homes: Iterable[str]) -> list[str]:
     """The Python files of the packages that contain these modules."""
     found = []
-    for name in sorted({name for name, _, _ in sources.added_places() if any(_within(home, name) for home in homes)}):
+    for name in sorted({name for name, _, _ in sources.added_places() if any(within(home, name) for home in homes)}):
         for module in sources.LOADED.files:
-            spec = importlib.util.find_spec(module) if _within(module, name) else None
+            spec = importlib.util.find_spec(module) if within(module, name) else None
             if spec is not None and str(spec.origin).endswith(".py"):
                 found.append(module)
     return found
@@ -52,7 +53,7 @@ def _of_packages(homes: Iterable[str]) -> list[str]:
 
 def _entries(homes: Iterable[str]) -> Iterator[EntryPoint]:
     for name, _, entry in sources.added_places():
-        if entry.dist is not None and any(_within(home, name) for home in homes):
+        if entry.dist is not None and any(within(home, name) for home in homes):
             yield from (
                 EntryPoint(
                     distribution=entry.dist.name,
@@ -64,10 +65,6 @@ def _entries(homes: Iterable[str]) -> Iterator[EntryPoint]:
                 for each in entry.dist.entry_points
                 if each.group in ("clearance.components", "clearance.methods")
             )
-
-
-def _within(module: str, package: str) -> bool:
-    return module == package or module.startswith(f"{package}.")
 
 
 def _is_package(module: str) -> bool:

@@ -18,6 +18,7 @@ from campaigns.asked.spec import MAX_EVALUATIONS, Search
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
+from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions, differences, differing, other_code
 from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
@@ -58,10 +59,10 @@ def continued(campaign: Campaign, budget: Budget) -> Campaign:
     document = campaign.document()
     raised = [_raised(search, budget) for search in campaign.stages.search]
     if not any(raised):
-        asked = words(listed([methods()[s.method].title for s in campaign.stages.search]))
+        titles = words(listed([methods()[s.method].title for s in campaign.stages.search]))
         able = words(listed([m.title for m in methods().values() if m.extend is not None]))
         raise CannotContinue(
-            f"none of its searches ({asked}) can be extended to {count(budget.evaluations)} evaluations; "
+            f"none of its searches ({titles}) can be extended to {count(budget.evaluations)} evaluations; "
             f"these can be extended: {able}"
         )
     document["stages"]["search"] = [
@@ -88,8 +89,8 @@ def _raised(search: Search, budget: Budget) -> dict[str, object] | None:
     usual = method.options()
     changed = {f.name: getattr(options, f.name) for f in fields(options)}
     stated = {name: v for name, v in changed.items() if name in search.options or v != getattr(usual, name)}
-    asked = search.model_dump(mode="json")
-    return asked | {"evaluations": evaluations, "options": stated}
+    document = search.model_dump(mode="json")
+    return document | {"evaluations": evaluations, "options": stated}
 
 
 def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Columns]:
@@ -99,7 +100,7 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
         (p.kind, p.method) for p in plan(old)
     ] != stages:
         raise CannotContinue("its stages were planned by another version of Clearance; run the campaign again")
-    found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if kind != "validate"}
+    found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if not declared()[kind].of_findings}
     return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
 
 

@@ -33,6 +33,7 @@ from worker.running.catalogue import installed
 from worker.running.catalogue.files import PythonFunction
 from worker.running.runs import sources
 from worker.running.runs.meaning import Meaning, meanings
+from worker.running.runs.sources import within
 
 ENGINE = "worker.engine"
 WORDS = "campaigns.claims"
@@ -58,9 +59,9 @@ def code(campaign: Campaign) -> Code:
 
 def installation() -> Code:
     """All code that a run may use, for comparing what a run used with it."""
-    found = {name: one.digest for name, one in sorted(loaded().items()) if not _within(name, WORDS)}
-    found = {name: digest for name, digest in found.items() if _within(name, ENGINE) or not _within(name, "worker")}
-    found = {name: digest for name, digest in found.items() if not _within(name, sources.OWN)}
+    found = {name: one.digest for name, one in sorted(loaded().items()) if not within(name, WORDS)}
+    found = {name: digest for name, digest in found.items() if within(name, ENGINE) or not within(name, "worker")}
+    found = {name: digest for name, digest in found.items() if not within(name, sources.OWN)}
     whole = "".join(f"{name}:{digest};" for name, digest in found.items())
     return Code(hashlib.sha256(whole.encode()).hexdigest(), found)
 
@@ -119,7 +120,7 @@ def closure(roots: Iterable[str]) -> Used:
             modules, packages = _reached(name)
             waiting += modules
             others |= packages
-    return Used(frozenset(name for name in found if not _within(name, sources.OWN)), frozenset(others))
+    return Used(frozenset(name for name in found if not within(name, sources.OWN)), frozenset(others))
 
 
 @cache
@@ -128,7 +129,7 @@ def _reached(name: str) -> Used:
     modules, packages = set[str](), set[str]()
     for one in loaded()[name].imports:
         base = _absolute(name, one.module)
-        homes = [home for home in _home(base, one.name) if not _within(home, WORDS)]
+        homes = [home for home in _home(base, one.name) if not within(home, WORDS)]
         modules |= set(homes)
         packages |= set() if homes else {base.partition(".")[0]}
     return Used(frozenset(modules), frozenset(packages))
@@ -188,8 +189,8 @@ def _guests() -> dict[str, str]:
 
 def _with_package(home: str) -> list[str]:
     """A module, with the whole package if another one's: it may load any part of itself."""
-    places = [name for name, _, _ in _added() if _within(home, name)]
-    return [home, *(name for name in loaded() if any(_within(name, place) for place in places))]
+    places = [name for name, _, _ in _added() if within(home, name)]
+    return [home, *(name for name in loaded() if any(within(name, place) for place in places))]
 
 
 @cache
@@ -206,7 +207,3 @@ def loaded() -> dict[str, Meaning]:
 @cache
 def _is_package(name: str) -> bool:
     return any(other.startswith(f"{name}.") for other in loaded())
-
-
-def _within(name: str, package: str) -> bool:
-    return name == package or name.startswith(f"{package}.")

@@ -19,6 +19,7 @@ from types import CodeType
 from typing import Any, NamedTuple
 
 from worker.engine.kernels.folder import cache_folder
+from worker.engine.search.base import Ended
 
 _NAME = re.compile(r"worker(\.\w+)+")
 
@@ -54,11 +55,21 @@ def meaning(content: bytes) -> Meaning:
     tokens: list[str] = []
     try:
         tree = ast.parse(content)
+        imports = tuple(dict.fromkeys(_imports(tree)))
+        _unworded(tree, imports)
         _tokens(tree, tokens)
     except (SyntaxError, ValueError):
         return Meaning(hashlib.sha256(content).hexdigest()[:16])
     digest = hashlib.sha256("\0".join(tokens).encode("utf-8", "surrogatepass")).hexdigest()[:16]
-    return Meaning(digest, tuple(dict.fromkeys(_imports(tree))))
+    return Meaning(digest, imports)
+
+
+def _unworded(tree: ast.AST, imports: tuple[Import, ...]) -> None:
+    """Take the sentences of stop rules out, `Ended("drawn", "drew {samples} samples", ...)`: they decide nothing."""
+    named = {one.here for one in imports if (one.module, one.name) == (Ended.__module__, Ended.__name__)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in named:
+            node.args = [a for i, a in enumerate(node.args) if i != 1 or not isinstance(a, ast.Constant)]
 
 
 def _tokens(node: Any, tokens: list[str]) -> None:
@@ -102,7 +113,7 @@ def _file() -> Path:
 
     The code is that which runs: the text of this file may have been edited since.
     """
-    codes = [_essence(function.__code__) for function in (meaning, _tokens, _imports)]
+    codes = [_essence(function.__code__) for function in (meaning, _unworded, _tokens, _imports)]
     key = hashlib.sha256(f"{sys.version} {Path(__file__).parent} {codes}".encode())
     return cache_folder() / "meanings" / f"{key.hexdigest()[:32]}.json"
 

@@ -18,7 +18,8 @@ from campaigns.claims.numbers import count
 from campaigns.results import Finding
 from campaigns.results.base import OK
 from campaigns.results.draws import of_draws
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
+from campaigns.stages.found import declared
 from campaigns.versions import Versions
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.store import Columns, StagePlan
@@ -132,15 +133,15 @@ def _case(recorded: Recorded, problem: Problem, name: str) -> Case:
         if finding.label == name:
             vector = problem.vector(finding.parameters)
             return Case(name, vector, np.array([finding.cost]), OK, finding.realisation)
-    asked = re.fullmatch(r"([A-Za-z_0-9]+):([0-9]{1,12})", name)
-    if asked is None:
+    place = re.fullmatch(r"([A-Za-z_0-9]+):([0-9]{1,12})", name)
+    if place is None:
         labels = ", ".join(f.label for f in recorded.findings) or "none"
         raise UnknownCase(f"{name!r} is no finding of it (it has {labels}) and no evaluation: {_stages(recorded)}")
-    position, index = _position(recorded, asked[1]), int(asked[2])
+    position, index = _position(recorded, place[1]), int(place[2])
     columns = recorded.evaluations.get(position)
-    held = 0 if columns is None else len(columns.status)
-    if columns is None or index >= held:
-        raise UnknownCase(f"stage {asked[1]} has {count(held)} evaluations, counted from 0; there is no {index}")
+    stored = 0 if columns is None else len(columns.status)
+    if columns is None or index >= stored:
+        raise UnknownCase(f"stage {place[1]} has {count(stored)} evaluations, counted from 0; there is no {index}")
     plan, draws = recorded.plans[position], recorded.drawn.get(position, 0)
     seed = int(of_draws(recorded.campaign.seed, index, 1)[0]) if index < draws else None
     own = recorded.seeds.get(position, ())
@@ -148,7 +149,7 @@ def _case(recorded: Recorded, problem: Problem, name: str) -> Case:
     vector = problem.vectors(columns.points[index : index + 1])[0]
     status, costs = int(columns.status[index]), np.array(columns.costs[index], dtype=np.float64)
     name = f"evaluation {index} of {plan.method or plan.kind}"
-    return Case(name, vector, costs, status, seed, plan.kind == "certify")
+    return Case(name, vector, costs, status, seed, declared()[plan.kind].independent)
 
 
 def _position(recorded: Recorded, stage: str) -> int:

@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TypeVar
 
 import numpy as np
 
 from campaigns import Campaign
-from campaigns.results import CertifyResult, NominalResult, SearchResult, ValidateResult, Verdict
+from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED, OK
-from campaigns.results.baseline import BaselineResult
 from campaigns.stages.plan import plan
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
@@ -31,8 +29,6 @@ from worker.running.opening import opened
 from worker.running.runs.provenance import begin, versions
 
 __all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
-
-R = TypeVar("R")
 
 
 def execute(
@@ -75,9 +71,7 @@ def _carry_out(context: Context, position: int, record: StageRecord) -> None:
     context.store.begin(position)
     began = time.perf_counter()
     outcome = stages()[record.plan.kind].run(context, position)
-    result = outcome.result
-    if isinstance(result, ValidateResult):
-        result = worded(context.problem, result, outcome.findings)
+    result = worded(context.problem, outcome.result, outcome.findings)
     context.results[position] = result
     seconds = record.seconds + time.perf_counter() - began
     context.store.finish(position, result, seconds, outcome.findings, outcome.traces)
@@ -89,11 +83,7 @@ def _evidence(context: Context) -> Evidence:
     status = np.concatenate([c.status for c in columns])
     costs = np.concatenate([c.costs[:, 0] for c in columns])[status == OK]
     return Evidence(
-        nominal=_of(context, NominalResult)[0],
-        searches=_of(context, SearchResult),
-        baseline=next(iter(_of(context, BaselineResult)), None),
-        certificate=next(iter(_of(context, CertifyResult)), None),
-        validation=_of(context, ValidateResult)[0],
+        results=[context.results[at] for at in range(len(context.plan))],
         finding=findings[0] if findings else None,
         others=findings[1:],
         evaluations=len(status),
@@ -103,7 +93,3 @@ def _evidence(context: Context) -> Evidence:
         violating=int(np.count_nonzero(costs <= context.problem.threshold)),
         flaky=sum(flaky(c) for _, c in all_columns(context, list(range(len(context.plan))))),
     )
-
-
-def _of(context: Context, kind: type[R]) -> list[R]:
-    return [result for _, result in sorted(context.results.items()) if isinstance(result, kind)]

@@ -91,6 +91,11 @@ def own_modules() -> list[str]:
     return [name for name in LOADED.files if name.startswith(f"{OWN}.") and name != OWN]
 
 
+def within(module: str, package: str) -> bool:
+    """Whether a module is a package or one in it."""
+    return module == package or module.startswith(f"{package}.")
+
+
 def _ours() -> Iterator[tuple[str, Path]]:
     root = Path(__file__).parents[3]
     for name in OURS:

@@ -54,9 +54,9 @@ class MemoryStore:
         return None if columns is None else Ahead(np.concatenate([a.indices for a in waiting]), columns)
 
     def append(self, position: int, first: int, columns: Columns, ahead: Ahead | None = None) -> None:
-        held = sum(len(c.status) for c in self.chunks.get(position, []))
-        if first != held:
-            raise ValueError(f"stage {position} holds {held} evaluations, given some from index {first} on")
+        stored = sum(len(c.status) for c in self.chunks.get(position, []))
+        if first != stored:
+            raise ValueError(f"stage {position} holds {stored} evaluations, given some from index {first} on")
         self.chunks.setdefault(position, []).append(columns)
         if ahead is not None:
             waiting = [*self.waiting.get(position, []), ahead]

@@ -24,7 +24,7 @@ const CATALOGUE = {
 } as Catalogue
 
 const part = (name: string, parameters = {}): Part => ({ component: name, parameters })
-const asked = (threshold: number, obstacles: Part[], more = {}): Campaign => ({
+const campaignOf = (threshold: number, obstacles: Part[], more = {}): Campaign => ({
   name: 'Case',
   scenario: { vehicle: part('any'), controller: part('any'), avoider: part('any'), goal: {}, obstacles, horizon: 1, step: 1 },
   uncertain: {},
@@ -33,22 +33,22 @@ const asked = (threshold: number, obstacles: Part[], more = {}): Campaign => ({
 })
 
 it('finds the obstacles that reach beyond the threshold', () => {
-  expect(withinOf(asked(0.5, [part('circle'), part('box'), part('other')]), CATALOGUE)).toEqual(new Map([[1, 0.5 * Math.hypot(16, 0.2)]]))
-  expect(withinOf(asked(8.001, [part('box')]), CATALOGUE).size).toBe(0)
+  expect(withinOf(campaignOf(0.5, [part('circle'), part('box'), part('other')]), CATALOGUE)).toEqual(new Map([[1, 0.5 * Math.hypot(16, 0.2)]]))
+  expect(withinOf(campaignOf(8.001, [part('box')]), CATALOGUE).size).toBe(0)
 })
 
 it('counts the largest extent of an uncertain one', () => {
-  const campaign = { ...asked(0.55, [part('circle')]), uncertain: { 'obstacles.0.radius': { plus_minus: '20%' } } }
+  const campaign = { ...campaignOf(0.55, [part('circle')]), uncertain: { 'obstacles.0.radius': { plus_minus: '20%' } } }
   expect(withinOf(campaign, CATALOGUE).get(0)).toBeCloseTo(0.6)
 })
 
 it('leaves alone what is stated, and what measures to surfaces', () => {
-  expect(withinOf(asked(0.1, [part('box')], { from_centre: true }), CATALOGUE).size).toBe(0)
-  expect(withinOf(asked(0.1, [part('box')], { component: 'surface_separation' }), CATALOGUE).size).toBe(0)
+  expect(withinOf(campaignOf(0.1, [part('box')], { from_centre: true }), CATALOGUE).size).toBe(0)
+  expect(withinOf(campaignOf(0.1, [part('box')], { component: 'surface_separation' }), CATALOGUE).size).toBe(0)
 })
 
 it('judges by surfaces once an obstacle reaches beyond the threshold', () => {
-  const campaign = asked(0.5, [part('circle')])
+  const campaign = campaignOf(0.5, [part('circle')])
   expect(criterionFor(campaign, [part('circle')], CATALOGUE)).toEqual(campaign.criterion)
   expect(criterionFor(campaign, [part('circle'), part('box')], CATALOGUE)).toEqual({
     component: 'surface_separation',
@@ -58,6 +58,6 @@ it('judges by surfaces once an obstacle reaches beyond the threshold', () => {
 })
 
 it('keeps the requirements of a criterion', () => {
-  const campaign = asked(0.5, [part('circle')], { requirements: ['REQ-1', { id: 'REQ-2', text: 'x' }] })
+  const campaign = campaignOf(0.5, [part('circle')], { requirements: ['REQ-1', { id: 'REQ-2', text: 'x' }] })
   expect(criterionFor(campaign, [part('box')], CATALOGUE).requirements).toEqual(['REQ-1', { id: 'REQ-2', text: 'x' }])
 })

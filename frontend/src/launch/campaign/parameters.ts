@@ -121,11 +121,11 @@ export function numberOf(raw: Raw | null | undefined): number | null {
 
 /** Low and high of an uncertain parameter; a percentage of the nominal value is converted. */
 export function boundsOf(uncertain: Uncertain, nominal: Raw | null): [Raw | null, Raw | null] {
-  const given = uncertain.plus_minus
-  if (given === null || given === undefined) return [uncertain.low ?? null, uncertain.high ?? null]
+  const tolerance = uncertain.plus_minus
+  if (tolerance === null || tolerance === undefined) return [uncertain.low ?? null, uncertain.high ?? null]
   const middle = numberOf(nominal)
-  const share = /^\s*([0-9.eE+-]+)\s*%\s*$/.exec(String(given))
-  const amount = share ? Number(share[1]) / 100 : numberOf(given)
+  const share = /^\s*([0-9.eE+-]+)\s*%\s*$/.exec(String(tolerance))
+  const amount = share ? Number(share[1]) / 100 : numberOf(tolerance)
   if (middle === null || amount === null || !Number.isFinite(amount)) return [null, null]
   const reach = share ? amount * Math.abs(middle) : amount
   // Avoids binary rounding: 0.05 + 20 % must give 0.06.

@@ -18,16 +18,16 @@ const READ = `
 import json
 from campaigns import Campaign, library, load_file
 from worker.running.catalogue.installed import catalogue
-def told(path):
+def shipped(path):
     campaign = load_file(path)
     return {"document": campaign.document(), "digest": campaign.digest, "text": path.read_text(encoding="utf-8")}
-found = {name: told(path) for name, path in library().items()}
+found = {name: shipped(path) for name, path in library().items()}
 print(json.dumps({"catalogue": catalogue().model_dump(mode="json"), "campaigns": found, "schema": Campaign.model_json_schema()}))
 `
 
-export type Told = Record<string, { document: Campaign; digest: string; text: string }>
+export type ShippedCampaigns = Record<string, { document: Campaign; digest: string; text: string }>
 
-type Shipped = { catalogue: Catalogue; campaigns: Told; schema: unknown }
+type Shipped = { catalogue: Catalogue; campaigns: ShippedCampaigns; schema: unknown }
 let read: string | null = null
 
 /** The catalogue of the installed components, and the library's campaigns: read once, a copy for each file of tests. */

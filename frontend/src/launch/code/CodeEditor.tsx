@@ -14,7 +14,7 @@ import { fieldAt, placeOf, tolerant } from '../text/places'
 import { plain } from '../text/tree'
 import { hintOf, type Known } from './hints'
 import { ProblemList } from './ProblemList'
-import type { Rule } from './schema'
+import type { Rule } from '../text/schema'
 import { diagnosticsOf, fromPage, type Hands, locking, opened, placedIn, unified } from './setup'
 import buttons from '../../ui/buttons.module.css'
 import styles from './code.module.css'
@@ -55,10 +55,10 @@ export default function CodeEditor(props: CodeEditorProps) {
     view.current.focus()
     host.current?.scrollIntoView({ block: 'nearest' })
   }
-  const asked = useRef<{ field: string } | null>(null)
+  const reached = useRef<{ field: string } | null>(null)
   useEffect(() => {
-    if (!jump || asked.current === jump || !view.current) return
-    asked.current = jump
+    if (!jump || reached.current === jump || !view.current) return
+    reached.current = jump
     go(...placeOf(tolerant(view.current.state.doc.toString()), jump.field))
   })
   return (
@@ -98,8 +98,8 @@ function useView(
       onUndo: () => now().onUndo(),
       onRedo: () => now().onRedo(),
       known: (text): Known => ({ ...now(), schema: schema(), document: plain(tolerant(text)) }),
-      loading: (asked) =>
-        schema() || (!asked && cache.getQueryState(schemaQuery.queryKey)?.status === 'error')
+      loading: (explicit) =>
+        schema() || (!explicit && cache.getQueryState(schemaQuery.queryKey)?.status === 'error')
           ? null
           : cache.fetchQuery(schemaQuery).catch(() => null),
     }

@@ -41,7 +41,7 @@ export function choicesIn(
 
 /** The schema is loaded with the editor: what only it can tell is waited for. */
 export const completed =
-  (known: (text: string) => Known, loading: (asked: boolean) => Promise<unknown> | null) =>
+  (known: (text: string) => Known, loading: (explicit: boolean) => Promise<unknown> | null) =>
   (context: CompletionContext): CompletionResult | null | Promise<CompletionResult | null> => {
     const text = context.state.doc.toString()
     const found = choicesIn(text, context.pos, known(text))

@@ -9,18 +9,18 @@ import { fieldAt, placeOf, tolerant } from '../text/places'
 import { plain } from '../text/tree'
 import { choicesIn, completed } from './complete'
 import { hintOf, type Known } from './hints'
-import type { Rule } from './schema'
+import type { Rule } from '../text/schema'
 
 let catalogue: Catalogue
 let campaign: Campaign
 let text: string
 let schema: Rule
 beforeAll(() => {
-  const told = shipped()
-  catalogue = told.catalogue
-  schema = told.schema as Rule
-  campaign = told.campaigns.unicycle_static?.document as Campaign
-  text = told.campaigns.unicycle_static?.text ?? ''
+  const library = shipped()
+  catalogue = library.catalogue
+  schema = library.schema as Rule
+  campaign = library.campaigns.unicycle_static?.document as Campaign
+  text = library.campaigns.unicycle_static?.text ?? ''
 })
 
 const known = (typedText: string): Known => ({ catalogue, campaign, schema, document: plain(tolerant(typedText)) })
@@ -59,8 +59,8 @@ it('waits for the schema where only the schema knows the choices', async () => {
   const requests: boolean[] = []
   const source = completed(
     (typedText) => ({ ...known(typedText), schema: there }),
-    (asked) => {
-      requests.push(asked)
+    (explicit) => {
+      requests.push(explicit)
       return there ? null : arriving
     },
   )
@@ -83,9 +83,9 @@ it('waits for the schema where only the schema knows the choices', async () => {
 it('describes a field from the catalogue, with unit and bounds', () => {
   const at = (...steps: (string | number)[]) => hintOf(known(text), steps)
   const mass = catalogue.components.find(({ name }) => name === 'unicycle')?.parameters.find(({ name }) => name === 'm')
-  const told = at('scenario', 'vehicle', 'parameters', 'm')
-  expect(told?.title).toBe(mass?.text)
-  expect(told?.detail).toMatch(/^kg, 0\.\d+ to .*, default 5$/)
+  const hint = at('scenario', 'vehicle', 'parameters', 'm')
+  expect(hint?.title).toBe(mass?.text)
+  expect(hint?.detail).toMatch(/^kg, 0\.\d+ to .*, default 5$/)
   expect(at('uncertain', 'vehicle.m', 'low')?.title).toContain(mass?.text)
   expect(at('scenario', 'obstacles', 0, 'parameters', 'position.x')?.detail).toMatch(/^m, ±/)
   expect(at('scenario', 'vehicle', 'component')?.detail).toBe('vehicle, 2D')

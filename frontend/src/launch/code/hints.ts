@@ -7,7 +7,7 @@ import { type Parameter, parametersOf, type Role } from '../campaign/parameters'
 import { type Setting, SIMULATION, STAGES, VERDICT } from '../campaign/settings'
 import type { At } from '../text/tree'
 import { scalar } from '../text/words'
-import { type Rule, ruleAt, rulesOf } from './schema'
+import { type Rule, ruleAt, rulesOf } from '../text/schema'
 
 export interface Known {
   catalogue: Catalogue
@@ -138,8 +138,8 @@ const propertiesOf = (method: MethodEntry | undefined): Record<string, Rule> =>
 
 /** The possible keys of a mapping, without existing ones. */
 export function keysAt(known: Known, at: At): Choice[] {
-  const given = new Set(Object.keys((read(known.document, at) as object | null) ?? {}))
-  return allKeys(known, at).filter(({ name }) => !given.has(name))
+  const present = new Set(Object.keys((read(known.document, at) as object | null) ?? {}))
+  return allKeys(known, at).filter(({ name }) => !present.has(name))
 }
 
 function allKeys(known: Known, at: At): Choice[] {

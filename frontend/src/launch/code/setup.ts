@@ -32,7 +32,7 @@ export interface Hands {
   known: (text: string) => Known
   /** Until the schema is there, or has failed; null if nothing is to be waited for. After a failure it is requested again
    * if completions are asked for, not at every key. */
-  loading: (asked: boolean) => Promise<unknown> | null
+  loading: (explicit: boolean) => Promise<unknown> | null
 }
 
 /** Marks a change made by the page. */

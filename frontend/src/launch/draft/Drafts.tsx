@@ -2,7 +2,6 @@
 import { IconTrash } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
-import { clsx } from 'clsx'
 import { useState } from 'react'
 import { deleteDraft } from '../../api/calls'
 import { useBarredFromOwn } from '../../api/may'
@@ -11,12 +10,12 @@ import type { DraftSummary } from '../../client'
 import { count } from '../../format/numbers'
 import { moment, when } from '../../format/time'
 import { Card, Tags } from '../../ui/Card'
+import { type Column, DataTable, hidden } from '../../ui/DataTable'
+import { DialogForm } from '../../ui/DialogForm'
 import { Modal } from '../../ui/Modal'
 import { useNow } from '../../ui/useNow'
 import buttons from '../../ui/buttons.module.css'
-import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
-import tables from '../../ui/tables.module.css'
 import styles from './draft.module.css'
 
 const FEW = 4
@@ -27,6 +26,35 @@ export function Drafts() {
   const [leaving, setLeaving] = useState<DraftSummary | null>(null)
   const now = useNow(30_000)
   if (!data || data.length === 0) return null
+  const columns: Column<DraftSummary>[] = [
+    {
+      head: 'Draft',
+      cell: ({ id }) => (
+        <Link to="/launch" search={{ draft: id }} className="mono nw">
+          {id}
+        </Link>
+      ),
+    },
+    { head: 'Name', look: layout.wrapAny, label: 'Name', cell: ({ name }) => name || <span className="mut">Untitled</span> },
+    { head: 'Tags', align: layout.hideN, label: ({ tags }) => (tags.length > 0 ? 'Tags' : undefined), cell: ({ tags }) => <Tags tags={tags} /> },
+    {
+      head: 'Saved by',
+      label: 'Saved by',
+      cell: ({ owner, saved_by }) => [saved_by, owner !== saved_by && <span key="owner" className="mut">, begun by {owner}</span>],
+    },
+    { head: 'Saved', look: 'nw', label: 'Saved', title: ({ saved }) => moment(saved), cell: ({ saved }) => when(saved, now) },
+    {
+      head: 'Run',
+      label: ({ run }) => (run ? 'Run' : undefined),
+      cell: ({ run }) =>
+        run && (
+          <Link to="/runs/$id" params={{ id: run }} className="mono">
+            {run}
+          </Link>
+        ),
+    },
+    { head: hidden('Delete'), look: layout.acts, cell: (draft) => <Delete draft={draft} onAsk={() => setLeaving(draft)} /> },
+  ]
   const shown = all ? data : data.slice(0, FEW)
   return (
     <Card
@@ -42,57 +70,11 @@ export function Drafts() {
         )
       }
     >
-      <table className={clsx(tables.table, tables.stack)}>
-        <thead>
-          <tr>
-            <th>Draft</th>
-            <th>Name</th>
-            <th className={layout.hideN}>Tags</th>
-            <th>Saved by</th>
-            <th>Saved</th>
-            <th>Run</th>
-            <th aria-label="Delete" />
-          </tr>
-        </thead>
-        <tbody>
-          {shown.map((draft) => (
-            <tr key={draft.id}>
-              <td>
-                <Link to="/launch" search={{ draft: draft.id }} className="mono nw">
-                  {draft.id}
-                </Link>
-              </td>
-              <td className={layout.wrapAny} data-label="Name">{draft.name || <span className="mut">Untitled</span>}</td>
-              <td className={layout.hideN} data-label={draft.tags.length > 0 ? 'Tags' : undefined}>
-                <Tags tags={draft.tags} />
-              </td>
-              <td data-label="Saved by">
-                {draft.saved_by}
-                {draft.owner !== draft.saved_by && <span className="mut">, begun by {draft.owner}</span>}
-              </td>
-              <td className="nw" title={moment(draft.saved)} data-label="Saved">
-                {when(draft.saved, now)}
-              </td>
-              <td data-label={draft.run ? 'Run' : undefined}>
-                {draft.run && (
-                  <Link to="/runs/$id" params={{ id: draft.run }} className="mono">
-                    {draft.run}
-                  </Link>
-                )}
-              </td>
-              <td className={layout.acts}>
-                <Delete draft={draft} onAsk={() => setLeaving(draft)} />
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
+      <DataTable kind="stack" items={shown} keyOf={({ id }) => id} columns={columns} />
       <Modal
         opened={leaving !== null}
         onClose={() => setLeaving(null)}
         title={`Delete draft ${leaving?.id ?? ''}`}
-        centered
-        lockScroll={false}
       >
         {leaving && <Deletion draft={leaving} onDone={() => setLeaving(null)} />}
       </Modal>
@@ -124,23 +106,10 @@ function Deletion({ draft, onDone }: { draft: DraftSummary; onDone: () => void }
     onSettled: () => cache.invalidateQueries({ queryKey: ['drafts'] }),
   })
   return (
-    <div className={fields.panel}>
+    <DialogForm error={removal.error} submit="Delete" disabled={removal.isPending} onSubmit={() => removal.mutate()} leave="Keep it" onLeave={onDone}>
       <p>
         {draft.name || 'This untitled draft'} will be deleted for all users. Runs started from it remain.
       </p>
-      {removal.error && (
-        <p className={fields.ferr} role="alert">
-          {removal.error.message}
-        </p>
-      )}
-      <div className={clsx(layout.acts, styles.end)}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Keep it
-        </button>
-        <button type="button" className={clsx(buttons.btn, buttons.p)} disabled={removal.isPending} onClick={() => removal.mutate()}>
-          Delete
-        </button>
-      </div>
-    </div>
+    </DialogForm>
   )
 }

@@ -1,12 +1,9 @@
 // Asks for confirmation before leaving the page or choosing another case with unsaved edits.
 import { useBlocker } from '@tanstack/react-router'
-import { clsx } from 'clsx'
 import { useState } from 'react'
+import { DialogForm } from '../../ui/DialogForm'
 import { Modal } from '../../ui/Modal'
 import buttons from '../../ui/buttons.module.css'
-import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
-import styles from './draft.module.css'
 
 interface Place {
   pathname: string
@@ -26,7 +23,7 @@ const elsewhere = (current: Place, next: Place): boolean =>
   (['case', 'from', 'draft'] as const).some((key) => current.search[key] !== next.search[key])
 
 export function Leaving({ dirty, expected, onSave }: LeavingProps) {
-  const [failed, setFailed] = useState('')
+  const [failed, setFailed] = useState<Error | null>(null)
   const blocker = useBlocker({
     shouldBlockFn: ({ current, next }) =>
       dirty && !expected(next as Place) && elsewhere(current as Place, next as Place),
@@ -34,28 +31,23 @@ export function Leaving({ dirty, expected, onSave }: LeavingProps) {
     withResolver: true,
   })
   if (blocker.status !== 'blocked') return null
-  const keep = () => void onSave().then(blocker.proceed, (error: Error) => setFailed(error.message))
+  const keep = () => void onSave().then(blocker.proceed, setFailed)
   return (
-    <Modal opened onClose={blocker.reset} title="Unsaved changes" centered lockScroll={false}>
-      <div className={fields.panel}>
-        <p>Your changes to this campaign are not saved.</p>
-        {failed && (
-          <p className={fields.ferr} role="alert">
-            {failed}
-          </p>
-        )}
-        <div className={clsx(layout.acts, styles.end)}>
-          <button type="button" className={buttons.btn} onClick={blocker.reset}>
-            Stay
-          </button>
+    <Modal opened onClose={blocker.reset} title="Unsaved changes">
+      <DialogForm
+        error={failed}
+        submit="Save as draft"
+        onSubmit={keep}
+        leave="Stay"
+        onLeave={blocker.reset}
+        more={
           <button type="button" className={buttons.btn} onClick={blocker.proceed}>
             Leave without saving
           </button>
-          <button type="button" className={clsx(buttons.btn, buttons.p)} onClick={keep}>
-            Save as draft
-          </button>
-        </div>
-      </div>
+        }
+      >
+        <p>Your changes to this campaign are not saved.</p>
+      </DialogForm>
     </Modal>
   )
 }

@@ -2,7 +2,7 @@
 import { checkCampaign, getRunText, getSchema } from '../../api/calls'
 import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Draft, LibraryCampaign, RunDetail, Span } from '../../client'
-import { textsOf } from '../regression/given'
+import { textsOf } from '../regression/regression'
 import { remedied } from './remedied'
 import type { Beginning } from './useDraft'
 

@@ -25,24 +25,24 @@ it('takes edits back one by one and makes them again', () => {
   let history = story(['a: 12', 'a', 0], ['b: 12', 'text', 100], ['b: 3', 'a', 9000])
   let text = 'b: 3'
   for (const wanted of ['b: 12', 'a: 12', 'a: 1']) {
-    const [next, is] = undo(history, text) ?? [history, version('none')]
+    const [next, is] = undo(history, version(text)) ?? [history, version('none')]
     expect(is).toEqual(version(wanted))
     ;[history, text] = [next, is.text]
   }
-  expect(undo(history, text)).toBeNull()
+  expect(undo(history, version(text))).toBeNull()
   for (const wanted of ['a: 12', 'b: 12', 'b: 3']) {
-    const [next, is] = redo(history, text) ?? [history, version('none')]
+    const [next, is] = redo(history, version(text)) ?? [history, version('none')]
     expect(is).toEqual(version(wanted))
     ;[history, text] = [next, is.text]
   }
-  expect(redo(history, text)).toBeNull()
+  expect(redo(history, version(text))).toBeNull()
 })
 
 it('takes what is typed at one go for one edit, and forgets what was taken back once there is another', () => {
   const history = story(['a: 12', 'a', 0], ['a: 123', 'a', 500], ['a: 1234', 'a', 900])
-  const [back, is] = undo(history, 'a: 1234') ?? [history, version('none')]
+  const [back, is] = undo(history, version('a: 1234')) ?? [history, version('none')]
   expect(is.text).toBe('a: 1')
   const other = recorded(back, is, version('a: 7'), 'a', 1000)
-  expect(redo(other, 'a: 7')).toBeNull()
-  expect(undo(other, 'a: 7')?.[1].text).toBe('a: 1')
+  expect(redo(other, version('a: 7'))).toBeNull()
+  expect(undo(other, version('a: 7'))?.[1].text).toBe('a: 1')
 })

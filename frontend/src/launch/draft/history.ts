@@ -1,4 +1,4 @@
-// The undo history of form and text, as changes of the text.
+// The undo history of form and text, as versions of the text and of the form.
 import type { Campaign } from '../../api/campaign'
 
 /** A campaign's text, and the state of the form. */
@@ -7,17 +7,10 @@ export interface Version {
   campaign: Campaign
 }
 
-interface Edit {
-  from: number
-  before: string
-  after: string
-  /** The state of the form before and after. */
-  campaigns: [Campaign, Campaign]
-}
-
 export interface History {
-  done: Edit[]
-  undone: Edit[]
+  /** The versions before each edit, and after each edit that was undone. */
+  done: Version[]
+  undone: Version[]
   /** The last edited field and time [ms]: continued typing is the same edit. */
   last: { what: string; at: number } | null
 }
@@ -37,34 +30,25 @@ export function stretch(before: string, after: string): { from: number; before: 
   return { from, before: before.slice(from, before.length - tail), after: after.slice(from, after.length - tail) }
 }
 
-const put = (text: string, from: number, old: string, now: string): string =>
-  text.slice(0, from) + now + text.slice(from + old.length)
+/** Of what has more. */
+const versionOf = ({ text, campaign }: Version): Version => ({ text, campaign })
 
 /** Adds an edit. `what` identifies the field; successive edits of the same field within a short time are merged. */
 export function recorded(history: History, was: Version, is: Version, what: string, at: number): History {
-  const { done, last } = history
-  const before = done.at(-1)
-  const goesOn = before !== undefined && last?.what === what && at - last.at < TOGETHER && history.undone.length === 0
-  const first: Version = goesOn
-    ? { text: put(was.text, before.from, before.after, before.before), campaign: before.campaigns[0] }
-    : was
+  const { done, undone, last } = history
   if (was.text === is.text) return history
-  const edit: Edit = { ...stretch(first.text, is.text), campaigns: [first.campaign, is.campaign] }
-  return { done: [...(goesOn ? done.slice(0, -1) : done).slice(-MOST), edit], undone: [], last: { what, at } }
+  const goesOn = done.length > 0 && last?.what === what && at - last.at < TOGETHER && undone.length === 0
+  return { done: goesOn ? done : [...done, versionOf(was)].slice(-MOST), undone: [], last: { what, at } }
 }
 
 /** Undoes one edit; null if there is none. */
-export function undo(history: History, text: string): [History, Version] | null {
-  const edit = history.done.at(-1)
-  if (!edit) return null
-  const next = { done: history.done.slice(0, -1), undone: [...history.undone, edit], last: null }
-  return [next, { text: put(text, edit.from, edit.after, edit.before), campaign: edit.campaigns[0] }]
+export function undo({ done, undone }: History, is: Version): [History, Version] | null {
+  const before = done.at(-1)
+  return before ? [{ done: done.slice(0, -1), undone: [...undone, versionOf(is)], last: null }, before] : null
 }
 
 /** Redoes one edit; null if there is none. */
-export function redo(history: History, text: string): [History, Version] | null {
-  const edit = history.undone.at(-1)
-  if (!edit) return null
-  const next = { done: [...history.done, edit], undone: history.undone.slice(0, -1), last: null }
-  return [next, { text: put(text, edit.from, edit.before, edit.after), campaign: edit.campaigns[1] }]
+export function redo({ done, undone }: History, is: Version): [History, Version] | null {
+  const after = undone.at(-1)
+  return after ? [{ done: [...done, versionOf(is)], undone: undone.slice(0, -1), last: null }, after] : null
 }

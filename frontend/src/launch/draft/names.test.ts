@@ -1,11 +1,11 @@
 // A run is called as its campaign until the user says otherwise; an opened, dropped or pasted file brings its own name.
 import { expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
-import * as given from '../../api/fixtures'
+import * as fixtures from '../../api/fixtures'
 import { asCampaign } from '../../api/campaign'
 import { followed, isAnother } from './useNames'
 
-const named = (name: string, tags: string[]): Campaign => ({ ...asCampaign(given.run().campaign), name, tags })
+const named = (name: string, tags: string[]): Campaign => ({ ...asCampaign(fixtures.run().campaign), name, tags })
 const UNICYCLE = named('Unicycle, static obstacle', ['unicycle'])
 const QUADROTOR = named('Quadrotor, wall', ['quadrotor', 'hover'])
 const own = (more: object = {}) => ({ name: UNICYCLE.name, tags: ['unicycle'], of: UNICYCLE, replaced: false, ...more })

@@ -11,8 +11,8 @@ export interface Remedied {
   statement: Span[]
 }
 
-export async function remedied(run: RunDetail, text: string, asked: string): Promise<Remedied> {
-  const steps = stepsIn(asked, run.summary?.checks ?? [])
+export async function remedied(run: RunDetail, text: string, keys: string): Promise<Remedied> {
+  const steps = stepsIn(keys, run.summary?.checks ?? [])
   const { amended } = await import('../text')
   return {
     document: changed(run.campaign, steps),

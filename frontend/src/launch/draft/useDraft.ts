@@ -1,5 +1,6 @@
 // The edited campaign. Its text is authoritative: an edit in the form changes the text in place, and the form shows the
 // text as parsed by the service.
+import { useDebouncedValue } from '@mantine/hooks'
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 import { checkCampaign } from '../../api/calls'
@@ -73,15 +74,6 @@ function useTools(): [Tools | null, Error | null] {
   return [found, failed]
 }
 
-function useSettled<T>(value: T): T {
-  const [settled, setSettled] = useState(value)
-  useEffect(() => {
-    const timer = setTimeout(() => setSettled(value), PAUSE)
-    return () => clearTimeout(timer)
-  }, [value])
-  return settled
-}
-
 type Edited = Version & Pick<State, 'behind' | 'readable' | 'source'>
 
 function edited(before: State, next: Edited, what: string): State {
@@ -107,8 +99,8 @@ function takenOut(before: State, list: List | 'objectives', index: number): Edit
 export function useDraft(first: Beginning): Draft {
   const [state, setState] = useState<State>({ ...first, source: 'text', behind: null, edits: 0, history: NOTHING })
   const [loaded, failed] = useTools()
-  const given = state.behind ? state.campaign : state.text
-  const settled = useSettled(given)
+  const source = state.behind ? state.campaign : state.text
+  const [settled] = useDebouncedValue(source, PAUSE)
   const check = useQuery({
     queryKey: ['check', settled],
     queryFn: ({ signal }) => checkCampaign(settled, signal),
@@ -116,7 +108,7 @@ export function useDraft(first: Beginning): Draft {
     staleTime: 60_000,
     gcTime: 60_000,
   })
-  const fresh = settled === given && !check.isPlaceholderData
+  const fresh = settled === source && !check.isPlaceholderData
   const checked = check.data
   const unread = fresh && checked?.document === null && state.source === 'text' && state.edits > 0
   const { data: schema } = useQuery({ ...schemaQuery, enabled: unread })
@@ -130,11 +122,11 @@ export function useDraft(first: Beginning): Draft {
     setState({ ...state, campaign: nearly ?? state.campaign, readable: nearly !== null, read: state.text })
   }
   const step = (go: typeof undo) =>
-    go(state.history, state.text) === null || state.behind
+    go(state.history, state) === null || state.behind
       ? null
       : () =>
           setState((before) => {
-            const [history, version] = go(before.history, before.text) ?? [before.history, before]
+            const [history, version] = go(before.history, before) ?? [before.history, before]
             return { ...before, ...version, ...FORM, history, edits: before.edits + 1 }
           })
   return {

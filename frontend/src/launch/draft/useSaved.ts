@@ -35,8 +35,8 @@ export function useSaved(first: Draft | null, content: () => Promise<Content>, o
   const foreign = low === undefined && barred !== undefined
   const saving = useMutation({
     mutationFn: async ({ another }: { another?: boolean; leaving?: boolean }) => {
-      const given = await content()
-      return draft && !another && !foreign ? saveDraft(draft.id, { ...given, version: draft.version }) : createDraft(given)
+      const body = await content()
+      return draft && !another && !foreign ? saveDraft(draft.id, { ...body, version: draft.version }) : createDraft(body)
     },
     onSuccess: (kept, { leaving }) => {
       setDraft(kept)

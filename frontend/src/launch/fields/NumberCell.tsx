@@ -5,7 +5,7 @@ import { parse, field as shown } from '../../format/numbers'
 import { idOf, useProblems } from './problems'
 import fields from '../../ui/fields.module.css'
 
-interface NumberCellProps {
+export interface NumberCellProps {
   /** The service's name of the field. */
   field: string
   label: string

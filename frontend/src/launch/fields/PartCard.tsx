@@ -1,7 +1,5 @@
 // One part of a campaign: its component, and its parameters with unit, limits and text from the catalogue.
 import { clsx } from 'clsx'
-import { Select } from '@mantine/core'
-import { IconTrash } from '@tabler/icons-react'
 import { type Campaign, place, type Raw } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { plain } from '../../format/numbers'
@@ -10,11 +8,11 @@ import { Docstring } from '../../help/Docstring'
 import { HelpLink, idOfComponent } from '../../help/links'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
+import { Choice, RemoveButton } from './Field'
 import { NumberCell } from './NumberCell'
 import { numberOf, type Parameter, type Section } from '../campaign/parameters'
 import { FieldErrors, idOf } from './problems'
 import buttons from '../../ui/buttons.module.css'
-import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
 import styles from './fields.module.css'
@@ -35,9 +33,7 @@ interface PartCardProps {
 export function PartCard({ onRemove, ...props }: PartCardProps) {
   const { title, component } = props.section
   const remove = onRemove && (
-    <button type="button" className={buttons.iconbtn} aria-label={`Remove ${title}`} title="Remove" onClick={onRemove}>
-      <IconTrash className="i s" aria-hidden />
-    </button>
+    <RemoveButton label={`Remove ${title}`} title="Remove" onClick={onRemove} />
   )
   return (
     <Card title={title} note={component?.dimension ? `${component.dimension}D` : undefined} right={remove}>
@@ -54,8 +50,8 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
   const known = choices.some((choice) => choice.value === part.component)
   const vehicle = campaign.scenario.vehicle.component
   const inputs = catalogue.components.find((c) => c.role === 'vehicle' && c.name === vehicle)?.inputs ?? []
-  const choose = (name: string | null) => {
-    if (!name || name === part.component) return
+  const choose = (name: string) => {
+    if (name === part.component) return
     const next = catalogue.components.find((c) => c.role === role && c.name === name)
     set([...at, 'component'], name)
     set([...at, 'parameters'], {})
@@ -64,13 +60,11 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
   }
   return (
     <div id={idOf(field)} tabIndex={-1} style={{ display: 'grid', gap: 10 }}>
-      <Select
-        id={idOf(`${field}.component`)}
+      <Choice
+        field={`${field}.component`}
         aria-label={`${title}, component`}
-        size="xs"
         data={known ? choices : [...choices, { value: part.component, label: `${part.component} (unknown)` }]}
         value={part.component}
-        allowDeselect={false}
         onChange={choose}
       />
       {component?.quantity && (
@@ -82,15 +76,7 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
       <FieldErrors field={field} />
       <FieldErrors field={`${field}.component`} />
       {component?.path === 'actuator' && (
-        <Select
-          id={idOf(`${field}.on`)}
-          label="On input"
-          labelProps={{ className: fields.lbl }}
-          size="xs"
-          data={inputs}
-          value={part.on ?? null}
-          onChange={(on) => set([...at, 'on'], on ?? '')}
-        />
+        <Choice field={`${field}.on`} label="On input" data={inputs} value={part.on ?? null} onChange={(on) => set([...at, 'on'], on)} />
       )}
       <FieldErrors field={`${field}.on`} />
       <Parameters section={section} campaign={campaign} set={set} />
@@ -114,8 +100,8 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
 function Parameters({ section, campaign, set }: { section: Section; campaign: Campaign; set: SetValue }) {
   const { title, part, parameters } = section
   const own = (parameter: Parameter) => parameter.group !== title || parameter.entry.name in (part.parameters ?? {})
-  const told = (p: Parameter) => own(p) || p.entry.default === null || p.path in campaign.uncertain
-  const rest = parameters.filter((parameter) => !told(parameter))
+  const isStated = (p: Parameter) => own(p) || p.entry.default === null || p.path in campaign.uncertain
+  const rest = parameters.filter((parameter) => !isStated(parameter))
   const folded = rest.length > FEW ? rest : []
   const shown = parameters.filter((parameter) => !folded.includes(parameter))
   const groups = [...new Set(shown.map((parameter) => parameter.group))]

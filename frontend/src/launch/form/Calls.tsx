@@ -1,11 +1,8 @@
 // How often a simulator is called for each evaluation, and how often a call that failed is tried again.
-import { Select } from '@mantine/core'
 import type { Campaign, Raw } from '../../api/campaign'
+import { Choice, NumberField } from '../fields/Field'
 import { Fold } from '../fields/Fold'
-import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
-import { FieldErrors, idOf } from '../fields/problems'
-import fieldsCss from '../../ui/fields.module.css'
 import styles from './form.module.css'
 
 const REPEATS = 'simulator.repeats'
@@ -30,74 +27,56 @@ export function Calls({ campaign, set }: { campaign: Campaign; set: SetValue }) 
     if (value === null) set(['simulator', 'repeats'], undefined)
     else set(['simulator', 'repeats'], { ...repeats, count: value })
   }
-  const combine = (how: string | null) => {
+  const combine = (how: string) => {
     const { quantile, ...rest } = repeats ?? {}
-    set(['simulator', 'repeats'], { ...rest, combine: how ?? 'worst', ...(how === 'quantile' && { quantile: quantile ?? LOW }) })
+    set(['simulator', 'repeats'], { ...rest, combine: how, ...(how === 'quantile' && { quantile: quantile ?? LOW }) })
   }
   return (
     <Fold title="Calls" digest={callsOf(campaign)} fields={[REPEATS, RETRIES]}>
       <div className={styles.fields}>
-        <div>
-          <label className={fieldsCss.lbl} htmlFor={idOf(`${REPEATS}.count`)}>
-            Repeats
-          </label>
-          <NumberCell
-            field={`${REPEATS}.count`}
-            label="Calls of the simulator for every evaluation"
-            value={repeats ? (repeats.count ?? 5) : null}
-            onChange={calls}
-            optional
-            placeholder="1"
-          />
-          <small>Calls for every evaluation, for a simulator that does not repeat; empty: one</small>
-          <FieldErrors field={REPEATS} deep />
-        </div>
+        <NumberField
+          field={`${REPEATS}.count`}
+          within={REPEATS}
+          title="Repeats"
+          label="Calls of the simulator for every evaluation"
+          text="Calls for every evaluation, for a simulator that does not repeat; empty: one"
+          value={repeats ? (repeats.count ?? 5) : null}
+          onChange={calls}
+          optional
+          placeholder="1"
+        />
         {repeats && (
-          <div>
-            <Select
-              id={idOf(`${REPEATS}.combine`)}
-              label="Which counts"
-              labelProps={{ className: fieldsCss.lbl }}
-              size="xs"
-              data={[
-                { value: 'worst', label: 'The worst of them' },
-                { value: 'mean', label: 'Their average (never cleared)' },
-                { value: 'quantile', label: 'A quantile (never cleared)' },
-              ]}
-              value={repeats.combine ?? 'worst'}
-              allowDeselect={false}
-              onChange={combine}
-            />
-          </div>
+          <Choice
+            field={`${REPEATS}.combine`}
+            label="Which counts"
+            data={[
+              { value: 'worst', label: 'The worst of them' },
+              { value: 'mean', label: 'Their average (never cleared)' },
+              { value: 'quantile', label: 'A quantile (never cleared)' },
+            ]}
+            value={repeats.combine ?? 'worst'}
+            onChange={combine}
+          />
         )}
         {repeats?.combine === 'quantile' && (
-          <div>
-            <label className={fieldsCss.lbl} htmlFor={idOf(`${REPEATS}.quantile`)}>
-              Quantile
-            </label>
-            <NumberCell
-              field={`${REPEATS}.quantile`}
-              label="Quantile of the calls"
-              value={repeats.quantile}
-              onChange={(value) => set(['simulator', 'repeats', 'quantile'], value)}
-            />
-          </div>
-        )}
-        <div>
-          <label className={fieldsCss.lbl} htmlFor={idOf(RETRIES)}>
-            Retries
-          </label>
-          <NumberCell
-            field={RETRIES}
-            label="Retries of a failed call"
-            value={retries}
-            onChange={(value) => set(['simulator', 'retries'], value ?? undefined)}
-            optional
-            placeholder="0"
+          <NumberField
+            field={`${REPEATS}.quantile`}
+            title="Quantile"
+            label="Quantile of the calls"
+            value={repeats.quantile}
+            onChange={(value) => set(['simulator', 'repeats', 'quantile'], value)}
           />
-          <small>An evaluation that needed a retry bars &quot;cleared&quot;</small>
-          <FieldErrors field={RETRIES} />
-        </div>
+        )}
+        <NumberField
+          field={RETRIES}
+          title="Retries"
+          label="Retries of a failed call"
+          text={<>An evaluation that needed a retry bars &quot;cleared&quot;</>}
+          value={retries}
+          onChange={(value) => set(['simulator', 'retries'], value ?? undefined)}
+          optional
+          placeholder="0"
+        />
       </div>
     </Fold>
   )

@@ -1,14 +1,11 @@
 // Correlations of uncertain parameters in random samples, as pairs.
-import { clsx } from 'clsx'
-import { Select } from '@mantine/core'
-import { IconPlus, IconTrash } from '@tabler/icons-react'
 import type { Campaign, Correlation } from '../../api/campaign'
+import { AddButton, Choice, RemoveButton } from '../fields/Field'
 import { Fold } from '../fields/Fold'
 import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
 import type { Parameter } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './form.module.css'
 
@@ -39,15 +36,13 @@ export function Correlations({ campaign, parameters, set }: CorrelationsProps) {
         {pairs.map((pair, i) => (
           <div key={i} className={layout.row} id={idOf(`correlations.${i}`)} tabIndex={-1}>
             {[0, 1].map((side) => (
-              <Select
+              <Choice
                 key={side}
                 aria-label={`Pair ${i + 1}, ${side === 0 ? 'one' : 'other'} parameter`}
-                size="xs"
                 w={250}
                 data={[...new Set([...paths, ...pair.between])].map((path) => ({ value: path, label: label(path) }))}
                 value={pair.between[side] ?? null}
-                allowDeselect={false}
-                onChange={(path) => set(['correlations', i, 'between', side], path ?? '')}
+                onChange={(path) => set(['correlations', i, 'between', side], path)}
               />
             ))}
             <span style={{ width: 90 }}>
@@ -58,20 +53,13 @@ export function Correlations({ campaign, parameters, set }: CorrelationsProps) {
                 onChange={(value) => set(['correlations', i, 'value'], value ?? '')}
               />
             </span>
-            <button
-              type="button"
-              className={buttons.iconbtn}
-              aria-label={`Remove pair ${i + 1}`}
-              onClick={() => replace(pairs.filter((_, j) => j !== i))}
-            >
-              <IconTrash className="i s" aria-hidden />
-            </button>
+            <RemoveButton label={`Remove pair ${i + 1}`} onClick={() => replace(pairs.filter((_, j) => j !== i))} />
             <FieldErrors field={`correlations.${i}`} deep />
           </div>
         ))}
-        <button type="button" className={clsx(buttons.btn, buttons.s)} disabled={paths.length < 2} onClick={add}>
-          <IconPlus className="i s" aria-hidden /> Add pair
-        </button>
+        <AddButton disabled={paths.length < 2} onClick={add}>
+          Add pair
+        </AddButton>
         <p className="small mut">Of random samples only; between two normal distributions it is their correlation, -1 to 1.</p>
       </div>
     </Fold>

@@ -26,7 +26,7 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
   const decides = sections.find((section) => section.at[0] === 'criterion')
   const further = sections.filter((section) => section.at[0] === 'objectives')
   const shared = { campaign, catalogue, set }
-  const told = further.map((section) => section.component?.title ?? section.part.component).join(', ')
+  const titles = further.map((section) => section.component?.title ?? section.part.component).join(', ')
   const none = 'none; they do not affect the verdict, and NSGA-II searches for the Pareto front of all of them'
   return (
     <Card title="Criterion" note="An evaluation is clear while its value stays above the threshold." id="section-criterion">
@@ -38,7 +38,7 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
           </div>
         )}
         <StatedRequirements campaign={campaign} />
-        <Fold title="Further criteria" digest={told || none} fields={['objectives']}>
+        <Fold title="Further criteria" digest={titles || none} fields={['objectives']}>
           <div id={idOf('objectives')} tabIndex={-1} className={layout.stack}>
             <FieldErrors field="objectives" />
             {further.length > 0 && (

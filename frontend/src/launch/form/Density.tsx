@@ -27,16 +27,16 @@ export function Density({ low, high, nominal, distribution }: DensityProps) {
   )
 }
 
-function densityOf(given: Uncertain['distribution'], low: number, high: number): (value: number) => number {
-  const mean = numberOf(given?.mean)
-  const deviation = numberOf(given?.deviation)
-  const mode = numberOf(given?.mode)
-  if ((given?.kind === 'truncated_normal' || given?.kind === 'normal') && mean !== null && deviation)
+function densityOf(distribution: Uncertain['distribution'], low: number, high: number): (value: number) => number {
+  const mean = numberOf(distribution?.mean)
+  const deviation = numberOf(distribution?.deviation)
+  const mode = numberOf(distribution?.mode)
+  if ((distribution?.kind === 'truncated_normal' || distribution?.kind === 'normal') && mean !== null && deviation)
     return (v) => Math.exp(-0.5 * ((v - mean) / deviation) ** 2)
-  if (given?.kind === 'triangular' && mode !== null)
+  if (distribution?.kind === 'triangular' && mode !== null)
     return (v) => (v < mode ? (v - low) / (mode - low || 1) : (high - v) / (high - mode || 1))
-  const [alpha, beta] = [numberOf(given?.alpha), numberOf(given?.beta)]
-  if (given?.kind === 'beta' && alpha && beta) {
+  const [alpha, beta] = [numberOf(distribution?.alpha), numberOf(distribution?.beta)]
+  if (distribution?.kind === 'beta' && alpha && beta) {
     // Densities with shape below one are unbounded at a bound: the outline stops before it.
     const inside = (v: number) => Math.min(0.99, Math.max(0.01, (v - low) / (high - low)))
     const log = (u: number) => (alpha - 1) * Math.log(u) + (beta - 1) * Math.log(1 - u)

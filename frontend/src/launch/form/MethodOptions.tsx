@@ -1,33 +1,21 @@
 // The options of a method, as a form generated from their JSON schema, and its start points.
 import { clsx } from 'clsx'
-import { Select } from '@mantine/core'
-import { IconPlus, IconTrash } from '@tabler/icons-react'
 import type { Json, SearchStage } from '../../api/campaign'
 import type { MethodEntry } from '../../client'
 import { plain } from '../../format/numbers'
 import { Docstring } from '../../help/Docstring'
 import { HelpLink } from '../../help/links'
 import { Sign } from '../../ui/Sign'
+import { AddButton, Choice, Labelled, RemoveButton } from '../fields/Field'
 import { NumberCell } from '../fields/NumberCell'
 import type { Parameter } from '../campaign/parameters'
 import { numberOf } from '../campaign/parameters'
-import { FieldErrors, idOf } from '../fields/problems'
-import buttons from '../../ui/buttons.module.css'
+import type { Rule } from '../text/schema'
+import { FieldErrors } from '../fields/problems'
 import fieldsCss from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
 import styles from './form.module.css'
-
-interface Rule {
-  type?: string
-  enum?: Json[]
-  default?: Json
-  title?: string
-  description?: string
-  minimum?: number
-  maximum?: number
-  anyOf?: Rule[]
-}
 
 interface MethodOptionsProps {
   field: string
@@ -86,21 +74,20 @@ function Option({ field, name, rule, value, onChange }: OptionProps) {
   const label = words.charAt(0).toUpperCase() + words.slice(1)
   const choices = rule.enum?.map(String) ?? (rule.type === 'boolean' ? ['true', 'false'] : null)
   const shown = value ?? rule.default ?? null
-  const chosen = (text: string | null) => onChange(rule.type === 'boolean' ? text === 'true' : (text ?? undefined))
+  const chosen = (text: string) => onChange(rule.type === 'boolean' ? text === 'true' : text)
   return (
-    <div>
-      <label className={fieldsCss.lbl} htmlFor={idOf(field)}>
-        {label}
-      </label>
+    <Labelled
+      field={field}
+      label={label}
+      text={
+        <>
+          {rule.description}
+          {limits(rule)}
+        </>
+      }
+    >
       {choices ? (
-        <Select
-          id={idOf(field)}
-          size="xs"
-          data={choices}
-          value={typeof shown === 'object' ? null : String(shown)}
-          allowDeselect={false}
-          onChange={chosen}
-        />
+        <Choice field={field} data={choices} value={typeof shown === 'object' ? null : String(shown)} onChange={chosen} />
       ) : (
         <NumberCell
           field={field}
@@ -108,15 +95,10 @@ function Option({ field, name, rule, value, onChange }: OptionProps) {
           value={typeof shown === 'number' || typeof shown === 'string' ? shown : null}
           optional
           placeholder={rule.default === null ? 'not set' : undefined}
-          onChange={(given) => onChange(given ?? undefined)}
+          onChange={(number) => onChange(number ?? undefined)}
         />
       )}
-      <small>
-        {rule.description}
-        {limits(rule)}
-      </small>
-      <FieldErrors field={field} />
-    </div>
+    </Labelled>
   )
 }
 
@@ -163,25 +145,13 @@ function Starts({ title, field, at, starts, parameters, set }: StartsProps) {
               </span>
             </span>
           ))}
-          <button
-            type="button"
-            className={buttons.iconbtn}
-            aria-label={`Remove start ${i + 1} of ${title}`}
-            onClick={() =>
-              set(
-                [...at, 'starts'],
-                starts.filter((_, j) => j !== i),
-              )
-            }
-          >
-            <IconTrash className="i s" aria-hidden />
-          </button>
+          <RemoveButton label={`Remove start ${i + 1} of ${title}`} onClick={() => set([...at, 'starts'], starts.toSpliced(i, 1))} />
           <FieldErrors field={`${field}.starts.${i}`} deep />
         </div>
       ))}
-      <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Add start of ${title} at nominal`} onClick={add}>
-        <IconPlus className="i s" aria-hidden /> Add start at nominal
-      </button>
+      <AddButton label={`Add start of ${title} at nominal`} onClick={add}>
+        Add start at nominal
+      </AddButton>
     </div>
   )
 }

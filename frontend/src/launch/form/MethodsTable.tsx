@@ -24,7 +24,7 @@ interface MethodsTableProps {
 }
 
 export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTableProps) {
-  const [held, setHeld] = useState<Record<string, SearchStage>>({})
+  const [dropped, setDropped] = useState<Record<string, SearchStage>>({})
   // The methods above the others. While those are shown nothing moves, so that a ticked row stays under the pointer.
   const [fixed, setFixed] = useState<readonly string[] | null>(null)
   const stages = campaign.stages.search
@@ -37,12 +37,12 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
   const replace = (next: SearchStage[]) => set(['stages', 'search'], next)
   const drop = (at: number) => {
     const stage = stages[at]
-    if (stage) setHeld({ ...held, [stage.method]: stage })
+    if (stage) setDropped({ ...dropped, [stage.method]: stage })
     replace(stages.filter((_, i) => i !== at))
   }
   const add = (method: MethodEntry) => {
     const order = new Map(catalogue.methods.map((m, i) => [m.name, i]))
-    const stage = held[method.name] ?? { method: method.name, evaluations: method.evaluations, options: {}, starts: [] }
+    const stage = dropped[method.name] ?? { method: method.name, evaluations: method.evaluations, options: {}, starts: [] }
     const rank = (s: SearchStage) => order.get(s.method) ?? 0
     const before = stages.findIndex((s) => rank(s) > rank(stage))
     replace(before < 0 ? [...stages, stage] : stages.toSpliced(before, 0, stage))
@@ -58,7 +58,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
           // The same row whether it is chosen or not: it keeps the focus.
           key={`${method.name}-${i}`}
           at={at}
-          stage={at === null ? held[method.name] : stages[at]}
+          stage={at === null ? dropped[method.name] : stages[at]}
           method={method}
           single={single}
           parameters={parameters}

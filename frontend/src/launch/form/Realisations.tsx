@@ -1,14 +1,13 @@
 // The noise and gust realisations of every evaluation; only for scenarios with random components.
-import { Select } from '@mantine/core'
 import type { Campaign, Raw } from '../../api/campaign'
 import type { Catalogue } from '../../client'
+import { Choice, Labelled } from '../fields/Field'
 import { Fold } from '../fields/Fold'
 import { ListCell } from '../fields/ListCell'
 import type { SetValue } from '../fields/PartCard'
 import { sectionsOf } from '../campaign/parameters'
-import { FieldErrors, idOf } from '../fields/problems'
+import { FieldErrors } from '../fields/problems'
 import cards from '../../ui/cards.module.css'
-import fieldsCss from '../../ui/fields.module.css'
 import styles from './form.module.css'
 
 const FIELD = 'scenario.realisations'
@@ -33,31 +32,23 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
       <div className={cards.bd}>
         <Fold title="Noise realisations" digest={digest} fields={[FIELD]}>
           <div className={styles.fields}>
-            <div>
-              <label className={fieldsCss.lbl} htmlFor={idOf(`${FIELD}.seeds`)}>
-                Seeds
-              </label>
+            <Labelled field={`${FIELD}.seeds`} label="Seeds" text="Whole numbers separated by commas; every evaluation simulates all of them" within={`${FIELD}.seeds`}>
               <ListCell
                 field={`${FIELD}.seeds`}
                 label="Seeds of the realisations"
                 values={seeds}
                 onChange={(values: Raw[]) => set(['scenario', 'realisations', 'seeds'], values)}
               />
-              <small>Whole numbers separated by commas; every evaluation simulates all of them</small>
-              <FieldErrors field={`${FIELD}.seeds`} deep />
-            </div>
+            </Labelled>
             <div>
-              <Select
-                id={idOf(`${FIELD}.combine`)}
+              <Choice
+                field={`${FIELD}.combine`}
                 label="Which counts"
-                labelProps={{ className: fieldsCss.lbl }}
-                size="xs"
                 data={[
                   { value: 'worst', label: 'The worst of them' },
                   { value: 'mean', label: 'Their average' },
                 ]}
                 value={combine}
-                allowDeselect={false}
                 onChange={(value) => set(['scenario', 'realisations', 'combine'], value)}
               />
               <FieldErrors field={`${FIELD}.combine`} />

@@ -1,9 +1,9 @@
 // The scenario: components, obstacles, disturbances, horizon.
-import { Select } from '@mantine/core'
 import { clsx } from 'clsx'
 import { type Campaign, type List, LISTS, listAt } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { criterionFor } from '../campaign/extents'
+import { Adder } from '../fields/Field'
 import { PartCard, type SetValue } from '../fields/PartCard'
 import { ROLE_OF, sectionsOf } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
@@ -102,18 +102,13 @@ export function AddPart({ list, campaign, catalogue, set }: AddPartProps) {
     if (criterion !== campaign.criterion) set(['criterion'], criterion)
   }
   return (
-    <Select
-      aria-label={`Add ${word}`}
-      placeholder={`Add ${word}`}
-      data={found.map((c) => ({ value: c.name, label: c.title }))}
-      value={null}
-      searchable
-      size="xs"
-      w={190}
-      comboboxProps={{ width: 280, position: 'bottom-start' }}
-      nothingFoundMessage={`No such ${word}`}
-      onChange={(name) => name && add(name)}
+    <Adder
       key={parts.length}
+      what={word}
+      wide={280}
+      position="bottom-start"
+      data={found.map((c) => ({ value: c.name, label: c.title }))}
+      onChange={add}
     />
   )
 }

@@ -1,12 +1,11 @@
 // The other stages and the settings of the verdict, collapsed with a summary of each.
 import type { Campaign } from '../../api/campaign'
 import { Card } from '../../ui/Card'
+import { NumberField } from '../fields/Field'
 import { Fold } from '../fields/Fold'
-import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
 import { type Setting, settingOf, settled, STAGES, VERDICT } from '../campaign/settings'
-import fieldsCss from '../../ui/fields.module.css'
 import styles from './form.module.css'
 
 interface SettingsFormProps {
@@ -41,22 +40,17 @@ export function SettingFields({ campaign, set, settings }: SettingFieldsProps) {
   return settings.map((setting) => {
     const field = setting.at.join('.')
     return (
-      <div key={field}>
-        <label className={fieldsCss.lbl} htmlFor={idOf(field)}>
-          {setting.label}
-          {setting.unit && <span className="mut">, {setting.unit}</span>}
-        </label>
-        <NumberCell
-          field={field}
-          label={setting.label}
-          value={settingOf(campaign, setting)}
-          optional={setting.empty !== undefined}
-          placeholder={setting.empty}
-          onChange={(value) => set(...settled(setting, value))}
-        />
-        <small>{setting.text}</small>
-        <FieldErrors field={field} />
-      </div>
+      <NumberField
+        key={field}
+        field={field}
+        label={setting.label}
+        unit={setting.unit}
+        text={setting.text}
+        value={settingOf(campaign, setting)}
+        optional={setting.empty !== undefined}
+        placeholder={setting.empty}
+        onChange={(value) => set(...settled(setting, value))}
+      />
     )
   })
 }

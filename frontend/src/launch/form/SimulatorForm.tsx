@@ -1,5 +1,4 @@
 // Instead of a scenario: the simulator, its parameters, and the deciding result.
-import { Select } from '@mantine/core'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { Docstring } from '../../help/Docstring'
@@ -9,6 +8,7 @@ import { unitText } from '../../format/units'
 import { StatedRequirements } from './CriterionForm'
 import { Calls } from './Calls'
 import { type Parameter, simulatorOf } from '../campaign/parameters'
+import { Choice } from '../fields/Field'
 import { ParameterGrid, type SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
 import layout from '../../ui/layout.module.css'
@@ -23,8 +23,8 @@ interface SimulatorFormProps {
 export function SimulatorForm({ campaign, catalogue, parameters, set }: SimulatorFormProps & { parameters: Parameter[] }) {
   const entry = simulatorOf(campaign, catalogue)
   const name = campaign.simulator?.name ?? ''
-  const choose = (next: string | null) => {
-    if (!next || next === name) return
+  const choose = (next: string) => {
+    if (next === name) return
     set(['simulator', 'name'], next)
     set(['simulator', 'parameters'], {})
   }
@@ -33,13 +33,11 @@ export function SimulatorForm({ campaign, catalogue, parameters, set }: Simulato
       <h2 className={layout.sect}>Simulator</h2>
       <Card title={entry?.title ?? name}>
         <div style={{ display: 'grid', gap: 10 }}>
-          <Select
-            id={idOf('simulator.name')}
+          <Choice
+            field="simulator.name"
             aria-label="Simulator"
-            size="xs"
             data={choices(name, entry, (catalogue.simulators ?? []).map((s) => ({ value: s.name, label: s.title })))}
             value={name}
-            allowDeselect={false}
             onChange={choose}
           />
           <FieldErrors field="simulator" />
@@ -68,14 +66,12 @@ export function ResultForm({ campaign, catalogue, set }: SimulatorFormProps) {
   return (
     <Card title="Criterion" note="The case is clear while this result stays above the threshold." id="section-criterion">
       <div style={{ display: 'grid', gap: 10, maxWidth: 480 }}>
-        <Select
-          id={idOf('criterion.result')}
+        <Choice
+          field="criterion.result"
           aria-label="Criterion, result"
-          size="xs"
           data={choices(name, decides, results.map((result) => ({ value: result.name, label: result.title })))}
           value={name}
-          allowDeselect={false}
-          onChange={(next) => next && set(['criterion', 'result'], next)}
+          onChange={(next) => set(['criterion', 'result'], next)}
         />
         {decides && (
           <p className="small mut">

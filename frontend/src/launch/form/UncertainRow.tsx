@@ -1,10 +1,10 @@
 // One uncertain parameter: values, distribution, and the service's problems.
-import { Select } from '@mantine/core'
 import { clsx } from 'clsx'
 import { place, type Raw, type Uncertain } from '../../api/campaign'
 import { unitText } from '../../format/units'
 import { Sign } from '../../ui/Sign'
 import { Density } from './Density'
+import { Choice } from '../fields/Field'
 import { NumberCell } from '../fields/NumberCell'
 import { boundsOf, numberOf, type Parameter } from '../campaign/parameters'
 import { idOf, Message, useProblems } from '../fields/problems'
@@ -34,18 +34,18 @@ interface UncertainRowProps {
   parameter: Parameter | undefined
   /** Undefined if held at the nominal value. */
   uncertain: Uncertain | undefined
-  held: Uncertain | undefined
+  fixed: Uncertain | undefined
   onToggle: (on: boolean) => void
   set: (at: readonly (string | number)[], value: unknown) => void
 }
 
-export function UncertainRow({ path, name, parameter, uncertain, held, onToggle, set }: UncertainRowProps) {
+export function UncertainRow({ path, name, parameter, uncertain, fixed, onToggle, set }: UncertainRowProps) {
   const field = `uncertain.${path}`
   const own = useProblems(field, true)
   const nominalProblems = useProblems(parameter?.field ?? field)
   const problems = parameter ? [...own, ...nominalProblems] : own
   const on = uncertain !== undefined
-  const shown = uncertain ?? held ?? {}
+  const shown = uncertain ?? fixed ?? {}
   const nominal = parameter?.nominal ?? null
   const [low, high] = boundsOf(shown, nominal)
   const distribution = shown.distribution ?? { kind: 'uniform' }
@@ -55,8 +55,8 @@ export function UncertainRow({ path, name, parameter, uncertain, held, onToggle,
     set(['uncertain', path], { ...shown, plus_minus: null, low, high, [which]: value })
   const wide = problems.some((p) => p.field === field || p.field.endsWith('.plus_minus'))
   const numbers = { low: numberOf(low), high: numberOf(high), nominal: numberOf(nominal) }
-  const distribute = (kind: string | null) =>
-    set(['uncertain', path], { ...shown, distribution: distributionOf(kind ?? 'uniform', numbers) })
+  const distribute = (kind: string) =>
+    set(['uncertain', path], { ...shown, distribution: distributionOf(kind, numbers) })
   return (
     <>
       <tr
@@ -115,13 +115,11 @@ export function UncertainRow({ path, name, parameter, uncertain, held, onToggle,
         </td>
         <td className="sec nw">{unitText(parameter?.entry.unit ?? '')}</td>
         <td>
-          <Select
+          <Choice
             aria-label={`${name}, distribution`}
             data={KINDS}
             value={distribution.kind}
             disabled={!on}
-            allowDeselect={false}
-            size="xs"
             w={146}
             onChange={distribute}
           />

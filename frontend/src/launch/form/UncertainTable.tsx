@@ -1,11 +1,11 @@
 // The uncertain parameters: selection, bounds, distributions.
-import { Select } from '@mantine/core'
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { Campaign, Uncertain } from '../../api/campaign'
 import { Card } from '../../ui/Card'
 import { Correlations } from './Correlations'
 import { numberOf, type Parameter } from '../campaign/parameters'
+import { Adder } from '../fields/Field'
 import { FieldErrors } from '../fields/problems'
 import { UncertainRow } from './UncertainRow'
 import layout from '../../ui/layout.module.css'
@@ -20,17 +20,17 @@ interface UncertainTableProps {
 
 export function UncertainTable({ campaign, parameters, set }: UncertainTableProps) {
   // Deselected parameters keep their bounds on the page, so that they can be restored.
-  const [held, setHeld] = useState<Record<string, Uncertain>>({})
+  const [fixed, setFixed] = useState<Record<string, Uncertain>>({})
   const uncertain = campaign.uncertain
   const known = new Map(parameters.map((parameter) => [parameter.path, parameter]))
   const order = new Map(parameters.map((parameter, i) => [parameter.path, i]))
-  const rows = [...new Set([...Object.keys(uncertain), ...Object.keys(held)])].sort(
+  const rows = [...new Set([...Object.keys(uncertain), ...Object.keys(fixed)])].sort(
     (a, b) => (order.get(a) ?? 1e9) - (order.get(b) ?? 1e9),
   )
   const toggle = (path: string, on: boolean) => {
-    if (on) set(['uncertain', path], held[path] ?? startingBounds(known.get(path)))
+    if (on) set(['uncertain', path], fixed[path] ?? startingBounds(known.get(path)))
     else {
-      setHeld({ ...held, [path]: uncertain[path] ?? {} })
+      setFixed({ ...fixed, [path]: uncertain[path] ?? {} })
       set(['uncertain', path], undefined)
     }
   }
@@ -78,7 +78,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
               name={nameOf(path)}
               parameter={known.get(path)}
               uncertain={uncertain[path]}
-              held={held[path]}
+              fixed={fixed[path]}
               onToggle={(on) => toggle(path, on)}
               set={set}
             />
@@ -107,20 +107,5 @@ function AddParameter({ free, onAdd }: { free: Parameter[]; onAdd: (path: string
       .filter((parameter) => parameter.group === group)
       .map((parameter) => ({ value: parameter.path, label: `${parameter.entry.text} (${parameter.path})` })),
   }))
-  return (
-    <Select
-      aria-label="Add parameter"
-      placeholder="Add parameter"
-      data={data}
-      value={null}
-      searchable
-      size="xs"
-      w={190}
-      comboboxProps={{ width: 360, position: 'bottom-end' }}
-      maxDropdownHeight={360}
-      nothingFoundMessage="No such parameter"
-      onChange={(path) => path && onAdd(path)}
-      key={free.length}
-    />
-  )
+  return <Adder key={free.length} what="parameter" wide={360} position="bottom-end" data={data} maxDropdownHeight={360} onChange={onAdd} />
 }

@@ -6,7 +6,7 @@ import type { Catalogue } from '../../client'
 import { parse, field as shown } from '../../format/numbers'
 import { listOf, listText } from '../fields/ListCell'
 import { parametersOf, sectionsOf } from '../campaign/parameters'
-import { python, shipped, type Told } from '../campaign/repository'
+import { python, shipped, type ShippedCampaigns } from '../campaign/repository'
 import { settingOf, settled, SIMULATION, STAGES, VERDICT } from '../campaign/settings'
 import { amended, changesOf, formOf } from '../text'
 
@@ -19,14 +19,14 @@ print(json.dumps({name: {"document": c.document(), "digest": c.digest} for name,
 `
 
 let catalogue: Catalogue
-let campaigns: Told
+let campaigns: ShippedCampaigns
 let schema: unknown
 
 beforeAll(() => {
-  const told = shipped()
-  catalogue = told.catalogue
-  campaigns = told.campaigns
-  schema = told.schema
+  const library = shipped()
+  catalogue = library.catalogue
+  campaigns = library.campaigns
+  schema = library.schema
 })
 
 const each = (hold: (campaign: Campaign, name: string) => void) => {
@@ -99,9 +99,9 @@ it('loses nothing by way of YAML and back', () => {
       return [name, write(document, place(first?.path ?? ''), read(document, place(first?.path ?? '')) ?? first?.nominal)]
     }),
   )
-  const again = python<Told>(THROUGH_YAML, JSON.stringify(edited))
+  const again = python<ShippedCampaigns>(THROUGH_YAML, JSON.stringify(edited))
   for (const [name, { document }] of Object.entries(again)) expect(document, name).toEqual(edited[name])
-  const untouched = python<Told>(THROUGH_YAML, JSON.stringify(Object.fromEntries(Object.entries(campaigns).map(([n, c]) => [n, c.document]))))
+  const untouched = python<ShippedCampaigns>(THROUGH_YAML, JSON.stringify(Object.fromEntries(Object.entries(campaigns).map(([n, c]) => [n, c.document]))))
   for (const [name, { digest }] of Object.entries(untouched)) expect(digest, name).toBe(campaigns[name]?.digest)
 })
 
@@ -121,7 +121,7 @@ describe('taking a part out', () => {
   it('moves the paths of those behind it up, and drops its own', () => {
     const campaign = campaigns.uav_three_intruders?.document as Campaign
     const path = (i: number, name: string) => `obstacles.${i}.${name}`
-    const given: Campaign = {
+    const campaignOfThree: Campaign = {
       ...campaign,
       uncertain: { 'vehicle.m': {}, [path(0, 'speed')]: { low: 1 }, [path(1, 'speed')]: {}, [path(2, 'speed')]: { low: 3 } },
       correlations: [
@@ -131,7 +131,7 @@ describe('taking a part out', () => {
       stages: { search: [{ method: 'sqp', evaluations: 1, starts: [{ [path(1, 'speed')]: 1, [path(2, 'speed')]: 2 }] }] },
       published: [{ label: 'a', value: 1, at: { [path(2, 'speed')]: 2 } }],
     }
-    const left = without(given, 'obstacles', 1)
+    const left = without(campaignOfThree, 'obstacles', 1)
     expect(left.scenario.obstacles).toEqual([campaign.scenario.obstacles?.[0], campaign.scenario.obstacles?.[2]])
     expect(left.uncertain).toEqual({ 'vehicle.m': {}, [path(0, 'speed')]: { low: 1 }, [path(1, 'speed')]: { low: 3 } })
     expect(left.correlations).toEqual([{ between: [path(0, 'speed'), path(1, 'speed')], value: 0.5 }])

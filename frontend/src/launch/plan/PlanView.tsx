@@ -3,9 +3,9 @@
 // the document alone. The geometry is in plan.ts.
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, DrawnFlight } from '../../client'
-import { Free } from './Free'
 import { type Nominal, nominalOf } from './nominal'
-import { extentOf, fit, type Place, type Plan, type PlanBody, planOf, reachOf, type Window } from './plan'
+import { extentOf, fit, type Plan, type PlanBody, planOf, reachOf, type Window } from './plan'
+import { Goal, Head, line, Obstacle } from './scene'
 import { useWidth } from '../../ui/useWidth'
 import { degrees } from './ways'
 
@@ -52,7 +52,7 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
           strokeWidth={1.3}
           opacity={nominal ? 0.6 : 1}
         />
-        {!goal && <Head way={shown.way} view={view} colour="var(--c-nom)" />}
+        {!goal && <Head way={shown.way} pixels={view} colour="var(--c-nom)" />}
         {bodies.map((body, i) => (
           <Body key={i} body={body} reach={reach} surface={plan.surface} view={view} />
         ))}
@@ -63,16 +63,7 @@ export function PlanView({ campaign, catalogue, flight, clear = true, height = 1
             fill="var(--ink-2)"
           />
         </g>
-        {goal && (
-          <>
-            <path
-              d={`M${view.x(goal) - 5} ${view.y(goal)}h10M${view.x(goal)} ${view.y(goal) - 5}v10`}
-              stroke="var(--ink)"
-              strokeWidth={1.8}
-            />
-            <circle cx={view.x(goal)} cy={view.y(goal)} r={7.5} fill="none" stroke="var(--ink)" strokeWidth={1.3} />
-          </>
-        )}
+        {goal && <Goal at={goal} pixels={view} />}
       </svg>
     </div>
   )
@@ -122,52 +113,19 @@ function Flown({ nominal, clear, view }: { nominal: Nominal; clear: boolean; vie
 
 /** An obstacle with the required distance; a moving one with its path and direction. */
 function Body({ body, reach, surface, view }: { body: PlanBody; reach: number; surface: boolean; view: Window }) {
-  const { at, radius, rectangle, track } = body
-  const [x, y] = [view.x(at), view.y(at)]
-  const look = { fill: 'var(--c-obs)', fillOpacity: 0.22, stroke: 'var(--c-obs)', strokeWidth: 1.4 }
-  const moving = track.length > 1
+  const { track } = body
   return (
     <g>
-      {moving && (
+      {track.length > 1 && (
         <>
           <path d={line(track, view)} fill="none" stroke="var(--c-obs)" strokeWidth={1.6} strokeDasharray="5 4" />
-          <Head way={track} view={view} colour="var(--c-obs)" />
+          <Head way={track} pixels={view} colour="var(--c-obs)" />
         </>
       )}
-      {rectangle ? (
-        <rect
-          x={-0.5 * rectangle.length * view.scale}
-          y={-0.5 * rectangle.width * view.scale}
-          width={rectangle.length * view.scale}
-          height={rectangle.width * view.scale}
-          transform={`translate(${x} ${y}) rotate(${degrees(-rectangle.angle)})`}
-          {...look}
-        />
-      ) : (
-        <circle cx={x} cy={y} r={Math.max(3, radius * view.scale)} {...look} />
-      )}
-      <Free body={body} reach={reach} surface={surface} x={x} y={y} scale={view.scale} />
+      <Obstacle body={body} reach={reach} surface={surface} pixels={view} scale={view.scale} />
     </g>
   )
 }
-
-/** An arrow head at the end of a path. */
-function Head({ way, view, colour }: { way: Place[]; view: Window; colour: string }) {
-  const [from, to] = way.slice(-2)
-  if (!from || !to) return null
-  const angle = Math.atan2(view.y(to) - view.y(from), view.x(to) - view.x(from))
-  return (
-    <path
-      d="M0 0L-8 3.6L-8 -3.6Z"
-      fill={colour}
-      transform={`translate(${view.x(to)} ${view.y(to)}) rotate(${degrees(angle)})`}
-    />
-  )
-}
-
-
-const line = (way: Place[], view: Window): string =>
-  way.map((p, i) => `${i === 0 ? 'M' : 'L'}${view.x(p).toFixed(1)} ${view.y(p).toFixed(1)}`).join('')
 
 /** Grid lines at a round spacing. */
 function Grid({ view, width, height }: { view: Window; width: number; height: number }) {

@@ -130,12 +130,12 @@ export function valuesOf(campaign: Campaign, catalogue: Catalogue | undefined): 
     ['goal', goal],
     ...obstacles.map((part, i) => [`obstacles.${i}`, part.parameters ?? {}] as const),
   ] as const
-  const given = groups.flatMap(([prefix, values]) =>
+  const own = groups.flatMap(([prefix, values]) =>
     Object.entries(values ?? {}).map(([name, raw]) => [`${prefix}.${name}`, raw] as const),
   )
   const declared = catalogue ? parametersOf(campaign, catalogue).map((p) => [p.path, p.nominal] as const) : []
   return new Map(
-    [...given, ...declared].flatMap(([path, raw]) => {
+    [...own, ...declared].flatMap(([path, raw]) => {
       const value = numberOf(raw)
       return value === null ? [] : [[path, value] as const]
     }),

@@ -12,16 +12,16 @@ const FLY = `
 import json, sys
 from tests.physics.test_obstacles import OBSTACLES, made
 from worker.engine.kernels.component import declared
-asked = json.load(sys.stdin)
+request = json.load(sys.stdin)
 found = {}
 for o in OBSTACLES:
     if not o.moving or o.states:
         continue
     fields = {p.name: p.field for p in declared(o.parameters)}
-    given = {k: v for k, v in asked["values"].items() if k in fields}
-    body = made(o.name, **{fields[k]: v for k, v in given.items()})
-    seen = [body(t, (0.0,) * o.dimension) for t in asked["times"]]
-    found[o.name] = {"parameters": given, "dimension": o.dimension, "at": [[b.x, b.y, getattr(b, "z", 0.0)] for b in seen]}
+    parameters = {k: v for k, v in request["values"].items() if k in fields}
+    body = made(o.name, **{fields[k]: v for k, v in parameters.items()})
+    seen = [body(t, (0.0,) * o.dimension) for t in request["times"]]
+    found[o.name] = {"parameters": parameters, "dimension": o.dimension, "at": [[b.x, b.y, getattr(b, "z", 0.0)] for b in seen]}
 print(json.dumps(found))
 `
 

@@ -125,14 +125,14 @@ function Flight({ ok, live, criterion }: FlightProps) {
             </span>
           </p>
         )}
-        {flown && <Told flown={flown} stale={stale} criterion={criterion} />}
+        {flown && <FlightNumbers flown={flown} stale={stale} criterion={criterion} />}
       </div>
     </div>
   )
 }
 
 /** The numbers of a flight. */
-function Told({ flown, stale, criterion }: { flown: Preview; stale: boolean; criterion: ComponentEntry | undefined }) {
+function FlightNumbers({ flown, stale, criterion }: { flown: Preview; stale: boolean; criterion: ComponentEntry | undefined }) {
   const { value, margin, threshold, closest, realisation } = flown
   const decimals = decimalsApart([value, threshold])
   const unit = unitText(flown.unit)

@@ -2,9 +2,9 @@
 // geometry, and the nominal flight once simulated.
 import { fixed, plain } from '../../format/numbers'
 import type { Flown } from './flown'
-import { Free } from '../plan/Free'
-import { type Area, Axes2, Head, type Pixels, timesOf, Way } from './frame'
+import { type Area, Frame, RangeBox, timesOf, Way } from './frame'
 import { extentOf, fit, freeOf, type Plan, type PlanBody } from '../plan/plan'
+import { Goal, Head, Obstacle, type Pixels } from '../plan/scene'
 import type { FanRange, Ranges } from './ranges'
 import { degrees, type Step } from '../plan/ways'
 import styles from './preview.module.css'
@@ -36,27 +36,25 @@ export function PreviewPlan({ plan, ranges, reach, flown, stale, width, label }:
   const times = timesOf(plan.horizon)
   // The axes have numbers, too: an obstacle at the place of the bar is worth more than the bar.
   const covered = plan.bodies.some(({ at: p }) => pixels.x(p) > area.left + area.width - 100 && pixels.y(p) > area.top + area.height - 44)
-  return (
-    <svg className={styles.scene} width={width} height={area.top + area.height + 30} role="img" aria-label={label}>
-      <Axes2 area={area} across={across} up={up} names={names} />
-      <clipPath id="scene-inner">
-        <rect x={area.left} y={area.top} width={area.width} height={area.height} />
-      </clipPath>
-      <g clipPath="url(#scene-inner)">
-        <Uncertain ranges={ranges} {...shared} fan={0.16 * Math.min(area.width, area.height)} />
-        <Way way={plan.way} pixels={pixels} colour="var(--c-nom)" dashed={plan.goal !== null} faint={flown !== null} />
-        {!plan.goal && !flown && <Head way={plan.way} pixels={pixels} colour="var(--c-nom)" />}
-        {plan.bodies.map((body, i) => (
-          <Obstacle key={i} body={body} way={flown?.intruders.get(i) ?? body.track} times={times} reach={reach} surface={plan.surface} {...shared} />
-        ))}
-        {flown && <Way way={flown.path} pixels={pixels} colour="var(--c-nom)" times={times} faint={stale} below />}
-        {flown && <Closest flown={flown} plan={plan} reach={reach} stale={stale} {...shared} />}
-        <Start plan={plan} pixels={pixels} />
-        {plan.goal && <Goal x={pixels.x(plan.goal)} y={pixels.y(plan.goal)} />}
-      </g>
+  const over = (
+    <>
       {!covered && <ScaleBar area={area} scale={view.scale} />}
       <North x={area.left + area.width - 14} y={area.top + 6} />
-    </svg>
+    </>
+  )
+  return (
+    <Frame area={area} across={across} up={up} names={names} width={width} label={label} id="scene-inner" over={over}>
+      <Uncertain ranges={ranges} {...shared} fan={0.16 * Math.min(area.width, area.height)} />
+      <Way way={plan.way} pixels={pixels} colour="var(--c-nom)" dashed={plan.goal !== null} faint={flown !== null} />
+      {!plan.goal && !flown && <Head way={plan.way} pixels={pixels} colour="var(--c-nom)" />}
+      {plan.bodies.map((body, i) => (
+        <Passing key={i} body={body} way={flown?.intruders.get(i) ?? body.track} times={times} reach={reach} surface={plan.surface} {...shared} />
+      ))}
+      {flown && <Way way={flown.path} pixels={pixels} colour="var(--c-nom)" times={times} faint={stale} below />}
+      {flown && <Closest flown={flown} plan={plan} reach={reach} stale={stale} {...shared} />}
+      <Start plan={plan} pixels={pixels} />
+      {plan.goal && <Goal at={plan.goal} pixels={pixels} />}
+    </Frame>
   )
 }
 
@@ -69,7 +67,6 @@ interface Shared {
   scale: number
 }
 
-const OBSTACLE = { fill: 'var(--c-obs)', fillOpacity: 0.22, stroke: 'var(--c-obs)', strokeWidth: 1.4 }
 const RANGE = { fill: 'var(--c-range)', fillOpacity: 0.2, stroke: 'var(--c-range)', strokeOpacity: 0.7, strokeWidth: 1 }
 
 interface ObstacleProps extends Shared {
@@ -80,41 +77,24 @@ interface ObstacleProps extends Shared {
   surface: boolean
 }
 
-/** An obstacle at the start with the required distance; a moving one with its path. */
-function Obstacle({ body, way, times, reach, surface, pixels, scale }: ObstacleProps) {
-  const { at, radius, rectangle } = body
-  const [x, y] = [pixels.x(at), pixels.y(at)]
+/** An obstacle at the start; a moving one with its path. */
+function Passing({ body, way, times, ...shared }: ObstacleProps) {
   return (
     <g>
-      {body.moving && <Way way={way} pixels={pixels} colour="var(--c-obs)" times={times} dashed />}
-      {body.moving && <Head way={way} pixels={pixels} colour="var(--c-obs)" />}
-      {rectangle ? (
-        <rect
-          x={-0.5 * rectangle.length * scale}
-          y={-0.5 * rectangle.width * scale}
-          width={rectangle.length * scale}
-          height={rectangle.width * scale}
-          transform={`translate(${x} ${y}) rotate(${degrees(-rectangle.angle)})`}
-          {...OBSTACLE}
-        />
-      ) : (
-        <circle cx={x} cy={y} r={Math.max(3, radius * scale)} {...OBSTACLE} />
-      )}
-      <Free body={body} reach={reach} surface={surface} x={x} y={y} scale={scale} />
+      {body.moving && <Way way={way} pixels={shared.pixels} colour="var(--c-obs)" times={times} dashed />}
+      {body.moving && <Head way={way} pixels={shared.pixels} colour="var(--c-obs)" />}
+      <Obstacle body={body} {...shared} />
     </g>
   )
 }
 
-/** Boxes of positions, fans of headings, rings of radii; a box that is certain in one direction is a bar. */
+/** Boxes of positions, fans of headings, rings of radii. */
 function Uncertain({ ranges, pixels, scale, fan }: Shared & { ranges: Ranges; fan: number }) {
   return (
     <g>
-      {ranges.boxes.map(({ path, low, high }) => {
-        const [x0, x1] = [pixels.x(low), pixels.x(high)].sort((a, b) => a - b) as [number, number]
-        const [y0, y1] = [pixels.y(low), pixels.y(high)].sort((a, b) => a - b) as [number, number]
-        const [w, h] = [Math.max(4, x1 - x0), Math.max(4, y1 - y0)]
-        return <rect key={path} x={(x0 + x1 - w) / 2} y={(y0 + y1 - h) / 2} width={w} height={h} {...RANGE} />
-      })}
+      {ranges.boxes.map((range) => (
+        <RangeBox key={range.path} range={range} pixels={pixels} {...RANGE} />
+      ))}
       {ranges.fans.map((range) => (
         <path key={range.path} d={sector(range, pixels, fan)} {...RANGE} />
       ))}
@@ -168,15 +148,6 @@ function Start({ plan, pixels }: { plan: Plan; pixels: Pixels }) {
       d="M12 0L-7 6.5L-3.5 0L-7 -6.5Z"
       fill="var(--ink-2)"
     />
-  )
-}
-
-function Goal({ x, y }: { x: number; y: number }) {
-  return (
-    <g stroke="var(--ink)" fill="none">
-      <path d={`M${x - 5} ${y}h10M${x} ${y - 5}v10`} strokeWidth={1.8} />
-      <circle cx={x} cy={y} r={7.5} strokeWidth={1.3} />
-    </g>
   )
 }
 

@@ -1,10 +1,10 @@
 // The side view of a scenario: heights over the distance along the vehicle's path, if heights differ.
 import { padded } from '../../charts/ticks'
-import { type Area, Axes2, Head, type Pixels, timesOf, Way } from './frame'
+import { type Area, Frame, RangeBox, timesOf, Way } from './frame'
 import { freeOf, type Plan } from '../plan/plan'
+import { Head, type Pixels } from '../plan/scene'
 import { type DrawnProps, flownPoints } from './PreviewPlan'
 import type { Step } from '../plan/ways'
-import styles from './preview.module.css'
 
 /** Whether a side view is useful: different heights, or objects with a height. */
 export function hasHeights({ plan, flown, ranges }: Pick<DrawnProps, 'plan' | 'flown' | 'ranges'>): boolean {
@@ -30,56 +30,45 @@ export function PreviewSide(props: DrawnProps) {
   const up = padded([...places.map((p) => p.up), ...around], false, 0.08)
   const kx = area.width / (across[1] - across[0])
   const ky = area.height / (up[1] - up[0])
-  const pixels: Pixels = {
+  const pixels: Pixels<Step> = {
     x: (p) => area.left + (along(p) - across[0]) * kx,
     y: (p) => area.top + area.height - (p.up - up[0]) * ky,
   }
   const times = timesOf(plan.horizon)
   return (
-    <svg className={styles.scene} width={width} height={area.top + area.height + 30} role="img" aria-label={label}>
-      <Axes2 area={area} across={across} up={up} names={['Along the path, m', 'Height, m']} />
-      <clipPath id="side-inner">
-        <rect x={area.left} y={area.top} width={area.width} height={area.height} />
-      </clipPath>
-      <g clipPath="url(#side-inner)">
-        {ranges.boxes.map(({ path, low, high }) => {
-          const [x0, x1] = [pixels.x(low), pixels.x(high)].sort((a, b) => a - b) as [number, number]
-          const [y0, y1] = [pixels.y(low), pixels.y(high)].sort((a, b) => a - b) as [number, number]
-          const [w, h] = [Math.max(4, x1 - x0), Math.max(4, y1 - y0)]
-          return (
-            <rect key={path} x={(x0 + x1 - w) / 2} y={(y0 + y1 - h) / 2} width={w} height={h} fill="var(--c-range)" fillOpacity={0.25} />
-          )
-        })}
-        <Way way={plan.way} pixels={pixels} colour="var(--c-nom)" dashed={plan.goal !== null} faint={flown !== null} />
-        {plan.bodies.map((body, i) => {
-          const way = flown?.intruders.get(i) ?? body.track
-          const [x, y] = [pixels.x(body.at), pixels.y(body.at)]
-          const tall = (body.height ?? 2 * body.radius) * ky
-          // The outline that must stay free is not drawn from the side for objects with a height.
-          const free = plan.surface && body.height !== null ? 0 : freeOf(body, reach, plan.surface)
-          const broad = Math.max(6, 2 * body.radius * kx)
-          return (
-            <g key={i}>
-              {body.moving && <Way way={way} pixels={pixels} colour="var(--c-obs)" dashed />}
-              {body.moving && <Head way={way} pixels={pixels} colour="var(--c-obs)" />}
-              {body.height === null ? (
-                <ellipse cx={x} cy={y} rx={broad / 2} ry={Math.max(3, tall / 2)} fill="var(--c-obs)" fillOpacity={0.25} stroke="var(--c-obs)" />
-              ) : (
-                <rect x={x - broad / 2} y={y - tall / 2} width={broad} height={tall} fill="var(--c-obs)" fillOpacity={0.25} stroke="var(--c-obs)" />
-              )}
-              {free > 0 && (
-                <ellipse cx={x} cy={y} rx={free * kx} ry={free * ky} fill="none" stroke="var(--c-crit)" strokeDasharray="4 3" />
-              )}
-            </g>
-          )
-        })}
-        {flown && <Way way={flown.path} pixels={pixels} colour="var(--c-nom)" times={times} faint={stale} />}
-        {flown?.closest && (
-          <circle cx={pixels.x(flown.closest.at)} cy={pixels.y(flown.closest.at)} r={3.4} fill="var(--ink)" opacity={stale ? 0.45 : 1} />
-        )}
-        <circle cx={pixels.x(plan.start)} cy={pixels.y(plan.start)} r={4} fill="var(--ink-2)" />
-      </g>
-    </svg>
+    <Frame area={area} across={across} up={up} names={['Along the path, m', 'Height, m']} width={width} label={label} id="side-inner">
+      {ranges.boxes.map((range) => (
+        <RangeBox key={range.path} range={range} pixels={pixels} fill="var(--c-range)" fillOpacity={0.25} />
+      ))}
+      <Way way={plan.way} pixels={pixels} colour="var(--c-nom)" dashed={plan.goal !== null} faint={flown !== null} />
+      {plan.bodies.map((body, i) => {
+        const way = flown?.intruders.get(i) ?? body.track
+        const [x, y] = [pixels.x(body.at), pixels.y(body.at)]
+        const tall = (body.height ?? 2 * body.radius) * ky
+        // The outline that must stay free is not drawn from the side for objects with a height.
+        const free = plan.surface && body.height !== null ? 0 : freeOf(body, reach, plan.surface)
+        const broad = Math.max(6, 2 * body.radius * kx)
+        return (
+          <g key={i}>
+            {body.moving && <Way way={way} pixels={pixels} colour="var(--c-obs)" dashed />}
+            {body.moving && <Head way={way} pixels={pixels} colour="var(--c-obs)" />}
+            {body.height === null ? (
+              <ellipse cx={x} cy={y} rx={broad / 2} ry={Math.max(3, tall / 2)} fill="var(--c-obs)" fillOpacity={0.25} stroke="var(--c-obs)" />
+            ) : (
+              <rect x={x - broad / 2} y={y - tall / 2} width={broad} height={tall} fill="var(--c-obs)" fillOpacity={0.25} stroke="var(--c-obs)" />
+            )}
+            {free > 0 && (
+              <ellipse cx={x} cy={y} rx={free * kx} ry={free * ky} fill="none" stroke="var(--c-crit)" strokeDasharray="4 3" />
+            )}
+          </g>
+        )
+      })}
+      {flown && <Way way={flown.path} pixels={pixels} colour="var(--c-nom)" times={times} faint={stale} />}
+      {flown?.closest && (
+        <circle cx={pixels.x(flown.closest.at)} cy={pixels.y(flown.closest.at)} r={3.4} fill="var(--ink)" opacity={stale ? 0.45 : 1} />
+      )}
+      <circle cx={pixels.x(plan.start)} cy={pixels.y(plan.start)} r={4} fill="var(--ink-2)" />
+    </Frame>
   )
 }
 

@@ -1,6 +1,9 @@
-// Shared elements of the preview's drawings: a frame with axes and grid, marks along a path, arrows. Start: `Axes2`.
+// Shared elements of the preview's drawings: a frame with axes and grid, marks along a path, arrows. Start: `Frame`.
+import type { ReactNode, SVGProps } from 'react'
 import { linearTicks, tickText } from '../../charts/ticks'
-import { at, degrees, type Step } from '../plan/ways'
+import { line, type Pixels } from '../plan/scene'
+import { at, type Step } from '../plan/ways'
+import type { BoxRange } from './ranges'
 import styles from './preview.module.css'
 
 /** The plot area [px]. */
@@ -9,11 +12,6 @@ export interface Area {
   top: number
   width: number
   height: number
-}
-
-export interface Pixels {
-  x: (step: Step) => number
-  y: (step: Step) => number
 }
 
 interface AxesProps {
@@ -25,7 +23,7 @@ interface AxesProps {
 }
 
 /** Grid lines at round values, their numbers, and the names of both axes with their units. */
-export function Axes2({ area, across, up, names }: AxesProps) {
+function Axes2({ area, across, up, names }: AxesProps) {
   const { left, top, width, height } = area
   const columns = linearTicks(...across, Math.max(2, width / 70))
   const rows = linearTicks(...up, Math.max(3, height / 46))
@@ -61,12 +59,48 @@ export function Axes2({ area, across, up, names }: AxesProps) {
   )
 }
 
-export const line = (way: readonly Step[], { x, y }: Pixels): string =>
-  way.map((p, i) => `${i === 0 ? 'M' : 'L'}${x(p).toFixed(1)} ${y(p).toFixed(1)}`).join('')
+interface FrameProps extends AxesProps {
+  /** Of the whole picture. */
+  width: number
+  label: string
+  /** Distinguishes the pictures of a page. */
+  id: string
+  /** What is drawn over the plot area, not cut at its edge. */
+  over?: ReactNode
+  children: ReactNode
+}
+
+/** A picture with axes; what is drawn in it is cut at the edge of its plot area. */
+export function Frame({ width, label, id, over, children, ...axes }: FrameProps) {
+  const { left, top, ...size } = axes.area
+  return (
+    <svg className={styles.scene} width={width} height={top + size.height + 30} role="img" aria-label={label}>
+      <Axes2 {...axes} />
+      <clipPath id={id}>
+        <rect x={left} y={top} {...size} />
+      </clipPath>
+      <g clipPath={`url(#${id})`}>{children}</g>
+      {over}
+    </svg>
+  )
+}
+
+interface RangeBoxProps extends SVGProps<SVGRectElement> {
+  range: BoxRange
+  pixels: Pixels<Step>
+}
+
+/** The box of an uncertain position; one that is certain in a direction is a bar. */
+export function RangeBox({ range: { low, high }, pixels, ...look }: RangeBoxProps) {
+  const [x0, x1] = [pixels.x(low), pixels.x(high)].sort((a, b) => a - b) as [number, number]
+  const [y0, y1] = [pixels.y(low), pixels.y(high)].sort((a, b) => a - b) as [number, number]
+  const [w, h] = [Math.max(4, x1 - x0), Math.max(4, y1 - y0)]
+  return <rect x={(x0 + x1 - w) / 2} y={(y0 + y1 - h) / 2} width={w} height={h} {...look} />
+}
 
 interface WayProps {
   way: readonly Step[]
-  pixels: Pixels
+  pixels: Pixels<Step>
   colour: string
   /** Times of the dots [s], labelled if there is room. */
   times?: readonly number[]
@@ -82,14 +116,14 @@ export function Way({ way, pixels, colour, times = [], dashed, faint, below }: W
     const step = at(way, time)
     return step ? [{ time, x: pixels.x(step), y: pixels.y(step) }] : []
   })
-  const told = spread(marks)
+  const labels = spread(marks)
   return (
     <g opacity={faint ? 0.45 : 1}>
       <path d={line(way, pixels)} fill="none" stroke={colour} strokeWidth={1.8} strokeDasharray={dashed ? '5 4' : undefined} />
       {marks.map((mark) => (
         <circle key={mark.time} cx={mark.x} cy={mark.y} r={2.2} fill={colour} />
       ))}
-      {told.map((mark) => (
+      {labels.map((mark) => (
         <text
           key={mark.time}
           x={mark.x + (below ? -4 : 5)}
@@ -109,15 +143,6 @@ function spread<T extends { x: number; y: number }>(marks: readonly T[]): T[] {
   const kept: T[] = []
   for (const mark of marks) if (kept.every((one) => Math.hypot(one.x - mark.x, one.y - mark.y) >= 34)) kept.push(mark)
   return kept
-}
-
-/** An arrow head at the end of a path. */
-export function Head({ way, pixels, colour }: { way: readonly Step[]; pixels: Pixels; colour: string }) {
-  const [from, to] = way.slice(-2)
-  if (!from || !to) return null
-  const [x, y] = [pixels.x(to), pixels.y(to)]
-  const angle = Math.atan2(y - pixels.y(from), x - pixels.x(from))
-  return <path d="M0 0L-8 3.6L-8 -3.6Z" fill={colour} transform={`translate(${x} ${y}) rotate(${degrees(angle)})`} />
 }
 
 /** Round times within the horizon for the marks along paths. */

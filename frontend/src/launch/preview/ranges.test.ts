@@ -35,14 +35,14 @@ function campaign(uncertain: Record<string, Uncertain>): Campaign {
 }
 
 it('shades places by their bounds, north up, shares worked out', () => {
-  const given = campaign({
+  const bounded = campaign({
     'obstacles.0.position.x': { low: 90, high: 120 },
     'obstacles.0.position.z': { low: -60, high: -40 },
     'obstacles.0.radius': { plus_minus: '20%' },
     'start.psi': { low: 0, high: 0.5 },
     'vehicle.m': { low: 1, high: 2 },
   })
-  const { boxes, fans, rings } = rangesOf(given, CATALOGUE, planOf(given, CATALOGUE))
+  const { boxes, fans, rings } = rangesOf(bounded, CATALOGUE, planOf(bounded, CATALOGUE))
   expect(boxes).toHaveLength(1)
   expect(boxes[0]?.low).toMatchObject({ x: 800, y: 90, up: 60 })
   expect(boxes[0]?.high).toMatchObject({ x: 800, y: 120, up: 40 })
@@ -52,8 +52,8 @@ it('shades places by their bounds, north up, shares worked out', () => {
 })
 
 it('shades nothing while a bound is half typed or turned round', () => {
-  const given = campaign({ 'start.x': { low: 3, high: 1 }, 'start.y': { low: '3 m', high: 4 } })
-  expect(rangesOf(given, CATALOGUE, planOf(given, CATALOGUE)).boxes).toEqual([])
+  const bounded = campaign({ 'start.x': { low: 3, high: 1 }, 'start.y': { low: '3 m', high: 4 } })
+  expect(rangesOf(bounded, CATALOGUE, planOf(bounded, CATALOGUE)).boxes).toEqual([])
 })
 
 it('draws a flight up to where it is known, heights upwards', () => {

@@ -7,7 +7,7 @@ import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { Card } from '../../ui/Card'
 import type { SetValue } from '../fields/PartCard'
-import { askedOf, minutesOf, searchesOf, stated } from './proposal'
+import { requestOf, minutesOf, searchesOf, stated } from './proposal'
 import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
 import styles from './proposal.module.css'
@@ -23,19 +23,19 @@ const TIME = 'proposal-time'
 export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
   const [text, setText] = useState('60')
   const minutes = minutesOf(text)
-  const asked = askedOf(campaign, minutes)
+  const request = requestOf(campaign, minutes)
   const { data, error, isPlaceholderData } = useQuery({
-    queryKey: ['proposal', asked],
-    queryFn: () => (asked ? proposeSearches(asked) : Promise.reject(new Error('nothing was asked'))),
-    enabled: asked !== null,
+    queryKey: ['proposal', request],
+    queryFn: () => (request ? proposeSearches(request) : Promise.reject(new Error('there is no request'))),
+    enabled: request !== null,
     placeholderData: keepPreviousData,
   })
-  const searches = data && asked && !isPlaceholderData ? searchesOf(data, catalogue) : []
+  const searches = data && request && !isPlaceholderData ? searchesOf(data, catalogue) : []
   const same = searches.length > 0 && stated(campaign, searches)
   const use = () => set(['stages', 'search'], searches)
   return (
     <Card title="Proposal" note="Methods and budgets for the time that you allow the searches." id="section-proposal">
-      <p className={styles.known}>{thinned(known(asked !== null, data?.known, error))}</p>
+      <p className={styles.known}>{thinned(known(request !== null, data?.known, error))}</p>
       {data?.measured && (
         <>
           <div className={styles.time}>
@@ -65,10 +65,10 @@ export function ProposalCard({ campaign, catalogue, set }: ProposalCardProps) {
   )
 }
 
-function known(asked: boolean, sentence: string | undefined, error: Error | null): string {
+function known(complete: boolean, sentence: string | undefined, error: Error | null): string {
   if (sentence) return sentence
   if (error) return `There is no proposal: ${error.message}`
-  return asked ? 'Looking up what an evaluation takes …' : 'A proposal needs a simulator and at least one uncertain parameter.'
+  return complete ? 'Looking up what an evaluation takes …' : 'A proposal needs a simulator and at least one uncertain parameter.'
 }
 
 function described(minutes: number | null, sentence: string, same: boolean): string {

@@ -2,7 +2,7 @@
 import { expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, Proposal } from '../../client'
-import { askedOf, minutesOf, searchesOf, stated } from './proposal'
+import { requestOf, minutesOf, searchesOf, stated } from './proposal'
 
 const CAMPAIGN = {
   name: 'Drop',
@@ -31,18 +31,18 @@ it.each([['60', 60], ['0.5', 0.5], ['1 000', 1000], ['0', null], ['-3', null], [
 )
 
 it('asks for the parameters that vary, the time in seconds and the calls of an evaluation', () => {
-  expect(askedOf(CAMPAIGN, 60)).toEqual({ simulator: 'drop', parameters: 2, patience: 3600, calls: 1 })
+  expect(requestOf(CAMPAIGN, 60)).toEqual({ simulator: 'drop', parameters: 2, patience: 3600, calls: 1 })
   const calls = (count: string | number | undefined) =>
-    askedOf({ ...CAMPAIGN, simulator: { name: 'drop', repeats: { count } } }, 1)?.calls
+    requestOf({ ...CAMPAIGN, simulator: { name: 'drop', repeats: { count } } }, 1)?.calls
   expect([calls(7), calls('3'), calls(undefined)]).toEqual([7, 3, 5])
 })
 
 it('asks nothing of a campaign for which there can be no proposal', () => {
-  expect(askedOf(CAMPAIGN, null)).toBeNull()
-  expect(askedOf({ ...CAMPAIGN, uncertain: {} }, 60)).toBeNull()
-  expect(askedOf({ ...CAMPAIGN, simulator: { name: '' } }, 60)).toBeNull()
+  expect(requestOf(CAMPAIGN, null)).toBeNull()
+  expect(requestOf({ ...CAMPAIGN, uncertain: {} }, 60)).toBeNull()
+  expect(requestOf({ ...CAMPAIGN, simulator: { name: '' } }, 60)).toBeNull()
   for (const count of ['many', 0, 2.5, 1001, ''])
-    expect(askedOf({ ...CAMPAIGN, simulator: { name: 'drop', repeats: { count } } }, 60), String(count)).toBeNull()
+    expect(requestOf({ ...CAMPAIGN, simulator: { name: 'drop', repeats: { count } } }, 60), String(count)).toBeNull()
 })
 
 it('states the proposed searches in the order of the catalogue, and no method that it lacks', () => {

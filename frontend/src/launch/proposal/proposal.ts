@@ -1,4 +1,5 @@
 // What a campaign asks for a proposal, and the searches that a proposal states. Nothing here needs the service.
+import type { ProposalRequest } from '../../api/calls'
 import type { Campaign, Json, SearchStage } from '../../api/campaign'
 import type { Catalogue, Proposal } from '../../client'
 import { parse } from '../../format/numbers'
@@ -7,14 +8,6 @@ import { numberOf } from '../campaign/parameters'
 /** The limits of the service. */
 const MOST = { minutes: 366 * 1440, calls: 1000, parameters: 64 }
 
-export interface Asked {
-  simulator: string
-  parameters: number
-  /** [s] */
-  patience: number
-  calls: number
-}
-
 /** The time of a text in minutes [min]; null if it is no time that a proposal can be made for. */
 export function minutesOf(text: string): number | null {
   const minutes = parse(text)
@@ -22,7 +15,7 @@ export function minutesOf(text: string): number | null {
 }
 
 /** The request for a campaign; null while it names no simulator, no parameter to vary or an impossible number. */
-export function askedOf(campaign: Campaign, minutes: number | null): Asked | null {
+export function requestOf(campaign: Campaign, minutes: number | null): ProposalRequest | null {
   const { name, repeats } = campaign.simulator ?? {}
   const parameters = Object.keys(campaign.uncertain).length
   const calls = repeats ? numberOf(repeats.count ?? 5) : 1

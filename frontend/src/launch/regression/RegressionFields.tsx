@@ -6,7 +6,7 @@ import { IconAlertCircle } from '@tabler/icons-react'
 import { facetsQuery } from '../../api/queries'
 import { Fold } from '../fields/Fold'
 import { FieldErrors, idOf } from '../fields/problems'
-import type { Regression } from './given'
+import type { Regression } from './regression'
 import fields from '../../ui/fields.module.css'
 import styles from './regression.module.css'
 

@@ -32,8 +32,8 @@ export function SweepCard({ campaign, parameters, name, tags, labels, blocked, t
   const [text, setText] = useState('')
   const fixed = parameters.filter((parameter) => !(parameter.path in campaign.uncertain))
   const chosen = fixed.find((parameter) => parameter.path === path) ?? fixed[0]
-  const given = valuesOf(text, chosen?.entry)
-  const values = 'values' in given ? given.values : null
+  const entered = valuesOf(text, chosen?.entry)
+  const values = 'values' in entered ? entered.values : null
   // One key per request: pressing twice never launches two sweeps.
   const submission = useRef({ body: '', key: '' })
   const launch = useMutation({
@@ -87,19 +87,19 @@ export function SweepCard({ campaign, parameters, name, tags, labels, blocked, t
             <label className={fields.lbl} htmlFor="sweep-values">
               Values{unit && `, ${unit}`}
             </label>
-            <span className={'problem' in given && given.problem ? clsx(fields.inp, fields.invalid) : fields.inp}>
+            <span className={'problem' in entered && entered.problem ? clsx(fields.inp, fields.invalid) : fields.inp}>
               <input
                 id="sweep-values"
                 autoComplete="off"
                 placeholder="0.5, 1, 2"
-                aria-invalid={'problem' in given && given.problem !== ''}
+                aria-invalid={'problem' in entered && entered.problem !== ''}
                 aria-describedby="sweep-problem"
                 value={text}
                 onChange={(event) => setText(event.target.value)}
               />
             </span>
             <p id="sweep-problem" className={fields.ferr} aria-live="polite">
-              {'problem' in given ? given.problem : ''}
+              {'problem' in entered ? entered.problem : ''}
               {launch.error && statementOf(launch.error)}
             </p>
           </div>

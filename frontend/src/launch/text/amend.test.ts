@@ -5,7 +5,7 @@ import { parse } from 'yaml'
 import { type Campaign, place, write } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { parametersOf } from '../campaign/parameters'
-import { python, shipped, type Told } from '../campaign/repository'
+import { python, shipped, type ShippedCampaigns } from '../campaign/repository'
 import { amended } from './amend'
 import { type Change, changesOf } from './changes'
 import { takingOut } from './taking'
@@ -14,9 +14,9 @@ const MEANING = `
 import json, sys
 from campaigns import CampaignError
 from campaigns.asked.load import load_document, load_text
-def meaning(read, given):
+def meaning(read, source):
     try:
-        return read(given, "x").digest
+        return read(source, "x").digest
     except CampaignError as error:
         return [[p.field, p.message] for p in error.problems]
 pairs = json.load(sys.stdin)
@@ -24,7 +24,7 @@ print(json.dumps([[meaning(load_text, text), meaning(load_document, document)] f
 `
 
 let catalogue: Catalogue
-let campaigns: Told
+let campaigns: ShippedCampaigns
 beforeAll(() => {
   ;({ catalogue, campaigns } = shipped())
 })
@@ -130,9 +130,9 @@ function follow(text: string, campaign: Campaign, name: string): [string, Campai
     const made = edit(campaign)
     const [next, changes] = Array.isArray(made) ? made : [made, changesOf(campaign, made)]
     const after = amended(text, changes)
-    const told = `${name}: ${what}`
-    expect(lost(text, after), told).toBeLessThanOrEqual(touched)
-    expect(own(text).filter((line) => missing(text, line, after)), told).toEqual([])
+    const state = `${name}: ${what}`
+    expect(lost(text, after), state).toBeLessThanOrEqual(touched)
+    expect(own(text).filter((line) => missing(text, line, after)), state).toEqual([])
     states.push([after, next])
     ;[text, campaign] = [after, next]
   }

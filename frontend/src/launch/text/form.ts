@@ -1,121 +1,67 @@
 // Shows an incomplete or invalid text in the form, as far as its structure is that of a campaign.
 import type { Campaign, Json } from '../../api/campaign'
+import { type Rule, rulesOf } from './schema'
 import { parsed, plain } from './tree'
 import { isMapping } from './words'
+
+type Rules = Record<string, Rule>
 
 /** The approximate campaign of a text, with the schema's defaults; null if the form cannot show it. */
 export function formOf(text: string, schema: unknown): Campaign | null {
   const tree = parsed(text)
   const typed = tree && plain(tree)
-  const found: unknown = typed && filled(typed, schema as Rule, (schema as Rule).$defs ?? {})
+  if (!isMapping(typed)) return null
+  const rule = schema as Rule
+  const found = filled(typed, rule, rule.$defs ?? {})
+  if (!isMapping(found) || !fits(found, rule, rule.$defs ?? {})) return null
   // Omitted unless it contains a value.
-  if (isMapping(typed) && isMapping(found) && !('encounter' in typed)) delete (found as Record<string, Json>).encounter
-  return isForm(found) ? found : null
-}
-
-interface Rule {
-  $ref?: string
-  $defs?: Record<string, Rule>
-  anyOf?: Rule[]
-  properties?: Record<string, Rule>
-  patternProperties?: Record<string, Rule>
-  items?: Rule
-  default?: Json
+  if (!('encounter' in typed)) delete found.encounter
+  const { simulator, scenario, criterion } = found
+  const whole = isMapping(simulator) ? isMapping(criterion) && typeof criterion.result === 'string' : isMapping(scenario)
+  return whole ? (found as unknown as Campaign) : null
 }
 
 /** A document with the defaults written out that a JSON schema states. */
-function filled(value: Json, given: Rule, all: Record<string, Rule>): Json {
-  const named = (rule: Rule): Rule => (rule.$ref ? (all[rule.$ref.replace('#/$defs/', '')] ?? {}) : rule)
-  const choices = [given, ...(given.anyOf ?? [])].map(named)
+function filled(value: Json, rule: Rule, all: Rules): Json {
+  const choices = rulesOf(rule, all)
   if (Array.isArray(value)) {
-    const items = choices.find((rule) => rule.items)?.items
+    const items = choices.find((one) => one.items)?.items
     return items ? value.map((inner) => filled(inner, items, all)) : value
   }
-  if (!isMapping(value)) return value
-  const { properties = {}, patternProperties = {} } = choices.find((r) => r.properties ?? r.patternProperties) ?? {}
+  if (!isMapping(value) || rule.oneOf) return value
+  const { properties = {}, patternProperties = {} } = choices.find((one) => one.properties ?? one.patternProperties) ?? {}
   const [any] = Object.values(patternProperties)
-  const ruleOf = (key: string) => properties[key] ?? any
-  const own = Object.entries(value).map(([key, inner]) => [key, filled(inner, ruleOf(key) ?? {}, all)])
-  const missing = Object.entries(properties).filter(([key, rule]) => !(key in value) && rule.default !== undefined)
-  return Object.fromEntries([...own, ...missing.map(([key, rule]) => [key, structuredClone(rule.default)])]) as Json
+  const own = Object.entries(value).map(([key, inner]) => [key, filled(inner, properties[key] ?? any ?? {}, all)])
+  const missing = Object.entries(properties).filter(([key, { default: usual }]) => !(key in value) && usual !== undefined)
+  return Object.fromEntries([...own, ...missing.map(([key, { default: usual }]) => [key, structuredClone(usual)])]) as Json
 }
 
-type Fits = (value: unknown) => boolean
+/** Texts that may read like numbers. */
+const TEXTS = new Set(['name', 'summary', 'notes', 'label', 'source'])
+/** What the form does not edit, and shows at most as it is. */
+const LOOSE = new Set(['requirements', 'encounter', 'regression', 'baseline'])
 
-const raw: Fits = (value) => typeof value === 'number' || typeof value === 'string'
-const words: Fits = (value) => typeof value === 'string'
-const any: Fits = () => true
-const orNull =
-  (fits: Fits): Fits =>
-  (value) =>
-    value === null || fits(value)
-const listOf =
-  (fits: Fits): Fits =>
-  (value) =>
-    Array.isArray(value) && value.every(fits)
-const mapOf =
-  (fits: Fits): Fits =>
-  (value) =>
-    isMapping(value) && Object.values(value).every(fits)
-/** A mapping whose keys fit where they are there; those with a star have to be. Others are left to the service. */
-const record =
-  (shape: Record<string, Fits>): Fits =>
-  (value) =>
-    isMapping(value) &&
-    Object.entries(shape).every(([name, fits]) => {
-      const key = name.replace('*', '')
-      return key in value ? fits(value[key]) : key === name
-    })
+const isNumber = ({ type }: Rule): boolean => type === 'number' || type === 'integer'
 
-const part = record({ 'component*': words, parameters: mapOf(raw), on: words })
-const distribution = record({ 'kind*': words, mean: raw, deviation: raw, mode: raw, alpha: raw, beta: raw })
-const bounds = record({ low: orNull(raw), high: orNull(raw), plus_minus: orNull(raw), unit: orNull(words), distribution })
-const numbers = mapOf(orNull(raw))
+/** Whether a value is of the kind that the schema states. A number may be any text, null or missing: the service reports it. */
+function fits(value: unknown, rule: Rule, all: Rules, key = ''): boolean {
+  const rules = rulesOf(rule, all)
+  if (LOOSE.has(key)) return true
+  if (Array.isArray(value)) return rules.some(({ items }) => items && value.every((inner) => fits(inner, items, all)))
+  if (isMapping(value)) return rules.some((one) => one.type === 'object' && holds(value, one, all))
+  if (value === null) return rules.some((one) => one.type === 'null' || isNumber(one))
+  if (rules.some(isNumber)) return typeof value !== 'boolean'
+  return rules.some(({ type }) => type === typeof value) || (typeof value === 'number' && TEXTS.has(key))
+}
 
-const FORM = record({
-  'name*': raw,
-  summary: raw,
-  notes: raw,
-  tags: listOf(words),
-  scenario: record({
-    'vehicle*': part,
-    'controller*': part,
-    'avoider*': part,
-    start: mapOf(raw),
-    'goal*': mapOf(raw),
-    obstacles: listOf(part),
-    environment: listOf(part),
-    faults: listOf(part),
-    realisations: record({ seeds: listOf(raw), combine: words }),
-    guidance: record({ period: orNull(raw) }),
-    horizon: orNull(raw),
-    step: orNull(raw),
-  }),
-  'uncertain*': mapOf(bounds),
-  correlations: listOf(record({ 'between*': listOf(words), value: raw })),
-  simulator: record({ 'name*': words, parameters: mapOf(raw) }),
-  'criterion*': record({ component: words, result: words, parameters: mapOf(raw), threshold: orNull(raw) }),
-  objectives: listOf(part),
-  'stages*': record({
-    sensitivity: orNull(record({ points: orNull(raw), morris: orNull(numbers), sobol: orNull(numbers) })),
-    'search*': listOf(
-      record({ 'method*': words, evaluations: orNull(raw), options: mapOf(any), starts: listOf(mapOf(raw)) }),
-    ),
-    certify: orNull(record({ samples: orNull(raw), quantile: orNull(raw), grid: orNull(numbers) })),
-    findings: numbers,
-    validate: numbers,
-  }),
-  agreement: orNull(raw),
-  target_probability: orNull(raw),
-  confidence: orNull(raw),
-  seed: orNull(raw),
-  published: listOf(record({ 'label*': raw, value: orNull(raw), at: mapOf(raw), source: raw })),
-})
-
-/** Whether the form can show it: all containers exist and have the right type. */
-const SCENARIO = record({ 'scenario*': any, 'criterion*': record({ 'component*': words }) })
-const SIMULATOR = record({ 'simulator*': any, 'criterion*': record({ 'result*': words }) })
-
-/** Of a scenario or of a simulator, which excludes one. */
-const isForm = (value: unknown): value is Campaign =>
-  FORM(value) && (isMapping(value) && 'simulator' in value ? SIMULATOR(value) : SCENARIO(value))
+/** Whether a mapping has what is required, of the right kind; keys that the schema does not have are left to the service. */
+function holds(value: Record<string, unknown>, rule: Rule, all: Rules): boolean {
+  const { properties = {}, patternProperties = {}, additionalProperties: more, required = [] } = rule
+  const other = Object.values(patternProperties)[0] ?? (typeof more === 'object' ? more : undefined)
+  const needs = ([key, one]: [string, Rule]) => one.const !== undefined || (required.includes(key) && !rulesOf(one, all).some(isNumber))
+  const complete = Object.entries(properties).filter(needs).every(([key]) => key in value)
+  return complete && Object.entries(value).every(([key, inner]) => {
+    const its = properties[key] ?? other
+    return its === undefined || fits(inner, its, all, key)
+  })
+}

@@ -52,10 +52,10 @@ export function readChosen(search: Record<string, unknown>): ChosenSearch {
 }
 
 /** The label of the displayed finding: the requested one if it exists, else the worst. */
-export function chosenOf(asked: string | undefined, findings: readonly FindingDetail[]): string {
-  if (asked === NOMINAL) return NOMINAL
-  const known = findings.some((finding) => finding.label === asked)
-  return asked && (known || findings.length === 0) ? asked : (findings[0]?.label ?? 'F1')
+export function chosenOf(label: string | undefined, findings: readonly FindingDetail[]): string {
+  if (label === NOMINAL) return NOMINAL
+  const known = findings.some((finding) => finding.label === label)
+  return label && (known || findings.length === 0) ? label : (findings[0]?.label ?? 'F1')
 }
 
 /** The title of a chosen flight in charts and tables. */

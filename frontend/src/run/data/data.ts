@@ -66,7 +66,7 @@ export interface RunData {
 }
 
 /** Requests a run's data in parallel with the run itself. */
-export function useAsked(id: string): void {
+export function useRequests(id: string): void {
   usePrefetchQuery(stagesQuery(id))
   usePrefetchQuery(findingsQuery(id))
   usePrefetchQuery(evaluationsQuery(id))
@@ -74,7 +74,7 @@ export function useAsked(id: string): void {
 }
 
 /** All data of a run's page; empty or undefined while loading. The same object as long as nothing in it changes. */
-export function useRunData(run: RunDetail, asked?: string): RunData {
+export function useRunData(run: RunDetail, label?: string): RunData {
   const over = !isLive(run)
   useFreshAtEnd(run.id, over)
   const components = useQuery(componentsQuery(run.id))
@@ -86,7 +86,7 @@ export function useRunData(run: RunDetail, asked?: string): RunData {
   const traces = useQuery({ ...tracesQuery(run.id), enabled: over })
   const has = (name: string) => over && (traces.data ?? []).some((trace) => trace.name === name)
   const nominalTrace = useQuery({ ...traceQuery(run.id, 'nominal'), enabled: has('nominal') })
-  const chosen = chosenOf(asked, findings.data ?? [])
+  const chosen = chosenOf(label, findings.data ?? [])
   const findingTrace = useQuery({
     ...traceQuery(run.id, chosen),
     enabled: chosen !== NOMINAL && has(chosen),
@@ -190,7 +190,7 @@ export function searchesOf({
   catalogue,
 }: Pick<RunData, 'run' | 'stages' | 'evaluations' | 'catalogue'>): SearchStage[] {
   return run.stages
-    .filter((stage) => stage.kind === 'search')
+    .filter((stage) => stage.method !== null)
     .map((stage) => {
       const detail = stages.find((s) => s.position === stage.position)
       const result = resultOf(detail, 'search')
@@ -245,7 +245,7 @@ export interface Best {
 export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'>): Best | null {
   let best: Best | null = null
   for (const series of evaluations?.stages ?? []) {
-    if (series.kind !== 'search') continue
+    if (series.method === null) continue
     series.cost.forEach((cost, i) => {
       if (cost === null || (best && cost >= best.cost)) return
       const parameters = Object.fromEntries(Object.entries(series.parameters).map(([path, v]) => [path, v[i] ?? 0]))
@@ -265,7 +265,7 @@ export const valuesOf = (trace: TraceInfo | undefined): Record<string, number | 
 export function leaderOf(run: RunDetail): StageProgress | null {
   let leader: StageProgress | null = null
   for (const stage of run.stages)
-    if (stage.kind === 'search' && stage.best !== null && (leader?.best == null || stage.best < leader.best))
+    if (stage.method !== null && stage.best !== null && (leader?.best == null || stage.best < leader.best))
       leader = stage
   return leader
 }

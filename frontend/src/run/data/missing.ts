@@ -7,7 +7,7 @@ export interface MissingPart {
   retry: () => void
 }
 
-interface Asked {
+interface Request {
   isError: boolean
   data: unknown
   error: Error | null
@@ -15,8 +15,8 @@ interface Asked {
 }
 
 /** The parts whose request has failed for good and that were never loaded before. */
-export function missingOf(asked: Readonly<Record<string, Asked>>): MissingPart[] {
-  return Object.entries(asked).flatMap(([name, { isError, data, error, refetch }]) =>
+export function missingOf(requests: Readonly<Record<string, Request>>): MissingPart[] {
+  return Object.entries(requests).flatMap(([name, { isError, data, error, refetch }]) =>
     isError && data === undefined && error !== null ? [{ name, error, retry: () => void refetch() }] : [],
   )
 }

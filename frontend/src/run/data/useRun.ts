@@ -4,11 +4,11 @@ import { useStream } from '../../api/events'
 import { isLive, runQuery } from '../../api/queries'
 import type { RunDetail } from '../../client'
 import { usePolling } from '../../ui/usePolling'
-import { useAsked } from './data'
+import { useRequests } from './data'
 
 export function useRun(id: string): UseQueryResult<RunDetail> {
   const query = useQuery(runQuery(id))
-  useAsked(id)
+  useRequests(id)
   const live = query.data !== undefined && isLive(query.data)
   useStream(id, live)
   // The stream has neither speed nor remaining time; polling also covers its failure.

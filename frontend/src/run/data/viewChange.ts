@@ -13,6 +13,10 @@ export interface Place {
   camera?: Camera
 }
 
+/** The displayed instant, for an address. */
+export const shownPlace = (shown: ViewState | null): Place | null =>
+  shown && { time: Number(shown.time.toFixed(2)), ...(shown.camera && { camera: shown.camera }) }
+
 /** Merges two changes: a time replaces earlier ones, steps are added. */
 export function merged(before: ViewChange, next: ViewChange): ViewChange {
   const { time, step, closest, passing, ...rest } = { ...before, ...next }

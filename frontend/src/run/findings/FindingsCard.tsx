@@ -50,7 +50,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
         result?.findings && (
           <>
             <Boundary data={data} statement={shown?.boundary?.statement ?? []} />
-            <Told told={result.findings} kept={findings.length} />
+            <Gathering gathered={result.findings} kept={findings.length} />
           </>
         )
       }
@@ -254,15 +254,15 @@ function Boundary({ data, statement }: { data: RunData; statement: readonly Span
 }
 
 /** How the findings were distinguished, in one sentence. */
-function Told({ told, kept }: { told: Gathered; kept: number }) {
+function Gathering({ gathered, kept }: { gathered: Gathered; kept: number }) {
   return (
     <>
-      {!told.complete && <Spans spans={[...sentence(told.statement), words(' ')]} />}
-      {count(told.candidates)} low points of all stages were descended from. Two ends are one finding where they are
-      within {percent(told.distance)} of every range, or no barrier above {percent(told.barrier)} of nominal minus worst
+      {!gathered.complete && <Spans spans={[...sentence(gathered.statement), words(' ')]} />}
+      {count(gathered.candidates)} low points of all stages were descended from. Two ends are one finding where they are
+      within {percent(gathered.distance)} of every range, or no barrier above {percent(gathered.barrier)} of nominal minus worst
       is between them.
-      {told.left_out > 0 && ` ${count(told.left_out)} more were no worse than the nominal case and are omitted.`}
-      {kept >= told.at_most && ` At most ${told.at_most} are stored: there may be more.`}
+      {gathered.left_out > 0 && ` ${count(gathered.left_out)} more were no worse than the nominal case and are omitted.`}
+      {kept >= gathered.at_most && ` At most ${gathered.at_most} are stored: there may be more.`}
     </>
   )
 }

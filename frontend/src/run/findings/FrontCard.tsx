@@ -1,5 +1,4 @@
 // Several criteria: the Pareto front of the worst cases for two criteria, and its points as a table.
-import { clsx } from 'clsx'
 import { useMemo, useState } from 'react'
 import { resultOf } from '../../api/stages'
 import { ChartCard } from '../../charts/ChartCard'
@@ -10,14 +9,15 @@ import { padded } from '../../charts/ticks'
 import type { FrontCriterion } from '../../client'
 import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
-import { NumHead, Seg } from '../../ui/Card'
+import { Seg } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
 import { useMethodLook } from '../../ui/methods'
 import { Sign, symbolText } from '../../ui/Sign'
+import { Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
+import { parameterColumns } from '../parameters/columns'
 import { criteriaOf, frontOf, type Placed, someOf } from './front'
 import layout from '../../ui/layout.module.css'
-import tables from '../../ui/tables.module.css'
 import runStyles from '../run.module.css'
 
 const ROWS = 12
@@ -150,44 +150,20 @@ function Points({ data, criteria, points }: PointsProps) {
   return (
     <>
       <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Points of the Pareto front">
-        <table className={clsx(tables.table, tables.tight)}>
-          <thead>
-            <tr>
-              <th>Found by</th>
-              {criteria.map((c) => (
-                <NumHead key={c.name} unit={unitText(c.unit)}>
-                  {c.title}
-                </NumHead>
-              ))}
-              {data.parameters.map((p) => (
-                <NumHead key={p.path} unit={unitText(p.unit)}>
-                  <Sign text={p.symbol} path={p.path} />
-                </NumHead>
-              ))}
-              <th className="num">Evaluation</th>
-            </tr>
-          </thead>
-          <tbody>
-            {rows.map((point) => (
-              <tr key={`${point.method} ${point.index}`}>
-                <td>
-                  <MethodName method={point.method} title={point.title} />
-                </td>
-                {criteria.map((c) => (
-                  <td key={c.name} className="num">
-                    {fixed(point.values[c.name], digits.get(c.name) ?? 3)}
-                  </td>
-                ))}
-                {data.parameters.map((p) => (
-                  <td key={p.path} className="num sec">
-                    {fixed(point.parameters[p.path], decimalsFor([p.low, p.high]))}
-                  </td>
-                ))}
-                <td className="num sec">{count(point.index + 1)}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
+        <Table
+          tight
+          rows={rows}
+          columns={[
+            { head: 'Found by', cell: ({ method, title }) => <MethodName method={method} title={title} /> },
+            ...criteria.map(({ name, title, unit }) => ({
+              head: title,
+              unit: unitText(unit),
+              cell: ({ values }: Placed) => fixed(values[name], digits.get(name) ?? 3),
+            })),
+            ...parameterColumns<Placed>(data.parameters, (point, p) => fixed(point.parameters[p.path], decimalsFor([p.low, p.high])), undefined, 'sec'),
+            { head: 'Evaluation', num: true, tone: 'sec', cell: ({ index }) => count(index + 1) },
+          ]}
+        />
       </div>
       {rows.length < points.length && (
         <p className="small mut">

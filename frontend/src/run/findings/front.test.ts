@@ -1,6 +1,6 @@
 // The Pareto front over several searches.
 import { expect, it } from 'vitest'
-import * as given from '../../api/fixtures'
+import * as fixtures from '../../api/fixtures'
 import type { FrontCriterion, SearchResult } from '../../client'
 import { criteriaOf, frontOf, someOf } from './front'
 
@@ -11,7 +11,7 @@ const CRITERIA: FrontCriterion[] = [
 
 function search(method: string, values: [number, number][] | null, criteria = CRITERIA): SearchResult {
   const front = values?.map(([separation, goal_miss], index) => ({ index, parameters: {}, values: { separation, goal_miss } }))
-  return given.search({ method, title: method, criteria, front: front ?? null })
+  return fixtures.search({ method, title: method, criteria, front: front ?? null })
 }
 
 const shown = (searches: SearchResult[]) =>

@@ -1,5 +1,4 @@
 // Below the result of a what-if of a simulator: when it is evaluated, how long that takes, and what the result is.
-import { clsx } from 'clsx'
 import { IconPlayerPlay } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { useId } from 'react'
@@ -7,7 +6,7 @@ import { caseInstalledQuery } from '../../api/queries'
 import type { CaseAnswer, FlightAnswer } from '../../client'
 import { plain } from '../../format/numbers'
 import type { WhatIfState } from './useWhatIf'
-import buttons from '../../ui/buttons.module.css'
+import { Button } from '../../ui/Button'
 import styles from './flight.module.css'
 
 /** A time as "about 4 s": two digits are enough to decide whether to wait. */
@@ -36,16 +35,9 @@ export function CaseNote({ answer, busy, follows, stale, seconds, evaluate, miss
       {follows && seconds !== null ? (
         <p className="small sec">Evaluated as the values change: an evaluation takes {aboutOf(seconds)}.</p>
       ) : (
-        <button
-          type="button"
-          className={clsx(buttons.btn, buttons.s)}
-          disabled={busy || missing !== ''}
-          aria-describedby={missing ? why : undefined}
-          onClick={evaluate}
-        >
-          <IconPlayerPlay className="i s" aria-hidden />
+        <Button small icon={IconPlayerPlay} disabled={busy || missing !== ''} aria-describedby={missing ? why : undefined} onClick={evaluate}>
           {busy ? 'Evaluating …' : `Evaluate${seconds === null ? '' : ` (${aboutOf(seconds)})`}`}
-        </button>
+        </Button>
       )}
       {missing && (
         <p className="small sec" id={why}>

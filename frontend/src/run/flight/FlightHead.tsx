@@ -18,12 +18,12 @@ import { IconButton } from '../../ui/IconButton'
 import type { RunData } from '../data/data'
 import { camerasOf } from './declared'
 import type { View } from './view'
-import type { Camera, Place } from '../data/viewChange'
+import { type Camera, shownPlace } from '../data/viewChange'
 import { type ChosenSearch, NOMINAL } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
 import { ROOT } from '../../format/root'
+import { Select } from '../../ui/Select'
 import buttons from '../../ui/buttons.module.css'
-import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './flight.module.css'
 
@@ -43,7 +43,7 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
   const flies = hasScenario(data.campaign)
   const recorded = data.traces.some(({ name, meta }) => name === data.chosen && (flies || meta.scene))
   const [address] = useAddress(data.run.id)
-  const place = placeOf(shown)
+  const place = shownPlace(shown) ?? {}
   return (
     <div className={clsx(layout.row, styles.flightHead)}>
       {alone && <Choice data={data} />}
@@ -76,9 +76,6 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
   )
 }
 
-const placeOf = (shown: ViewState | null): Place =>
-  shown ? { time: Number(shown.time.toFixed(2)), ...(shown.camera && { camera: shown.camera }) } : {}
-
 /** The what-if part of an address. */
 const whatIfIn = ({ whatif, set, noise }: ChosenSearch): ChosenSearch => ({
   ...(whatif !== undefined && { whatif }),
@@ -104,13 +101,15 @@ function Choice({ data }: { data: RunData }) {
   const found = data.findings.map(({ label }) => label)
   const labels = found.length === 0 && isLive(data.run) ? [data.chosen] : found
   return (
-    <select className={fields.select} aria-label={caseWord(data.campaign) === 'flight' ? 'Flight shown' : 'Case shown'} value={labels.includes(data.chosen) ? data.chosen : NOMINAL} onChange={(event) => change({ finding: event.target.value })}>
-      {[...new Set([...labels, NOMINAL])].map((label) => (
-        <option key={label} value={label}>
-          {label === NOMINAL ? 'Nominal alone' : label === 'F1' ? 'Worst (F1)' : label}
-        </option>
-      ))}
-    </select>
+    <Select
+      label={caseWord(data.campaign) === 'flight' ? 'Flight shown' : 'Case shown'}
+      value={labels.includes(data.chosen) ? data.chosen : NOMINAL}
+      options={[...new Set([...labels, NOMINAL])].map((label) => ({
+        value: label,
+        label: label === NOMINAL ? 'Nominal alone' : label === 'F1' ? 'Worst (F1)' : label,
+      }))}
+      onChange={(finding) => change({ finding })}
+    />
   )
 }
 

@@ -2,7 +2,7 @@
 import { IconCheck, IconLoader, IconPlugConnectedX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { Known } from './view'
-import buttons from '../../ui/buttons.module.css'
+import { Button } from '../../ui/Button'
 import icons from '../../ui/icons.module.css'
 import layout from '../../ui/layout.module.css'
 import runStyles from '../run.module.css'
@@ -29,9 +29,7 @@ export function FlightNotice({ known: { phase, statement }, onRetry }: Props) {
         <span className={runStyles.failed}>
           <IconPlugConnectedX className="i" aria-hidden />
           <span>{statement}</span>
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={onRetry}>
-            Open the 3D view again
-          </button>
+          <Button small onClick={onRetry}>Open the 3D view again</Button>
         </span>
       )}
       {phase === 'open' && statement && (

@@ -1,6 +1,5 @@
 // Speeds and commands over time, one small chart each: nominal and chosen flight, with the crosshair of the separation
 // chart. The selected columns are in the address.
-import { clsx } from 'clsx'
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { useMemo } from 'react'
 import { ChartCard } from '../../charts/ChartCard'
@@ -13,6 +12,7 @@ import { hasScenario } from '../../api/campaign'
 import type { FlightAnswer, TraceColumn } from '../../client'
 import { decimalsFor, fixed, short } from '../../format/numbers'
 import { unitText } from '../../format/units'
+import { Button } from '../../ui/Button'
 import { Menu, Pick, Picks } from '../../ui/Menu'
 import { Sign, symbolText } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
@@ -31,7 +31,6 @@ import {
 } from './flown'
 import { type Flown, flownOf, useShown, whatIfOf } from './SeparationCard'
 import { useAddress } from '../data/useAddress'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './flight.module.css'
 
@@ -194,13 +193,9 @@ function Choice({ all, shown, chosen, onChange }: ChoiceProps) {
         ))}
       </Picks>
       <span className={layout.row}>
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onChange(all.map(({ name }) => name).join(','))}>
-          All
-        </button>
+        <Button small onClick={() => onChange(all.map(({ name }) => name).join(','))}>All</Button>
         {chosen && (
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onChange(undefined)}>
-            Default columns
-          </button>
+          <Button small onClick={() => onChange(undefined)}>Default columns</Button>
         )}
       </span>
     </Menu>

@@ -19,7 +19,7 @@ import type { RunData } from '../data/data'
 import type { View } from './view'
 import { WhatIfButton } from './WhatIfButton'
 import type { WhatIfState } from './useWhatIf'
-import fields from '../../ui/fields.module.css'
+import { Select } from '../../ui/Select'
 import layout from '../../ui/layout.module.css'
 import styles from './flight.module.css'
 
@@ -58,19 +58,13 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
           act={() => view.steer({ closest: true })}
         />
       )}
-      <select
-        className={fields.select}
-        aria-label="Speed of play"
+      <Select
+        label="Speed of play"
         value={speed}
+        options={SPEEDS.map((pace) => ({ value: pace, label: `${plain(pace)}×` }))}
         disabled={shown === null}
-        onChange={(event) => view.steer({ speed: Number(event.target.value) })}
-      >
-        {SPEEDS.map((pace) => (
-          <option key={pace} value={pace}>
-            {plain(pace)}×
-          </option>
-        ))}
-      </select>
+        onChange={(pace) => view.steer({ speed: pace })}
+      />
       {shown && <LayersMenu data={data} view={view} shown={shown} />}
       <WhatIfButton whatIf={whatIf} flies={flies} />
       <IconButton
@@ -87,10 +81,10 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
 function Scrubber({ data, view, shown }: Props) {
   const horizon = hasScenario(data.campaign) ? Number(data.campaign.scenario.horizon) : (shown?.horizon ?? 0)
   /** The dragged position, until the view has reached it. */
-  const [asked, setAsked] = useState<number | null>(null)
+  const [position, setPosition] = useState<number | null>(null)
   const time = shown?.time ?? 0
-  if (asked !== null && (shown === null || shown.playing || Math.abs(time - asked) < 0.006)) setAsked(null)
-  const at = asked ?? time
+  if (position !== null && (shown === null || shown.playing || Math.abs(time - position) < 0.006)) setPosition(null)
+  const at = position ?? time
   return (
     <>
       <output className={clsx(styles.instant, 'num')}>{shown ? `${fixed(at, 2)} s` : '—'}</output>
@@ -106,7 +100,7 @@ function Scrubber({ data, view, shown }: Props) {
           disabled={shown === null}
           style={{ '--done': `${horizon > 0 ? (100 * at) / horizon : 0}%` } as CSSProperties}
           onChange={(event) => {
-            setAsked(Number(event.target.value))
+            setPosition(Number(event.target.value))
             view.steer({ time: Number(event.target.value) })
           }}
         />
@@ -159,14 +153,14 @@ function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
     <Menu name="Shown" value={null} on={false} icon={<IconStack2 className="i mut" aria-hidden />} above>
       <Picks label="What is drawn">
         {names.map(([layer, name]) => (
-          <Asked
+          <LayerPick
             key={layer}
             name={name}
             on={shown.layers[layer]}
             ask={(on) => view.steer({ layers: { [layer]: on } })}
           />
         ))}
-        <Asked
+        <LayerPick
           name="Paths only up to this time"
           on={shown.layers.trail === 'so_far'}
           ask={(on) => view.steer({ layers: { trail: on ? 'so_far' : 'whole' } })}
@@ -180,20 +174,20 @@ function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
 const WAIT = 3000
 
 /** A checkbox with immediate feedback, finally set by the view. */
-function Asked({ name, on, ask }: { name: string; on: boolean; ask: (on: boolean) => void }) {
-  const [asked, setAsked] = useState<boolean | null>(null)
-  if (asked === on) setAsked(null)
+function LayerPick({ name, on, ask }: { name: string; on: boolean; ask: (on: boolean) => void }) {
+  const [request, setRequest] = useState<boolean | null>(null)
+  if (request === on) setRequest(null)
   useEffect(() => {
-    if (asked === null) return
-    const timer = setTimeout(() => setAsked(null), WAIT)
+    if (request === null) return
+    const timer = setTimeout(() => setRequest(null), WAIT)
     return () => clearTimeout(timer)
-  }, [asked])
+  }, [request])
   const change = (wanted: boolean) => {
-    setAsked(wanted)
+    setRequest(wanted)
     ask(wanted)
   }
   return (
-    <Pick on={asked ?? on} onChange={change}>
+    <Pick on={request ?? on} onChange={change}>
       <span className={layout.grow}>{name}</span>
     </Pick>
   )

@@ -1,6 +1,5 @@
 // Below the verdict of a run that evaluates a simulator: what it does not show, and why a case has no trace.
 import { clsx } from 'clsx'
-import { resultOf } from '../../api/stages'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
 import { sceneOf } from './declared'
@@ -11,10 +10,8 @@ import cards from '../../ui/cards.module.css'
 
 /** The reasons why cases have no trace, by name; the nominal one first. */
 export function untracedOf(data: Pick<RunData, 'stages'>): [string, string][] {
-  const nominal = resultOf(data.stages.find(({ kind }) => kind === 'nominal'), 'nominal')
-  const validated = resultOf(data.stages.find(({ kind }) => kind === 'validate'), 'validate')
   // Omitted from the results if there are none.
-  return Object.entries({ ...(nominal?.untraced ?? {}), ...(validated?.untraced ?? {}) })
+  return data.stages.flatMap(({ result }) => (result && 'untraced' in result ? Object.entries(result.untraced ?? {}) : []))
 }
 
 interface Props {

@@ -1,8 +1,7 @@
 // Opens and closes the what-if.
-import { clsx } from 'clsx'
 import { IconAdjustments } from '@tabler/icons-react'
 import type { WhatIfState } from './useWhatIf'
-import buttons from '../../ui/buttons.module.css'
+import { Button } from '../../ui/Button'
 
 interface Props {
   whatIf: Pick<WhatIfState, 'whatIf' | 'toggle'>
@@ -12,14 +11,14 @@ interface Props {
 
 export function WhatIfButton({ whatIf, flies }: Props) {
   return (
-    <button
-      type="button"
-      className={clsx(buttons.btn, buttons.s)}
+    <Button
+      small
+      icon={IconAdjustments}
       aria-pressed={whatIf.whatIf !== null}
       title={flies ? 'Other parameters, simulated at once' : 'Other parameters, evaluated on request'}
       onClick={whatIf.toggle}
     >
-      <IconAdjustments className="i s" aria-hidden /> What-if
-    </button>
+      What-if
+    </Button>
   )
 }

@@ -7,6 +7,7 @@ import { hasScenario } from '../../api/campaign'
 import type { FlightAnswer, FlightValue } from '../../client'
 import { decimalsFor, field, fixed, NARROW, NONE, parse, plain, signed } from '../../format/numbers'
 import { unitText } from '../../format/units'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { IconButton } from '../../ui/IconButton'
 import { Sign } from '../../ui/Sign'
@@ -15,7 +16,7 @@ import { InstalledNote } from './CaseNote'
 import type { RunData, UncertainParameter } from '../data/data'
 import type { WhatIfState } from './useWhatIf'
 import { baseOf, STEPS, stepped, valuesOf, type WhatIf, within, withValue } from './whatif'
-import buttons from '../../ui/buttons.module.css'
+import { Select } from '../../ui/Select'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import runStyles from '../run.module.css'
@@ -45,27 +46,16 @@ export function WhatIfCard({ data, state, className }: Props) {
         <span className={clsx(layout.row, styles.whatIfFrom)}>
           <label className={layout.row}>
             Begin at
-            <select
-              className={fields.select}
-              aria-label="Begin at the parameters of"
+            <Select
+              label="Begin at the parameters of"
               value={whatIf.like}
-              onChange={(event) => change({ like: event.target.value, set: {}, seed: null })}
-            >
-              {[NOMINAL, ...data.findings.map(({ label }) => label)].map((label) => (
-                <option key={label} value={label}>
-                  {nameOf(label)}
-                </option>
-              ))}
-            </select>
+              options={[NOMINAL, ...data.findings.map(({ label }) => label)].map((label) => ({ value: label, label: nameOf(label) }))}
+              onChange={(like) => change({ like, set: {}, seed: null })}
+            />
           </label>
-          <button
-            type="button"
-            className={clsx(buttons.btn, buttons.s)}
-            disabled={changed === 0 && whatIf.seed === null}
-            onClick={() => change({ like: whatIf.like, set: {}, seed: null })}
-          >
+          <Button small disabled={changed === 0 && whatIf.seed === null} onClick={() => change({ like: whatIf.like, set: {}, seed: null })}>
             Back to {name}
-          </button>
+          </Button>
         </span>
       }
     >

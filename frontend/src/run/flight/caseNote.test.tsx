@@ -28,11 +28,11 @@ it('evaluates on request, with the time once it is known', () => {
 })
 
 it('cannot be evaluated where the simulator is not installed, and says so before it is tried', () => {
-  const told = shown({ missing: 'the machine of the service has no such simulator' })
-  expect(told).toMatch(/<button[^>]*disabled/)
-  expect(told).toContain('No case can be evaluated: the machine of the service has no such simulator.')
-  const why = /<button[^>]*aria-describedby="([^"]+)"/.exec(told)?.[1]
-  expect(told).toContain(`id="${why}"`)
+  const html = shown({ missing: 'the machine of the service has no such simulator' })
+  expect(html).toMatch(/<button[^>]*disabled/)
+  expect(html).toContain('No case can be evaluated: the machine of the service has no such simulator.')
+  const why = /<button[^>]*aria-describedby="([^"]+)"/.exec(html)?.[1]
+  expect(html).toContain(`id="${why}"`)
   expect(shown({ missing: '' })).not.toMatch(/disabled|No case can be evaluated/)
 })
 

@@ -1,6 +1,6 @@
 // Stored flights as curves over time, and thumbnails of findings.
 import { expect, it } from 'vitest'
-import * as given from '../../api/fixtures'
+import * as fixtures from '../../api/fixtures'
 import type { TraceColumn, TraceData, TraceHead } from '../../client'
 import { aboveOf, acrossOf, curveOf, extentOf, overTime, shownColumns, spanOf, valueAt, wordsOf } from './flown'
 
@@ -19,10 +19,10 @@ const COLUMNS = [
   column('d', 'm', 'separation'),
 ]
 const flight = (separation: (number | null)[], meta: Partial<TraceHead> = {}): TraceData =>
-  given.flight({
+  fixtures.flight({
     rows: separation.length,
     columns: COLUMNS,
-    meta: given.head(meta),
+    meta: fixtures.head(meta),
     data: { t: separation.map((_, i) => i), d: separation, u: separation.map((_, i) => 10 * i) },
   })
 const closest = { time: 2, row: 2, value: 1, speed: 3, position: [0, 0, -30], obstacle: 0, obstacle_position: [40, 0, 0] }

@@ -61,8 +61,8 @@ export function overTime(trace: TraceInfo | undefined): TraceColumn[] {
 }
 
 /** The columns given in the address; by default the first speed of each unit and the actuation. */
-export function shownColumns(all: readonly TraceColumn[], asked: string | undefined): TraceColumn[] {
-  const names = asked?.split(',') ?? []
+export function shownColumns(all: readonly TraceColumn[], list: string | undefined): TraceColumn[] {
+  const names = list?.split(',') ?? []
   const found = all.filter(({ name }) => names.includes(name))
   if (found.length > 0) return found
   if (all.length <= MOST_COLUMNS) return [...all]

@@ -1,12 +1,12 @@
 // Plan view of flights: world axes, rows of the encounter, equal scales.
 import { describe, expect, it } from 'vitest'
-import * as given from '../../api/fixtures'
+import * as fixtures from '../../api/fixtures'
 import type { TraceData, TraceHead } from '../../client'
 import { encounterOf, placeOf, scaleOf, trackOf } from './places'
 
 const trace = (frame: TraceHead['frame'], separation: (number | null)[]): TraceData =>
-  given.flight({
-    meta: given.head({ frame }),
+  fixtures.flight({
+    meta: fixtures.head({ frame }),
     data: { x: separation.map((_, i) => i), y: separation.map(() => 7), separation },
   })
 

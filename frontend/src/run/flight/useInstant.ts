@@ -2,7 +2,7 @@
 import { useEffect, useRef } from 'react'
 import { useAddress } from '../data/useAddress'
 import type { View } from './view'
-import type { Place } from '../data/viewChange'
+import { type Place, shownPlace } from '../data/viewChange'
 
 /** Debounce interval of address changes [ms], which browsers limit. */
 const STILL = 500
@@ -29,7 +29,7 @@ export function useInstant(view: View, id: string): void {
     let opened: Place | null = null
     let timer: ReturnType<typeof setTimeout> | undefined
     const write = () => {
-      const place = placeOf(view)
+      const place = shownPlace(view.known.shown)
       if (!place || view.known.shown?.playing) return
       const { time, camera } = sent.current
       if (time === undefined && place.time === opened?.time) delete place.time
@@ -39,7 +39,7 @@ export function useInstant(view: View, id: string): void {
       latest.current({ t: place.time, cam: place.camera })
     }
     const heard = () => {
-      opened ??= placeOf(view)
+      opened ??= shownPlace(view.known.shown)
       clearTimeout(timer)
       if (view.known.shown) timer = setTimeout(write, STILL)
     }
@@ -49,9 +49,4 @@ export function useInstant(view: View, id: string): void {
       end()
     }
   }, [view])
-}
-
-const placeOf = (view: View): Place | null => {
-  const { shown } = view.known
-  return shown && { time: Number(shown.time.toFixed(2)), ...(shown.camera && { camera: shown.camera }) }
 }

@@ -7,7 +7,7 @@ import { Refusal } from '../../api/problems'
 import type { CaseAnswer, FlightAnswer } from '../../client'
 import type { RunData } from '../data/data'
 import { useAddress } from '../data/useAddress'
-import type { View } from './view'
+import { refusedFor, type View } from './view'
 import { NOMINAL } from '../data/chosen'
 import { caseOf, QUICK, readWhatIf, requestOf, type WhatIf, written } from './whatif'
 
@@ -42,16 +42,16 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
   const [address, write] = useAddress(data.run.id)
   const { parameters, findings, chosen } = data
   const known = useMemo(() => ({ parameters, findings }), [parameters, findings])
-  const asked = readWhatIf(address, known)
-  const inAddress = JSON.stringify(asked)
-  const [whatIf, setWhatIf] = useState(asked)
+  const addressed = readWhatIf(address, known)
+  const inAddress = JSON.stringify(addressed)
+  const [whatIf, setWhatIf] = useState(addressed)
   /** The last address and pending changes, which may arrive late: any other value came by a
    *  link or a step back. */
   const [before, setBefore] = useState(inAddress)
   const [own, setOwn] = useState<readonly string[]>([inAddress])
   if (inAddress !== before) {
     setBefore(inAddress)
-    if (!own.includes(inAddress)) setWhatIf(asked)
+    if (!own.includes(inAddress)) setWhatIf(addressed)
     if (own[own.length - 1] === inAddress) setOwn([inAddress])
   }
   const change = useCallback((next: WhatIf | null) => setWhatIf(next), [])
@@ -101,14 +101,14 @@ function useFlight(run: string, whatIf: WhatIf | null, view: View, flies: boolea
   const wanted = useRef<WhatIf | null>(null)
   const running = useRef(false)
   /** The values that were requested last. */
-  const asked = useRef('')
+  const request = useRef('')
   const text = JSON.stringify(whatIf)
   const key = `${run} ${view.key} ${text}`
   const seconds = timed?.run === run ? timed.seconds : null
   const follows = flies || (seconds !== null && seconds <= QUICK)
   const start = useCallback(
     (next: string) => {
-      asked.current = `${run} ${view.key} ${next}`
+      request.current = `${run} ${view.key} ${next}`
       wanted.current = JSON.parse(next) as WhatIf | null
       if (wanted.current === null) {
         setAnswer(null)
@@ -123,17 +123,17 @@ function useFlight(run: string, whatIf: WhatIf | null, view: View, flies: boolea
       const work = async () => {
         for (let done: WhatIf | null = null; wanted.current !== null && done !== wanted.current; ) {
           const values: WhatIf = wanted.current
-          const given = await simulated(values).catch(refusalFor)
-          if (given instanceof Refusal && given.status === 409 && wanted.current === values) {
+          const outcome = await simulated(values).catch(refusedFor)
+          if (outcome instanceof Refusal && outcome.status === 409 && wanted.current === values) {
             await new Promise((resolve) => setTimeout(resolve, AGAIN))
             continue
           }
           done = values
           if (wanted.current === null) break
-          if (given instanceof Refusal) setAnswer(null)
-          else setAnswer(given)
-          if (!(given instanceof Refusal) && 'seconds' in given) setTimed({ run, seconds: given.seconds })
-          setRefused(given instanceof Refusal ? given.message : null)
+          if (outcome instanceof Refusal) setAnswer(null)
+          else setAnswer(outcome)
+          if (!(outcome instanceof Refusal) && 'seconds' in outcome) setTimed({ run, seconds: outcome.seconds })
+          setRefused(outcome instanceof Refusal ? outcome.message : null)
           setOf(JSON.stringify(values))
         }
         running.current = false
@@ -144,7 +144,7 @@ function useFlight(run: string, whatIf: WhatIf | null, view: View, flies: boolea
     [run, view, flies],
   )
   useEffect(() => {
-    if ((follows || text === 'null') && asked.current !== key) start(text)
+    if ((follows || text === 'null') && request.current !== key) start(text)
   }, [text, key, follows, start])
   const evaluate = useCallback(() => start(text), [start, text])
   return { answer, refused, busy, follows, stale: of !== text, seconds, evaluate }
@@ -164,6 +164,3 @@ function useDrawn(view: View, whatIf: WhatIf | null, answer: WhatIfState['answer
     view.steer({ what_if: uncertain, what_if_seed: answer.seed })
   }, [view, answer, parameters])
 }
-
-const refusalFor = (error: unknown): Refusal =>
-  error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.')

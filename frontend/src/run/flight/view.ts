@@ -43,7 +43,7 @@ export class View {
   private last: ViewState | null = null
   private wanted: Wanted | null = null
   /** The part of it that has been sent to the view. */
-  private told: Wanted | null = null
+  private sent: Wanted | null = null
   private pending: ViewChange = {}
   private busy = false
   private abort: AbortController | null = null
@@ -154,14 +154,14 @@ export class View {
     this.pending = {} // pending changes are sent once it is open
     const before = last ? again(last, this.simulates) : {}
     const change = merged(before, { ...pending, ...wanted })
-    const asked = new Request(signal, machine.wait)
-    const answer = await changeView(this.run, this.key, change, machine.wait, asked.signal).catch(refusedFor)
-    asked.over()
+    const opening = new Request(signal, machine.wait)
+    const answer = await changeView(this.run, this.key, change, machine.wait, opening.signal).catch(refusedFor)
+    opening.over()
     if (signal.aborted || answer instanceof Refusal) {
       if (this.abort?.signal === signal) this.pending = merged(pending, this.pending)
       return eventOf(answer)
     }
-    this.told = wanted
+    this.sent = wanted
     this.last = answer
     this.tell({ shown: answer })
     void this.send()
@@ -192,14 +192,14 @@ export class View {
   private async send(): Promise<void> {
     if (this.busy) return
     this.busy = true
-    while (this.abort && this.known.shown && (Object.keys(this.pending).length > 0 || this.told !== this.wanted)) {
+    while (this.abort && this.known.shown && (Object.keys(this.pending).length > 0 || this.sent !== this.wanted)) {
       const { wanted, abort } = this
-      const change = { ...this.pending, ...(this.told === wanted ? {} : wanted) }
+      const change = { ...this.pending, ...(this.sent === wanted ? {} : wanted) }
       this.pending = {}
       const answer = await changeView(this.run, this.key, change, 0, abort.signal).catch(refusedFor)
       if (this.abort !== abort) break
-      if (!(answer instanceof Refusal)) this.told = wanted
-      else if (answer.status === 422) this.told = wanted // a repetition would be refused again
+      if (!(answer instanceof Refusal)) this.sent = wanted
+      else if (answer.status === 422) this.sent = wanted // a repetition would be refused again
       else {
         this.pending = merged(change, this.pending)
         this.hurry() // the listening loop detects the problem
@@ -244,7 +244,7 @@ export class View {
   }
 }
 
-const refusedFor = (error: unknown): Refusal => (error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.'))
+export const refusedFor = (error: unknown): Refusal => (error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.'))
 
 const placeOf = ({ time, camera }: ViewState): Place => ({ time, ...(camera && { camera }) })
 

@@ -22,8 +22,8 @@ describe('the address', () => {
   })
 
   it('is taken for no more than the campaign has', () => {
-    const asked = { whatif: 'F9', set: ['vehicle.m:60', 'vehicle.mass:5', 'vehicle.J:wide', 'vehicle.J:'] }
-    expect(readWhatIf(asked, known)).toEqual({ like: 'nominal', set: { 'vehicle.m': 6 }, seed: null })
+    const address = { whatif: 'F9', set: ['vehicle.m:60', 'vehicle.mass:5', 'vehicle.J:wide', 'vehicle.J:'] }
+    expect(readWhatIf(address, known)).toEqual({ like: 'nominal', set: { 'vehicle.m': 6 }, seed: null })
   })
 })
 

@@ -14,7 +14,7 @@ export interface WhatIf {
   seed: number | null
 }
 
-type Asked = Pick<ChosenSearch, 'whatif' | 'set' | 'noise'>
+type Address = Pick<ChosenSearch, 'whatif' | 'set' | 'noise'>
 type Known = Pick<RunData, 'parameters' | 'findings'>
 
 /** Clips to the bounds with a rounding tolerance: a finding may exceed a bound by a last digit, and stays bit-identical. */
@@ -27,7 +27,7 @@ const clamped = (parameter: UncertainParameter, value: number): number =>
   within(parameter, value) ? value : Math.min(parameter.high, Math.max(parameter.low, value))
 
 /** Parses an address; null without an open what-if. Unknown parameters are ignored. */
-export function readWhatIf({ whatif, set, noise }: Asked, { parameters, findings }: Known): WhatIf | null {
+export function readWhatIf({ whatif, set, noise }: Address, { parameters, findings }: Known): WhatIf | null {
   if (whatif === undefined) return null
   const like = findings.some(({ label }) => label === whatif) ? whatif : NOMINAL
   const found: Record<string, number> = {}
@@ -40,7 +40,7 @@ export function readWhatIf({ whatif, set, noise }: Asked, { parameters, findings
 }
 
 /** Encodes it for an address at full precision, so that a copied link gives the same flight. */
-export function written(whatIf: WhatIf | null): Asked {
+export function written(whatIf: WhatIf | null): Address {
   if (!whatIf) return { whatif: undefined, set: undefined, noise: undefined }
   const set = Object.entries(whatIf.set).map(([path, value]) => `${path}:${String(value)}`)
   return { whatif: whatIf.like, set: set.length > 0 ? set : undefined, noise: whatIf.seed ?? undefined }

@@ -2,7 +2,7 @@
 import { IconBell, IconBellFilled } from '@tabler/icons-react'
 import { useState } from 'react'
 import { type Asked, toggleRun, useWanted } from '../../page/notify'
-import buttons from '../../ui/buttons.module.css'
+import { Button } from '../../ui/Button'
 
 const WHY: Record<Exclude<Asked, 'granted'>, string> = {
   denied: 'Blocked by the browser’s settings for this site.',
@@ -15,16 +15,10 @@ export function Bell({ run }: { run: string }) {
   return (
     <>
       {answer !== 'granted' && <span className="small bad-t">{WHY[answer]}</span>}
-      <button
-        type="button"
-        className={buttons.btn}
-        aria-pressed={on}
-        onClick={() => void toggleRun(run).then(setAnswer)}
-        title="Browser notification when this run ends"
-      >
+      <Button aria-pressed={on} onClick={() => void toggleRun(run).then(setAnswer)} title="Browser notification when this run ends">
         {on ? <IconBellFilled className="i s" aria-hidden /> : <IconBell className="i s" aria-hidden />}
         {on ? 'Will notify' : 'Notify me'}
-      </button>
+      </Button>
     </>
   )
 }

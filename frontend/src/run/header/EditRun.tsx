@@ -1,5 +1,4 @@
 // Edits pin, name and tags of a run; its campaign never changes.
-import { clsx } from 'clsx'
 import { TagsInput } from '@mantine/core'
 import { IconPencil, IconPin, IconPinnedFilled } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
@@ -8,10 +7,10 @@ import { useBarredFromOwn } from '../../api/may'
 import { facetsQuery } from '../../api/queries'
 import type { RunDetail } from '../../client'
 import { useEdit } from './useEdit'
+import { Field, Form } from '../../ui/Form'
 import { Modal } from '../../ui/Modal'
 import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
 
 export function EditRun({ run }: { run: RunDetail }) {
   const [open, setOpen] = useState(false)
@@ -41,14 +40,14 @@ export function EditRun({ run }: { run: RunDetail }) {
       >
         {run.pinned ? <IconPinnedFilled className="i s" aria-hidden /> : <IconPin className="i s" aria-hidden />}
       </button>
-      <Modal opened={open} onClose={() => setOpen(false)} title="Name and tags" centered lockScroll={false}>
-        {open && <Form run={run} onDone={() => setOpen(false)} />}
+      <Modal opened={open} onClose={() => setOpen(false)} title="Name and tags">
+        {open && <EditForm run={run} onDone={() => setOpen(false)} />}
       </Modal>
     </span>
   )
 }
 
-function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
+function EditForm({ run, onDone }: { run: RunDetail; onDone: () => void }) {
   const [name, setName] = useState(run.name)
   const [tags, setTags] = useState<string[]>(run.tags)
   // Text typed as a tag is added when the form is sent. Adding it on blur would move the button
@@ -59,24 +58,15 @@ function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
   const known = useQuery(facetsQuery).data?.tags.map((tag) => tag.value) ?? []
   const wrong = all.filter((tag) => !/^[\p{L}\p{N}_.+-]{1,40}$/u.test(tag))
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        edit.mutate({ name: name.trim(), tags: all })
-      }}
+    <Form
+      sent={edit}
+      onSend={() => edit.mutate({ name: name.trim(), tags: all })}
+      send="Save"
+      leave="Leave as it is"
+      onLeave={onDone}
+      off={wrong.length > 0 || !name.trim()}
     >
-      <label className={fields.lbl}>
-        Name
-        <input
-          className={fields.inp}
-          value={name}
-          maxLength={120}
-          required
-          data-autofocus
-          onChange={(event) => setName(event.target.value)}
-        />
-      </label>
+      <Field label="Name" value={name} maxLength={120} required data-autofocus onChange={setName} />
       <TagsInput
         label="Tags"
         labelProps={{ className: fields.lbl }}
@@ -94,15 +84,6 @@ function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
       {wrong.length > 0 && (
         <p className={fields.ferr}>A tag consists of letters, digits and . _ + -, at most 40 of them: {wrong.join(', ')}</p>
       )}
-      {edit.isError && <p className={fields.ferr}>{edit.error.message}</p>}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onDone}>
-          Leave as it is
-        </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.p)} disabled={edit.isPending || wrong.length > 0 || !name.trim()}>
-          Save
-        </button>
-      </div>
-    </form>
+    </Form>
   )
 }

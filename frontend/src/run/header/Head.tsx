@@ -1,5 +1,4 @@
 // The header of a run's page: identity, state, actions.
-import { clsx } from 'clsx'
 import { IconPlayerStop, IconRefresh } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -14,6 +13,8 @@ import { ExportMenu } from '../../exports/ExportMenu'
 import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
 import { dayAndClock, moment } from '../../format/time'
+import { Button } from '../../ui/Button'
+import { Form } from '../../ui/Form'
 import { Tags } from '../../ui/Card'
 import { outcomeOf, VerdictBadge } from '../../ui/VerdictBadge'
 import { Modal } from '../../ui/Modal'
@@ -22,7 +23,6 @@ import { EditRun } from './EditRun'
 import { Remove } from './Removed'
 import badges from '../../ui/badges.module.css'
 import buttons from '../../ui/buttons.module.css'
-import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import runStyles from '../run.module.css'
 
@@ -116,8 +116,8 @@ function Labels({ labels }: { labels: RunDetail['labels'] }) {
 
 /** What its criterion is evidence for; each leads to its row of the matrix. */
 function Requirements({ run }: { run: RunDetail }) {
-  const given = asCampaign(run.campaign).criterion.requirements ?? []
-  const stated = given.flatMap((one) => (typeof one === 'object' && one?.id ? [{ id: one.id, text: one.text }] : []))
+  const requirements = asCampaign(run.campaign).criterion.requirements ?? []
+  const stated = requirements.flatMap((one) => (typeof one === 'object' && one?.id ? [{ id: one.id, text: one.text }] : []))
   if (stated.length === 0) return null
   return (
     <span data-testid="requirements" className={runStyles.labels}>
@@ -155,37 +155,22 @@ function Cancel({ run }: { run: RunDetail }) {
   const barred = useBarredFromOwn('engineer', run)
   return (
     <>
-      <button
-        type="button"
-        className={clsx(buttons.btn, buttons.danger)}
+      <Button
+        danger
+        icon={IconPlayerStop}
         disabled={cancelling || over || barred !== undefined}
         title={over ? 'This run has ended.' : barred}
         onClick={() => setAsking(true)}
       >
-        <IconPlayerStop className="i s" aria-hidden />
         {cancelling ? 'Cancelling …' : 'Cancel run'}
-      </button>
-      <Modal
-        opened={asking && !cancelling && !over}
-        onClose={() => setAsking(false)}
-        title={`Cancel ${run.id}?`}
-        centered
-        // The library locks scrolling by a style element, which the security policy could refuse.
-        lockScroll={false}
-      >
-        <p className="sec">
-          The {count(run.evaluations)} completed evaluations are stored. A cancelled run has no verdict and cannot
-          be resumed; it can be run again.
-        </p>
-        {cancel.isError && <p className={fields.ferr}>{cancel.error.message}</p>}
-        <div className={layout.acts} style={{ justifyContent: 'flex-end', marginTop: 16 }}>
-          <button type="button" className={buttons.btn} onClick={() => setAsking(false)}>
-            Keep running
-          </button>
-          <button type="button" className={clsx(buttons.btn, buttons.danger, buttons.p)} disabled={cancel.isPending} onClick={() => cancel.mutate()}>
-            Cancel run
-          </button>
-        </div>
+      </Button>
+      <Modal opened={asking && !cancelling && !over} onClose={() => setAsking(false)} title={`Cancel ${run.id}?`}>
+        <Form sent={cancel} onSend={() => cancel.mutate()} send="Cancel run" leave="Keep running" onLeave={() => setAsking(false)} danger>
+          <p className="sec">
+            The {count(run.evaluations)} completed evaluations are stored. A cancelled run has no verdict and cannot be resumed; it
+            can be run again.
+          </p>
+        </Form>
       </Modal>
     </>
   )

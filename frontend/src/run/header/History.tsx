@@ -1,15 +1,14 @@
 // The audit trail of a run, collapsed by default.
-import { clsx } from 'clsx'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getHistory } from '../../api/calls'
 import { moment } from '../../format/time'
 import { Failed } from '../../page/Trouble'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
+import { Table } from '../../ui/Table'
 import { statementOf } from './entry'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
-import tables from '../../ui/tables.module.css'
 
 const historyQuery = (run: string) =>
   queryOptions({ queryKey: ['history', run], queryFn: () => getHistory(run), staleTime: 0 })
@@ -25,34 +24,29 @@ export function History({ run }: { run: string }) {
       id="history"
       flush={open && (data?.length ?? 0) > 0}
       right={
-        <button type="button" className={clsx(buttons.btn, buttons.s)} aria-expanded={open} onClick={() => setOpen(!open)}>
-          {open ? 'Hide' : 'Show'}
-        </button>
+        <Button small aria-expanded={open} onClick={() => setOpen(!open)}>{open ? 'Hide' : 'Show'}</Button>
       }
     >
       {open && !data && !error && <p className="mut">Loading the history …</p>}
       {open && !data && error && <Failed error={error} retry={() => void refetch()} />}
       {open && data && (
-        <table className={tables.table}>
-          <thead>
-            <tr>
-              <th style={{ width: 190 }}>When</th>
-              <th style={{ width: 160 }}>User</th>
-              <th>What</th>
-            </tr>
-          </thead>
-          <tbody>
-            {data.map((entry, i) => (
-              <tr key={i}>
-                <td className="sec nw">{moment(entry.at)}</td>
-                <td className="nw">
-                  {entry.user} <span className="mut small">by {{ link: 'login link', provider: 'single sign-on' }[entry.via] ?? entry.via}</span>
-                </td>
-                <td>{statementOf(entry)}</td>
-              </tr>
-            ))}
-          </tbody>
-        </table>
+        <Table
+          rows={data}
+          columns={[
+            { head: 'When', width: 190, tone: 'sec nw', cell: ({ at }) => moment(at) },
+            {
+              head: 'User',
+              width: 160,
+              tone: 'nw',
+              cell: ({ user, via }) => (
+                <>
+                  {user} <span className="mut small">by {{ link: 'login link', provider: 'single sign-on' }[via] ?? via}</span>
+                </>
+              ),
+            },
+            { head: 'What', cell: statementOf },
+          ]}
+        />
       )}
     </Card>
   )

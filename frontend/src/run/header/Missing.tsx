@@ -3,7 +3,7 @@ import { IconAlertTriangle } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { listed } from '../data/missing'
 import type { MissingPart } from '../data/missing'
-import buttons from '../../ui/buttons.module.css'
+import { Button } from '../../ui/Button'
 import cards from '../../ui/cards.module.css'
 import layout from '../../ui/layout.module.css'
 
@@ -16,9 +16,7 @@ export function Missing({ parts }: { parts: readonly MissingPart[] }) {
       <span className={layout.wrapAny}>
         <b>This page is incomplete:</b> {listed(parts)} could not be loaded. {reasons.map((reason) => `${reason.charAt(0).toUpperCase()}${reason.slice(1)}.`).join(' ')}
       </span>
-      <button type="button" className={clsx(buttons.btn, buttons.s, layout.atend)} onClick={() => parts.forEach(({ retry }) => retry())}>
-        Try again
-      </button>
+      <Button small className={layout.atend} onClick={() => parts.forEach(({ retry }) => retry())}>Try again</Button>
     </div>
   )
 }

@@ -5,9 +5,9 @@ import { lazy, Suspense, useState } from 'react'
 import { useBarredFromOwn } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { useEdit } from './useEdit'
-import buttons from '../../ui/buttons.module.css'
 import cards from '../../ui/cards.module.css'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
@@ -37,9 +37,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string | 
       right={
         !writing &&
         run.removed === null && (
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={begin} disabled={barred !== undefined} title={barred}>
-            <IconPencil className="i s" aria-hidden /> {run.notes ? 'Edit' : 'Write'}
-          </button>
+          <Button small icon={IconPencil} onClick={begin} barred={barred}>{run.notes ? 'Edit' : 'Write'}</Button>
         )
       }
     >
@@ -71,21 +69,15 @@ export function Notes({ run, className }: { run: RunDetail; className: string | 
             <div className={cards.note} role="status">
               <b>Another user has written:</b>
               <Markdown text={run.notes} />
-              <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setRead(run.notes)}>
-                I have read it; keep mine
-              </button>
+              <Button small onClick={() => setRead(run.notes)}>I have read it; keep mine</Button>
             </div>
           )}
           <div className={layout.acts} style={{ justifyContent: 'flex-end', marginTop: 10 }}>
             <span className={clsx(layout.grow, 'small mut')}>
               {draft.length > 0.9 * MOST && `${count(MOST - draft.length)} characters left`}
             </span>
-            <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setDraft(null)}>
-              Discard
-            </button>
-            <button type="submit" className={clsx(buttons.btn, buttons.s, buttons.p)} disabled={edit.isPending || draft === run.notes}>
-              Save notes
-            </button>
+            <Button small onClick={() => setDraft(null)}>Discard</Button>
+            <Button small main type="submit" disabled={edit.isPending || draft === run.notes}>Save notes</Button>
           </div>
         </form>
       ) : run.notes.trim() ? (

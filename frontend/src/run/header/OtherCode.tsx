@@ -1,13 +1,12 @@
 // The ways on for a run that waits for the code that began it: begin it again, or continue it as a new run.
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useNavigate } from '@tanstack/react-router'
-import { clsx } from 'clsx'
 import { continueRun, restartRun } from '../../api/calls'
 import { useBarredFromOwn } from '../../api/may'
 import { putRun } from '../../api/events'
 import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
-import buttons from '../../ui/buttons.module.css'
+import { Button } from '../../ui/Button'
 import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 
@@ -25,18 +24,10 @@ export function OtherCode({ run }: { run: RunDetail }) {
   return (
     <div style={{ marginBottom: 'var(--gap)' }}>
       <div className={layout.acts}>
-        <button type="button" className={buttons.btn} disabled={busy || barred !== undefined} title={barred} onClick={() => carry.mutate()}>
-          Continue as a new run
-        </button>
-        <button
-          type="button"
-          className={clsx(buttons.btn, buttons.danger)}
-          disabled={busy || barred !== undefined}
-          title={barred}
-          onClick={() => restart.mutate()}
-        >
+        <Button disabled={busy} barred={barred} onClick={() => carry.mutate()}>Continue as a new run</Button>
+        <Button danger disabled={busy} barred={barred} onClick={() => restart.mutate()}>
           Begin again, discard {count(run.evaluations)} {run.evaluations === 1 ? 'evaluation' : 'evaluations'}
-        </button>
+        </Button>
       </div>
       {refused && (
         <p className={fields.ferr} role="alert">

@@ -8,10 +8,10 @@ import { useBarred } from '../../api/may'
 import { isLive } from '../../api/queries'
 import type { RunDetail, RunSummary } from '../../client'
 import { count } from '../../format/numbers'
+import { Button } from '../../ui/Button'
+import { Field, Form } from '../../ui/Form'
 import { Modal } from '../../ui/Modal'
-import buttons from '../../ui/buttons.module.css'
 import fields from '../../ui/fields.module.css'
-import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
 
 export const plural = (n: number): string => `${count(n)} ${n === 1 ? 'run' : 'runs'}`
@@ -46,16 +46,14 @@ export function RemoveMarked({ runs, onDone }: { runs: readonly RunSummary[]; on
   return (
     <>
       {over.length > 0 && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setAsking(true)} disabled={barred !== undefined} title={barred}>
-          <IconTrash className="i s" aria-hidden />
+        <Button small icon={IconTrash} onClick={() => setAsking(true)} barred={barred}>
           Remove {plural(over.length)}
-        </button>
+        </Button>
       )}
       {gone.length > 0 && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => restore.mutate()} disabled={restore.isPending || barred !== undefined} title={barred}>
-          <IconArrowBackUp className="i s" aria-hidden />
+        <Button small icon={IconArrowBackUp} onClick={() => restore.mutate()} disabled={restore.isPending} barred={barred}>
           Restore {plural(gone.length)}
-        </button>
+        </Button>
       )}
       {restore.isError && <span className={fields.ferr}>{restore.error.message}</span>}
       <RemoveDialog
@@ -81,7 +79,7 @@ interface RemoveDialogProps {
 export function RemoveDialog({ runs, staying = 0, opened, onClose, onDone }: RemoveDialogProps) {
   const what = runs.length === 1 && runs[0] ? runs[0].id : plural(runs.length)
   return (
-    <Modal opened={opened && runs.length > 0} onClose={onClose} title={`Remove ${what}?`} centered lockScroll={false}>
+    <Modal opened={opened && runs.length > 0} onClose={onClose} title={`Remove ${what}?`}>
       {opened && <RemoveForm runs={runs} staying={staying} onClose={onClose} onDone={onDone} />}
     </Modal>
   )
@@ -99,51 +97,36 @@ function RemoveForm({ runs, staying, onClose, onDone }: Omit<RemoveDialogProps, 
     },
   })
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        remove.mutate()
-      }}
+    <Form
+      sent={remove}
+      onSend={() => remove.mutate()}
+      send={`Remove ${runs.length === 1 ? 'run' : plural(runs.length)}`}
+      leave={runs.length === 1 ? 'Keep it' : 'Keep them'}
+      onLeave={onClose}
+      danger
+      off={!reason.trim()}
     >
       <p className="sec">
         {runs.length === 1 ? 'It leaves' : 'They leave'} every list, count and search. Results, history and address stay, and
         removal can be undone until the run is purged.
       </p>
-      {runs.length > 1 && (
-        <ul className={clsx(lists.listed, 'small sec')}>
-          {runs.slice(0, 8).map((run) => (
-            <li key={run.id}>
-              <span className="mono">{run.id}</span> {run.name}
-            </li>
-          ))}
-          {runs.length > 8 && <li>and {count(runs.length - 8)} more</li>}
-        </ul>
-      )}
+      {runs.length > 1 && <RunNames runs={runs} />}
       {Boolean(staying) && (
         <p className="small sec">{plural(staying ?? 0)} of the selection still running: cancel first to remove them.</p>
       )}
-      <label className={fields.lbl}>
-        Reason
-        <textarea
-          className={clsx(fields.inp, fields.area)}
-          value={reason}
-          maxLength={400}
-          rows={2}
-          required
-          data-autofocus
-          onChange={(event) => setReason(event.target.value)}
-        />
-      </label>
-      {remove.isError && <p className={fields.ferr}>{remove.error.message}</p>}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <button type="button" className={buttons.btn} onClick={onClose}>
-          {runs.length === 1 ? 'Keep it' : 'Keep them'}
-        </button>
-        <button type="submit" className={clsx(buttons.btn, buttons.danger, buttons.p)} disabled={remove.isPending || !reason.trim()}>
-          Remove {runs.length === 1 ? 'run' : plural(runs.length)}
-        </button>
-      </div>
-    </form>
+      <Field label="Reason" value={reason} maxLength={400} rows={2} required data-autofocus onChange={setReason} />
+    </Form>
   )
 }
+
+/** The first of the runs that a dialog is about. */
+export const RunNames = ({ runs }: { runs: readonly RunSummary[] }) => (
+  <ul className={clsx(lists.listed, 'small sec')}>
+    {runs.slice(0, 8).map((run) => (
+      <li key={run.id}>
+        <span className="mono">{run.id}</span> {run.name}
+      </li>
+    ))}
+    {runs.length > 8 && <li>and {count(runs.length - 8)} more</li>}
+  </ul>
+)

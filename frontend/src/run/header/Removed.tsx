@@ -6,6 +6,7 @@ import { useState } from 'react'
 import { useBarred } from '../../api/may'
 import type { RunDetail } from '../../client'
 import { moment } from '../../format/time'
+import { Button } from '../../ui/Button'
 import { Digests } from '../../ui/Digests'
 import { RemoveDialog, useRestore } from './Removal'
 import { History } from './History'
@@ -19,10 +20,7 @@ export function Remove({ run }: { run: RunDetail }) {
   const barred = useBarred('admin')
   return (
     <>
-      <button type="button" className={buttons.btn} onClick={() => setAsking(true)} disabled={barred !== undefined} title={barred}>
-        <IconTrash className="i s" aria-hidden />
-        Remove
-      </button>
+      <Button icon={IconTrash} onClick={() => setAsking(true)} barred={barred}>Remove</Button>
       <RemoveDialog runs={[run]} opened={asking} onClose={() => setAsking(false)} />
     </>
   )
@@ -38,15 +36,9 @@ export function Removed({ run }: { run: RunDetail }) {
         <b>Removed from the lists</b> by {run.removed_by}, {run.removed !== null && moment(run.removed)}: {run.removed_reason}
         {restore.isError && <span className={fields.ferr}> {restore.error.message}</span>}
       </span>
-      <button
-        type="button"
-        className={clsx(buttons.btn, buttons.s, layout.atend)}
-        onClick={() => restore.mutate()}
-        disabled={restore.isPending || barred !== undefined}
-        title={barred}
-      >
-        <IconArrowBackUp className="i s" aria-hidden /> Restore
-      </button>
+      <Button small icon={IconArrowBackUp} className={layout.atend} onClick={() => restore.mutate()} disabled={restore.isPending} barred={barred}>
+        Restore
+      </Button>
     </div>
   )
 }

@@ -1,13 +1,12 @@
 // Global sensitivity: Morris' elementary effects and Sobol indices, one row per parameter.
-import { clsx } from 'clsx'
 import type { SensitivityResult } from '../../client'
 import { count, NONE, percent, plain } from '../../format/numbers'
 import { words } from '../../format/spans'
 import { Card } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
-import type { RunData } from '../data/data'
-import tables from '../../ui/tables.module.css'
+import { type Column, Table } from '../../ui/Table'
+import type { RunData, UncertainParameter } from '../data/data'
 
 interface IndicesCardProps {
   data: RunData
@@ -15,32 +14,20 @@ interface IndicesCardProps {
   className: string | undefined
 }
 
-interface Column {
-  name: string
-  values: Map<string, string>
-}
-
 export function IndicesCard({ data, result, className }: IndicesCardProps) {
   const { run, parameters } = data
   const { morris, sobol } = result
-  const effects = (name: 'mu' | 'mu_star' | 'sigma') =>
-    new Map((morris?.indices ?? []).map((row) => [row.path, plain(row[name], 3)]))
-  const shares = (name: 'first' | 'total') =>
-    new Map((sobol?.indices ?? []).map((row) => [row.path, spread(row[name], row[`${name}_confidence`])]))
-  const columns: Column[] = [
-    ...(morris?.indices
-      ? [
-          { name: 'μ', values: effects('mu') },
-          { name: 'μ*', values: effects('mu_star') },
-          { name: 'σ', values: effects('sigma') },
-        ]
-      : []),
-    ...(sobol?.indices
-      ? [
-          { name: 'First order', values: shares('first') },
-          { name: 'Total', values: shares('total') },
-        ]
-      : []),
+  const effects = (head: string, name: 'mu' | 'mu_star' | 'sigma'): Column<UncertainParameter> => {
+    const values = new Map((morris?.indices ?? []).map((row) => [row.path, plain(row[name], 3)]))
+    return { head, num: true, cell: ({ path }) => values.get(path) ?? NONE }
+  }
+  const fractions = (head: string, name: 'first' | 'total'): Column<UncertainParameter> => {
+    const values = new Map((sobol?.indices ?? []).map((row) => [row.path, spread(row[name], row[`${name}_confidence`])]))
+    return { head, num: true, cell: ({ path }) => values.get(path) ?? NONE }
+  }
+  const columns = [
+    ...(morris?.indices ? [effects('μ', 'mu'), effects('μ*', 'mu_star'), effects('σ', 'sigma')] : []),
+    ...(sobol?.indices ? [fractions('First order', 'first'), fractions('Total', 'total')] : []),
   ]
   return (
     <Card
@@ -64,32 +51,12 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
       }
     >
       {columns.length > 0 ? (
-        <table className={clsx(tables.table, tables.tight)}>
-          <thead>
-            <tr>
-              <th>Parameter</th>
-              {columns.map((column) => (
-                <th key={column.name} className="num">
-                  {column.name}
-                </th>
-              ))}
-            </tr>
-          </thead>
-          <tbody>
-            {parameters.map((parameter) => (
-              <tr key={parameter.path} title={parameter.text}>
-                <td>
-                  <Sign text={parameter.symbol} path={parameter.path} />
-                </td>
-                {columns.map((column) => (
-                  <td key={column.name} className="num">
-                    {column.values.get(parameter.path) ?? NONE}
-                  </td>
-                ))}
-              </tr>
-            ))}
-          </tbody>
-        </table>
+        <Table
+          tight
+          rows={parameters}
+          row={({ text }) => ({ title: text })}
+          columns={[{ head: 'Parameter', cell: ({ symbol, path }) => <Sign text={symbol} path={path} /> }, ...columns]}
+        />
       ) : (
         <p className="sec">No index was computed.</p>
       )}

@@ -4,8 +4,9 @@ import { useQuery } from '@tanstack/react-query'
 import { lazy, Suspense, useState } from 'react'
 import { componentsQuery } from '../../api/queries'
 import type { RunComponents, RunDetail } from '../../client'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
-import buttons from '../../ui/buttons.module.css'
+import { Digest } from '../../ui/Digests'
 import cards from '../../ui/cards.module.css'
 import layout from '../../ui/layout.module.css'
 import lists from '../../ui/lists.module.css'
@@ -23,14 +24,12 @@ export function Components({ run, className }: { run: RunDetail; className: stri
       className={className}
       id="components"
       right={
-        <button type="button" className={clsx(buttons.btn, buttons.s)} aria-expanded={open} onClick={() => setOpen(!open)}>
-          {open ? 'Hide' : 'Show'}
-        </button>
+        <Button small aria-expanded={open} onClick={() => setOpen(!open)}>{open ? 'Hide' : 'Show'}</Button>
       }
     >
       <div className={layout.stack}>
-        <Origin told={data} />
-        <Code told={data} />
+        <Origin record={data} />
+        <Code record={data} />
         {open && (
           <Suspense>
             <Described catalogue={data.catalogue} />
@@ -45,20 +44,20 @@ export function Components({ run, className }: { run: RunDetail; className: stri
 const sameCode = ({ code, code_installed, code_changes }: RunComponents) =>
   code !== null && code === code_installed && code_changes.length === 0
 
-function Code({ told }: { told: RunComponents }) {
-  const { code, code_installed: installed, code_changes: modules } = told
+function Code({ record }: { record: RunComponents }) {
+  const { code, code_installed: installed, code_changes: modules } = record
   if (!code)
     return <p className="sec">No code digest is stored with this run, so its code cannot be compared with the installed one.</p>
   if (!installed)
     return (
       <p className="sec">
-        Simulated by code <Digest of={code} />. No worker has published the code that is installed now.
+        Simulated by code <Digest of={code} first={12} />. No worker has published the code that is installed now.
       </p>
     )
-  if (sameCode(told))
+  if (sameCode(record))
     return (
       <p className="sec">
-        Simulated by code <Digest of={code} />, the code installed now.
+        Simulated by code <Digest of={code} first={12} />, the code installed now.
       </p>
     )
   return (
@@ -69,7 +68,7 @@ function Code({ told }: { told: RunComponents }) {
             'The components have changed since this run. '
           ) : (
             <>
-              The code differs: <Digest of={code} /> simulated this run, <Digest of={installed} /> is installed now.{' '}
+              The code differs: <Digest of={code} first={12} /> simulated this run, <Digest of={installed} first={12} /> is installed now.{' '}
             </>
           )}
           The same campaign may give other results.
@@ -87,14 +86,8 @@ function Code({ told }: { told: RunComponents }) {
 
 const MOST = 8
 
-const Digest = ({ of }: { of: string }) => (
-  <span className="mono" title={of}>
-    {of.slice(0, 12)}
-  </span>
-)
-
-function Origin({ told }: { told: RunComponents }) {
-  const { digest, catalogue, changes } = told
+function Origin({ record }: { record: RunComponents }) {
+  const { digest, catalogue, changes } = record
   if (!digest)
     return (
       <p className="sec">
@@ -105,11 +98,7 @@ function Origin({ told }: { told: RunComponents }) {
   return (
     <>
       <p className="sec">
-        Stored with the run, from Clearance {catalogue.version}: sha256{' '}
-        <span className="mono" title={digest}>
-          {digest.slice(0, 16)}
-        </span>
-        .{changes.length === 0 && (sameCode(told) ? ' The installed components are the same.' : ' The installed texts are the same.')}
+        Stored with the run, from Clearance {catalogue.version}: sha256 <Digest of={digest} />.{changes.length === 0 && (sameCode(record) ? ' The installed components are the same.' : ' The installed texts are the same.')}
       </p>
       {changes.length > 0 && (
         <div className={clsx(cards.note, cards.warn)}>

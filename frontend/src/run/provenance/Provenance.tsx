@@ -1,5 +1,4 @@
 // Provenance: everything needed to reproduce the numbers, and the campaign as a file.
-import { clsx } from 'clsx'
 import { IconDownload } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -9,10 +8,10 @@ import type { Provenance as Origin, RunDetail, Versions } from '../../client'
 import { plain } from '../../format/numbers'
 import { moment } from '../../format/time'
 import { idOfComponent } from '../../help/links'
+import { Button } from '../../ui/Button'
 import { Card } from '../../ui/Card'
 import { CopyButton, save } from '../../ui/files'
 import type { RunData } from '../data/data'
-import buttons from '../../ui/buttons.module.css'
 import lists from '../../ui/lists.module.css'
 import styles from './provenance.module.css'
 
@@ -40,9 +39,9 @@ export function Provenance({ data, className }: { data: RunData; className: stri
       right={
         <>
           <CopyButton text={() => JSON.stringify(all, null, 2)}>Copy as JSON</CopyButton>
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => download.mutate()} disabled={download.isPending}>
-            <IconDownload className="i s" aria-hidden /> Campaign file
-          </button>
+          <Button small icon={IconDownload} onClick={() => download.mutate()} disabled={download.isPending}>
+            Campaign file
+          </Button>
         </>
       }
     >
@@ -97,6 +96,8 @@ const hash = (text: string | null | undefined) => (
   </span>
 )
 
+const mono = (version: string | null) => <span className="mono">{version ?? 'not recorded'}</span>
+
 function flightRows(data: RunData, origin: Origin): Rows {
   const { run, campaign } = data
   return [
@@ -143,24 +144,9 @@ function machineRows({ run, campaign }: RunData, origin: Origin): Rows {
   const { cpu } = origin
   const packages = Object.entries(origin.packages)
   return [
-    [
-      'Clearance',
-      <span key="v" className="mono">
-        {origin.clearance ?? 'not recorded'}
-      </span>,
-    ],
-    [
-      'Python',
-      <span key="p" className="mono">
-        {origin.python ?? 'not recorded'}
-      </span>,
-    ],
-    ...packages.map(([name, version]): Rows[number] => [
-      name,
-      <span key={name} className="mono">
-        {version}
-      </span>,
-    ]),
+    ['Clearance', mono(origin.clearance)],
+    ['Python', mono(origin.python)],
+    ...packages.map(([name, version]): Rows[number] => [name, mono(version)]),
     [
       'Processor',
       <span key="m" title={cpu?.features}>

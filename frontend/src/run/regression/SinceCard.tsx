@@ -13,13 +13,13 @@ import { clsx } from 'clsx'
 import type { FindingChange, Regression } from '../../client'
 import { decimalsFor, plain, signed } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
-import { Card, NumHead } from '../../ui/Card'
+import { Card } from '../../ui/Card'
 import { Spans } from '../../ui/Spans'
+import { type Column, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { useAddress } from '../data/useAddress'
 import badges from '../../ui/badges.module.css'
 import buttons from '../../ui/buttons.module.css'
-import tables from '../../ui/tables.module.css'
 import styles from './regression.module.css'
 
 type Standing = FindingChange['standing']
@@ -48,7 +48,7 @@ export function SinceCard({ data, className }: SinceProps) {
   if (!regression && !run.baseline) return null
   if (!regression) {
     const why = run.baseline?.run ? ' The run has no verdict, so nothing was compared.' : ''
-    return <Without sentence={`${run.baseline?.sentence ?? ''}${why}`} className={className} />
+    return <Without reason={`${run.baseline?.sentence ?? ''}${why}`} className={className} />
   }
   return (
     <Card
@@ -58,17 +58,17 @@ export function SinceCard({ data, className }: SinceProps) {
       id="since"
       flush
       right={<Policy regression={regression} />}
-      footer={<Told regression={regression} />}
+      footer={<Conclusion regression={regression} />}
     >
       <Changes unit={run.unit} regression={regression} choose={(label) => change({ finding: label === 'F1' ? undefined : label })} />
     </Card>
   )
 }
 
-function Without({ sentence: told, className }: { sentence: string; className: string | undefined }) {
+function Without({ reason, className }: { reason: string; className: string | undefined }) {
   return (
     <Card title="Since the baseline" className={className} id="since">
-      <p className="sec">{told}</p>
+      <p className="sec">{reason}</p>
     </Card>
   )
 }
@@ -82,13 +82,13 @@ function Policy({ regression: { ok } }: { regression: Regression }) {
   )
 }
 
-function Told({ regression }: { regression: Regression }) {
+function Conclusion({ regression }: { regression: Regression }) {
   const lost = regression.cases.filter(({ standing }) => standing === 'not compared')
-  const asked = regression.fail_on.map((word) => word.replace('_', ' ')).join(', ')
+  const policy = regression.fail_on.map((word) => word.replace('_', ' ')).join(', ')
   return (
     <>
       <Spans spans={regression.statement} /> {lost.map((each, i) => <Spans key={i} spans={[...sentence(each.statement), words(' ')]} />)}
-      {asked ? `The policy fails on: ${asked}.` : 'The policy fails on nothing.'} A finding that is new may also be one that
+      {policy ? `The policy fails on: ${policy}.` : 'The policy fails on nothing.'} A finding that is new may also be one that
       the search of the baseline missed.
     </>
   )
@@ -114,65 +114,53 @@ export function Changes({ unit, regression, choose }: ChangesProps) {
   ) : (
     <span className={styles.folder}>{regression.run}</span>
   )
+  const margin = (key: 'margin_before' | 'margin_again' | 'margin', head: string, title: string): Column<FindingChange> => ({
+    head,
+    title,
+    unit,
+    tone: ({ [key]: value }) => value != null && value <= 0 && 'b bad-t',
+    cell: ({ [key]: value }) => signed(value ?? null, decimals),
+  })
   return (
-    <table className={clsx(tables.table, tables.tight)}>
-      <thead>
-        <tr>
-          <th>Change</th>
-          <th>In {named}</th>
-          <th>Here</th>
-          <NumHead unit={unit} title="The margin in the baseline, to the threshold of this run">Margin there</NumHead>
-          <NumHead unit={unit} title="The finding of the baseline, evaluated on this model">Same case here</NumHead>
-          <NumHead unit={unit} title="The lowest margin known in its basin on this model">Lowest here</NumHead>
-          <NumHead unit={unit}>Change</NumHead>
-          <NumHead unit={unit} title="A change up to this is no change">Tolerance</NumHead>
-        </tr>
-      </thead>
-      <tbody>
-        {cases.map((change, i) => (
-          <Row key={i} choose={choose} change={change} decimals={decimals} smallest={smallest} />
-        ))}
-      </tbody>
-    </table>
+    <Table
+      tight
+      rows={cases}
+      row={({ standing, parameters }) => ({ 'data-standing': standing, title: parametersText(parameters) })}
+      columns={[
+        { head: 'Change', cell: (change) => <Status change={change} /> },
+        { head: <>In {named}</>, tone: 'mono', cell: ({ before }) => before ?? <span className="mut">none</span> },
+        { head: 'Here', cell: ({ now }) => <Here now={now} choose={choose} /> },
+        margin('margin_before', 'Margin there', 'The margin in the baseline, to the threshold of this run'),
+        margin('margin_again', 'Same case here', 'The finding of the baseline, evaluated on this model'),
+        margin('margin', 'Lowest here', 'The lowest margin known in its basin on this model'),
+        { head: 'Change', unit, tone: 'b', cell: ({ change }) => signed(change ?? null, smallest) },
+        { head: 'Tolerance', unit, title: 'A change up to this is no change', tone: 'mut', cell: ({ tolerance }) => plain(tolerance ?? null, 2) },
+      ]}
+    />
   )
 }
 
-interface RowProps extends Pick<ChangesProps, 'choose'> {
-  change: FindingChange
-  decimals: number
-  smallest: number
+const parametersText = (parameters: FindingChange['parameters']): string =>
+  Object.entries(parameters).map(([path, value]) => `${path} = ${plain(value, 9)}`).join('\n')
+
+function Status({ change: { standing, fails } }: { change: FindingChange }) {
+  const { word, tone, Icon } = LOOK[standing]
+  return (
+    <>
+      <span className={badges.vd} data-tone={tone}>
+        <Icon className="i" aria-hidden />
+        {word}
+      </span>{' '}
+      {fails && <span className={clsx('small bad-t', styles.fails)}>fails</span>}
+    </>
+  )
 }
 
-function Row({ choose, change, decimals, smallest }: RowProps) {
-  const { word, tone, Icon } = LOOK[change.standing]
-  const parameters = Object.entries(change.parameters).map(([path, value]) => `${path} = ${plain(value, 9)}`)
-  const margin = (value: number | null | undefined) => (
-    <td className={value != null && value <= 0 ? 'num b bad-t' : 'num'}>{signed(value ?? null, decimals)}</td>
-  )
+function Here({ now, choose }: Pick<FindingChange, 'now'> & Pick<ChangesProps, 'choose'>) {
+  if (!now) return <span className="mut">no finding</span>
   return (
-    <tr data-standing={change.standing} title={parameters.join('\n')}>
-      <td>
-        <span className={badges.vd} data-tone={tone}>
-          <Icon className="i" aria-hidden />
-          {word}
-        </span>{' '}
-        {change.fails && <span className={clsx('small bad-t', styles.fails)}>fails</span>}
-      </td>
-      <td className="mono">{change.before ?? <span className="mut">none</span>}</td>
-      <td>
-        {change.now ? (
-          <button type="button" className={clsx(buttons.linkbtn, 'mono')} onClick={() => choose(change.now ?? '')} title={`Show ${change.now}`}>
-            {change.now}
-          </button>
-        ) : (
-          <span className="mut">no finding</span>
-        )}
-      </td>
-      {margin(change.margin_before)}
-      {margin(change.margin_again)}
-      {margin(change.margin)}
-      <td className="num b">{signed(change.change ?? null, smallest)}</td>
-      <td className="num mut">{plain(change.tolerance ?? null, 2)}</td>
-    </tr>
+    <button type="button" className={clsx(buttons.linkbtn, 'mono')} onClick={() => choose(now)} title={`Show ${now}`}>
+      {now}
+    </button>
   )
 }

@@ -3,15 +3,14 @@ import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { EvaluationFailure } from '../../client'
 import { count, decimalsFor, fixed } from '../../format/numbers'
-import { unitText } from '../../format/units'
-import { Card, NumHead } from '../../ui/Card'
+import { Button } from '../../ui/Button'
+import { Card } from '../../ui/Card'
 import { CopyButton } from '../../ui/files'
-import { Sign } from '../../ui/Sign'
+import { hiddenHead, Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
+import { parameterColumns } from '../parameters/columns'
 import { countsOf, MEANING, startsYaml } from './failed'
-import buttons from '../../ui/buttons.module.css'
 import layout from '../../ui/layout.module.css'
-import tables from '../../ui/tables.module.css'
 import styles from './search.module.css'
 
 const FIRST = 12
@@ -35,9 +34,9 @@ export function Failures({ data, className }: { data: RunData; className: string
           <span className={layout.row} style={{ justifyContent: 'space-between' }}>
             {count(shown.length)} of {count(total)} shown
             {failures.length < total && `; the first ${failures.length} are shown here; the CSV file contains all`}
-            <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => setAll(!all)}>
+            <Button small onClick={() => setAll(!all)}>
               {all ? `Show the first ${FIRST}` : `Show ${count(failures.length)}`}
-            </button>
+            </Button>
           </span>
         )
       }
@@ -50,51 +49,29 @@ export function Failures({ data, className }: { data: RunData; className: string
           </li>
         ))}
       </ul>
-      <table className={clsx(tables.table, tables.tight)}>
-        <thead>
-          <tr>
-            <th>Stage</th>
-            <th className="num">Evaluation</th>
-            <th>Status</th>
-            <th>Reason</th>
-            {data.parameters.map((p) => (
-              <NumHead key={p.path} unit={unitText(p.unit)} title={p.text}>
-                <Sign text={p.symbol} path={p.path} />
-              </NumHead>
-            ))}
-            <th>
-              <span className="sr">Copy</span>
-            </th>
-          </tr>
-        </thead>
-        <tbody>
-          {shown.map((failure) => (
-            <Row key={`${failure.position}-${failure.index}`} data={data} failure={failure} />
-          ))}
-        </tbody>
-      </table>
+      <Table
+        tight
+        rows={shown}
+        by={({ position, index }) => `${position}-${index}`}
+        columns={[
+          { head: 'Stage', tone: 'nw', cell: ({ position }) => stageTitle(data, position) },
+          { head: 'Evaluation', num: true, tone: 'sec', cell: ({ index }) => count(index + 1) },
+          { head: 'Status', tone: 'nw', cell: ({ status }) => MEANING[status].word },
+          { head: 'Reason', tone: clsx('sec', styles.reason), cell: ({ reason }) => reason },
+          ...parameterColumns<EvaluationFailure>(data.parameters, ({ parameters }, p) => fixed(parameters[p.path], decimalsFor([p.low, p.high], 5)), 'text'),
+          {
+            head: hiddenHead('Copy'),
+            tone: 'num',
+            cell: ({ parameters }) => <CopyButton text={() => startsYaml(parameters)}>Copy as YAML</CopyButton>,
+          },
+        ]}
+      />
     </Card>
   )
 }
 
-function Row({ data, failure }: { data: RunData; failure: EvaluationFailure }) {
-  const { run, parameters, catalogue } = data
-  const stage = run.stages.find((s) => s.position === failure.position)
+function stageTitle({ run, catalogue }: RunData, position: number) {
+  const stage = run.stages.find((each) => each.position === position)
   const title = catalogue?.methods.find((method) => method.name === stage?.method)?.title ?? stage?.method
-  return (
-    <tr>
-      <td className="nw">{title ?? run.plan.find(({ kind }) => kind === stage?.kind)?.title ?? stage?.kind}</td>
-      <td className="num sec">{count(failure.index + 1)}</td>
-      <td className="nw">{MEANING[failure.status].word}</td>
-      <td className={clsx('sec', styles.reason)}>{failure.reason}</td>
-      {parameters.map((p) => (
-        <td key={p.path} className="num">
-          {fixed(failure.parameters[p.path], decimalsFor([p.low, p.high], 5))}
-        </td>
-      ))}
-      <td className="num">
-        <CopyButton text={() => startsYaml(failure.parameters)}>Copy as YAML</CopyButton>
-      </td>
-    </tr>
-  )
+  return title ?? run.plan.find(({ kind }) => kind === stage?.kind)?.title ?? stage?.kind
 }

@@ -1,19 +1,18 @@
 // Comparison of the methods: results, effort, and how each ended.
-import { clsx } from 'clsx'
 import { LIMITS } from '../../api/rules'
 import { resultOf } from '../../api/stages'
 import type { Compared, Member } from '../../client'
 import { count, decimalsApart, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { words } from '../../format/spans'
 import { HelpLink } from '../../help/links'
-import { Card, NumHead, Progress } from '../../ui/Card'
+import { Card, Progress } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
 import { useMethodLook } from '../../ui/methods'
 import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
+import { type Column, Table } from '../../ui/Table'
 import { rateOf, type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
 import layout from '../../ui/layout.module.css'
-import tables from '../../ui/tables.module.css'
 import styles from './search.module.css'
 
 export function MethodsTable({ data, className, id }: { data: RunData; className: string | undefined; id?: string }) {
@@ -40,85 +39,91 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
       right={<HelpLink to="/help/methods">What each method does</HelpLink>}
       footer={over ? <Ends searches={searches} /> : undefined}
     >
-      <table className={clsx(tables.table, tables.tight, styles.dense)}>
-        <thead>
-          <tr>
-            <th>Method</th>
-            {!over && <th>Budget used</th>}
-            <th className="num">Evaluations</th>
-            <NumHead unit={run.unit}>Best <Sign text={run.quantity || 'value'} /></NumHead>
-            <NumHead unit={run.unit}>Above best</NumHead>
-            {whole && <NumHead unit={run.unit} className={layout.hideN}>Margin</NumHead>}
-            <NumHead unit="evaluation">Best at</NumHead>
-            {compared && (
-              <>
-                <NumHead unit="at evaluation">Within {percent(LIMITS.same_cost, 1)}</NumHead>
-                <NumHead unit={`of ${data.findings.length}`}>Findings</NumHead>
-                <th title="The finding whose basin contains the method's best evaluation">Best is in</th>
-              </>
-            )}
-            {failed && <th className="num">Failed</th>}
-            {excluded && <th className="num">Excluded</th>}
-            <th className="num">Time</th>
-            <NumHead unit="1/s" title="Evaluations per second of its time" className={layout.hideN}>Rate</NumHead>
-          </tr>
-        </thead>
-        <tbody>
-          {searches.map(({ stage, title }) => (
-            <tr key={stage.position} data-method={stage.method}>
-              <td>
-                <MethodName method={stage.method} title={title} />
-              </td>
-              {!over && (
-                <td style={{ width: 110 }}>
-                  <Progress
-                    share={stage.evaluations / Math.max(1, stage.planned)}
-                    colour={`var(${methodLook(stage.method).colour})`}
-                    label={`${title}, share of its budget`}
-                  />
-                </td>
-              )}
-              <td className="num sec">{count(stage.evaluations)}</td>
-              <td className={stage.best === best ? 'num b' : 'num'}>{fixed(stage.best, decimals)}</td>
-              <td className="num sec">
-                {stage.best === null ? NONE : stage.best === best ? 'best' : signed(stage.best - best, decimals)}
-              </td>
-              {whole && (
-                <td className={clsx(layout.hideN, 'num sec')}>
-                  {stage.best === null || run.threshold === null ? NONE : signed(stage.best - run.threshold, decimals)}
-                </td>
-              )}
-              <td className="num sec">{stage.best_index === null ? NONE : count(stage.best_index + 1)}</td>
-              {compared && (
-                <Reached row={compared.find((c) => c.position === stage.position)} basins={validation?.encounter !== null} />
-              )}
-              {failed && <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>}
-              {excluded && <td className={stage.excluded > 0 ? 'num b' : 'num sec'}>{count(stage.excluded)}</td>}
-              <td className="num sec" title={stage.state === 'waiting' ? undefined : `${plain(stage.seconds)} s`}>
-                {stage.state === 'waiting' ? NONE : duration(stage.seconds)}
-              </td>
-              <td className={clsx(layout.hideN, 'num sec')} title={`${count(stage.evaluations)} evaluations in ${plain(stage.seconds)} s`}>
-                {plain(rateOf(stage), 3)}
-              </td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
+      <Table
+        tight
+        className={styles.dense}
+        rows={searches}
+        row={({ stage }) => ({ 'data-method': stage.method })}
+        columns={[
+          { head: 'Method', cell: ({ stage, title }) => <MethodName method={stage.method} title={title} /> },
+          !over && {
+            head: 'Budget used',
+            width: 110,
+            cell: ({ stage, title }) => (
+              <Progress
+                share={stage.evaluations / Math.max(1, stage.planned)}
+                colour={`var(${methodLook(stage.method).colour})`}
+                label={`${title}, share of its budget`}
+              />
+            ),
+          },
+          { head: 'Evaluations', num: true, tone: 'sec', cell: ({ stage }) => count(stage.evaluations) },
+          {
+            head: <>Best <Sign text={run.quantity || 'value'} /></>,
+            unit: run.unit,
+            tone: ({ stage }) => stage.best === best && 'b',
+            cell: ({ stage }) => fixed(stage.best, decimals),
+          },
+          {
+            head: 'Above best',
+            unit: run.unit,
+            tone: 'sec',
+            cell: ({ stage }) => (stage.best === null ? NONE : stage.best === best ? 'best' : signed(stage.best - best, decimals)),
+          },
+          whole && {
+            head: 'Margin',
+            unit: run.unit,
+            className: layout.hideN,
+            tone: 'sec',
+            cell: ({ stage }) => (stage.best === null || run.threshold === null ? NONE : signed(stage.best - run.threshold, decimals)),
+          },
+          { head: 'Best at', unit: 'evaluation', tone: 'sec', cell: ({ stage }) => (stage.best_index === null ? NONE : count(stage.best_index + 1)) },
+          ...(compared ? comparedColumns(compared, data.findings.length, validation?.encounter !== null) : []),
+          failed && lossColumn('Failed', 'failed'),
+          excluded && lossColumn('Excluded', 'excluded'),
+          {
+            head: 'Time',
+            num: true,
+            tone: 'sec',
+            tip: ({ stage }) => (stage.state === 'waiting' ? undefined : `${plain(stage.seconds)} s`),
+            cell: ({ stage }) => (stage.state === 'waiting' ? NONE : duration(stage.seconds)),
+          },
+          {
+            head: 'Rate',
+            unit: '1/s',
+            title: 'Evaluations per second of its time',
+            className: layout.hideN,
+            tone: 'sec',
+            tip: ({ stage }) => `${count(stage.evaluations)} evaluations in ${plain(stage.seconds)} s`,
+            cell: ({ stage }) => plain(rateOf(stage), 3),
+          },
+        ]}
+      />
     </Card>
   )
 }
 
+const lossColumn = (head: string, key: 'failed' | 'excluded'): Column<SearchStage> => ({
+  head,
+  num: true,
+  tone: ({ stage }) => (stage[key] > 0 ? 'b' : 'sec'),
+  cell: ({ stage }) => count(stage[key]),
+})
+
 /** Evaluations until a method was near the best known value, and how many findings it found independently. */
-function Reached({ row, basins }: { row: Compared | undefined; basins: boolean }) {
-  return (
-    <>
-      <td className="num sec">{row?.to_near_best == null ? 'not reached' : count(row.to_near_best)}</td>
-      <td className="num sec" title={row?.findings.join(', ')}>
-        {count(row?.findings.length)}
-      </td>
-      <td className={row?.basin ? 'sec' : 'unk-t'}>{basinText(row, basins)}</td>
-    </>
-  )
+function comparedColumns(compared: readonly Compared[], findings: number, basins: boolean): Column<SearchStage>[] {
+  const of = ({ stage }: SearchStage) => compared.find(({ position }) => position === stage.position)
+  const near = (row: Compared | undefined) => (row?.to_near_best == null ? 'not reached' : count(row.to_near_best))
+  return [
+    { head: `Within ${percent(LIMITS.same_cost, 1)}`, unit: 'at evaluation', tone: 'sec', cell: (search) => near(of(search)) },
+    { head: 'Findings', unit: `of ${findings}`, tone: 'sec', tip: (search) => of(search)?.findings.join(', '), cell: (search) => count(of(search)?.findings.length) },
+    {
+      head: 'Best is in',
+      title: "The finding whose basin contains the method's best evaluation",
+      tone: (search) => (of(search)?.basin ? 'sec' : 'unk-t'),
+      cell: (search) => basinText(of(search), basins),
+    },
+  ]
 }
 
 /** The finding whose basin contains a method's best. Earlier versions stored neither basins nor the encounter. */

@@ -98,7 +98,7 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
     figures: ended
       ? `${count(flown)} done`
       : begun
-        ? ofPlanned(kind.kind, flown, planned)
+        ? ofPlanned(kind, flown, planned)
         : isLive(run)
           ? 'waiting'
           : 'not started',
@@ -108,10 +108,10 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
   }
 }
 
-/** The budget of validation is an estimate: how many worst cases there are is not known in advance. */
-function ofPlanned(kind: string, flown: number, planned: number): string {
+/** A budget may be an estimate: how many worst cases there are is not known in advance. */
+function ofPlanned({ estimated }: StageSummary, flown: number, planned: number): string {
   if (flown > planned) return `${count(flown)} done`
-  return `${count(flown)} of ${kind === 'validate' ? 'about ' : ''}${count(planned)}`
+  return `${count(flown)} of ${estimated ? 'about ' : ''}${count(planned)}`
 }
 
 /** A stage that ended by its own rule is complete, even with budget left. */

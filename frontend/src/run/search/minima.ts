@@ -47,7 +47,7 @@ export const basinsOf = (validation: ValidateResult | null, position: number): r
   validation?.comparison.find((row) => row.position === position)?.minima ?? []
 
 /** Fraction of every range below which two minima are one. */
-export const distanceOf = (told: Gathered | null | undefined): number => told?.distance ?? 0.03
+export const distanceOf = (gathered: Gathered | null | undefined): number => gathered?.distance ?? 0.03
 
 /** 1, 3 to 7, 9 */
 export function rangesText(numbers: readonly number[]): string {

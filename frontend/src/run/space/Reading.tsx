@@ -5,11 +5,11 @@ import { Fragment } from 'react'
 import type { EvaluationFailure } from '../../client'
 import { count, decimalsFor, plain, signed } from '../../format/numbers'
 import { unitText } from '../../format/units'
+import { Button } from '../../ui/Button'
 import { Sign } from '../../ui/Sign'
 import type { WhatIfState } from '../flight/useWhatIf'
 import { againOf } from './again'
 import { FATES, type Space } from './space'
-import buttons from '../../ui/buttons.module.css'
 import styles from './space.module.css'
 
 interface Props {
@@ -51,16 +51,10 @@ export function Reading({ space, at, lowest, simulated, failures, whatIf, onStep
         ))}
       </p>
       <div className={styles.ranges}>
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onStep(-1)}>
-          Lower value
-        </button>
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onStep(1)}>
-          Higher value
-        </button>
+        <Button small onClick={() => onStep(-1)}>Lower value</Button>
+        <Button small onClick={() => onStep(1)}>Higher value</Button>
         {onPick && (
-          <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={() => onPick(at)}>
-            {flies ? 'Simulate' : 'Use its values'}
-          </button>
+          <Button small onClick={() => onPick(at)}>{flies ? 'Simulate' : 'Use its values'}</Button>
         )}
         {whatIf && (
           <span role="status" aria-label={flies ? 'Simulated again' : 'Evaluated again'}>

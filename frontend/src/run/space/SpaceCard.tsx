@@ -11,6 +11,7 @@ import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import type { RunData } from '../data/data'
 import { useTheme } from '../../theme/useTheme'
+import { Button } from '../../ui/Button'
 import { Seg } from '../../ui/Card'
 import { NOMINAL } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
@@ -24,8 +25,8 @@ import { Reading } from './Reading'
 import { Scatter } from './Scatter'
 import { type Axis, type Brush, brushed, brushOf, brushTexts, criterionAxis, evaluationOf, FATES, keptOf, parametersAt, parametersOf, rankedFrom, type Space, spaceOf, VALUE, valueAxis, worstOf } from './space'
 import { Toggles } from './Toggles'
+import { Select } from '../../ui/Select'
 import buttons from '../../ui/buttons.module.css'
-import fields from '../../ui/fields.module.css'
 import layout from '../../ui/layout.module.css'
 import styles from './space.module.css'
 
@@ -53,16 +54,16 @@ export function SpaceCard({ data, className, whatIf, onPick }: Props) {
     const titleOf = ({ method, kind }: EvaluationSeries) =>
       catalogue?.methods.find((m) => m.name === method)?.title ?? method ?? kind.charAt(0).toUpperCase() + kind.slice(1)
     // Stages stored by an older version have only the deciding criterion.
-    const told = evaluations?.stages.every((series) => further.every(({ name }) => series.further[name])) ? further : []
-    const axes = [value, ...told.map((c) => criterionAxis(evaluations, c)), ...parameters.map((p) => ({ ...p, key: p.path }))]
+    const criteria = evaluations?.stages.every((series) => further.every(({ name }) => series.further[name])) ? further : []
+    const axes = [value, ...criteria.map((c) => criterionAxis(evaluations, c)), ...parameters.map((p) => ({ ...p, key: p.path }))]
     return spaceOf({ evaluations, axes, titleOf, most: MOST })
   }, [evaluations, parameters, catalogue, further, run.quantity, run.unit, run.threshold])
   const [brush, setBrush] = useAddressedBrush(run.id, space.axes)
   const [hidden, toggle] = useHidden()
   const [over, setOver] = useState<number | null>(null)
   const [first = 1, second = 2] = parametersOf(space.axes)
-  const [asked, setPair] = useState<readonly [number, number] | null>(null)
-  const pair = asked ?? ([first, second] as const)
+  const [chosenPair, setPair] = useState<readonly [number, number] | null>(null)
+  const pair = chosenPair ?? ([first, second] as const)
   const by = Math.max(0, space.axes.findIndex(({ key }) => key === address.by))
   const kept = useMemo(() => keptOf(space, brush, hidden), [space, brush, hidden])
   const worst = useMemo(() => worstOf(space, kept), [space, kept])
@@ -158,10 +159,10 @@ export function SpaceCard({ data, className, whatIf, onPick }: Props) {
 
 /** The ranges, also in the address, so that a copied link shows the same. */
 function useAddressedBrush(id: string, axes: readonly Axis[]) {
-  const [{ brush: asked }, change] = useAddress(id)
-  const [brush, setBrush] = useState<Brush>(() => brushOf(asked ?? [], axes))
+  const [{ brush: stored }, change] = useAddress(id)
+  const [brush, setBrush] = useState<Brush>(() => brushOf(stored ?? [], axes))
   const texts = brushTexts(brush).join(' ')
-  const there = asked?.join(' ') ?? ''
+  const there = stored?.join(' ') ?? ''
   useEffect(() => {
     if (texts === there) return
     // The address is updated after the range stops changing.
@@ -214,9 +215,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
         )
       })}
       {ranged.length > 0 && (
-        <button type="button" className={clsx(buttons.btn, buttons.s)} onClick={onClear}>
-          Clear brush
-        </button>
+        <Button small onClick={onClear}>Clear brush</Button>
       )}
     </div>
   )
@@ -226,18 +225,15 @@ function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, nu
   const choice = (name: string, end: 0 | 1) => (
     <label className={clsx(layout.row, 'small mut')}>
       {name}
-      <select
-        className={fields.select}
+      <Select
         value={pair[end]}
-        onChange={(event) => onPair(end === 0 ? [Number(event.target.value), pair[1]] : [pair[0], Number(event.target.value)])}
-      >
-        {axes.map((axis, k) => (
-          <option key={axis.key} value={k} disabled={k === pair[end === 0 ? 1 : 0]}>
-            {symbolText(axis.symbol)}
-            {axis.unit && `, ${unitText(axis.unit)}`}
-          </option>
-        ))}
-      </select>
+        options={axes.map((axis, k) => ({
+          value: k,
+          label: `${symbolText(axis.symbol)}${axis.unit && `, ${unitText(axis.unit)}`}`,
+          disabled: k === pair[end === 0 ? 1 : 0],
+        }))}
+        onChange={(axis) => onPair(end === 0 ? [axis, pair[1]] : [pair[0], axis])}
+      />
     </label>
   )
   return (

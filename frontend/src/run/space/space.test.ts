@@ -62,12 +62,12 @@ it('puts all stages into columns', () => {
 })
 
 it('has further criteria between the value and the parameters', () => {
-  const told = { ...series(2, [3, 1, null], [1, 2, 3], ['ok', 'ok', 'failed']), further: { miss: [7, 9, null] } }
+  const judged = { ...series(2, [3, 1, null], [1, 2, 3], ['ok', 'ok', 'failed']), further: { miss: [7, 9, null] } }
   const criterion = { name: 'miss', component: 'miss', title: 'Miss', quantity: 'd', unit: 'm', worse: 'high', measured_to: '' } as const
-  const further = criterionAxis({ criteria: [criterion], stages: [told], failures: [] }, criterion)
+  const further = criterionAxis({ criteria: [criterion], stages: [judged], failures: [] }, criterion)
   expect([further.key, further.worse, further.low < 7, further.high > 9]).toEqual(['miss', 'high', true, true])
   const axes = [axis(VALUE), further, axis('a')]
-  const space = spaceOf({ evaluations: { criteria: [], stages: [told], failures: [] }, axes, titleOf: () => '', most: 10 })
+  const space = spaceOf({ evaluations: { criteria: [], stages: [judged], failures: [] }, axes, titleOf: () => '', most: 10 })
   expect([...(space.columns[1] ?? [])]).toEqual([7, 9, Number.NaN])
   expect(parametersOf(axes)).toEqual([2])
   const ink = { theme: 'light', low: 7, high: 9, axis: 1, turned: true } as const

@@ -7,8 +7,9 @@ import { asCampaign, type Campaign, type Published as PublishedValue } from '../
 import { libraryQuery } from '../../api/queries'
 import type { Minimum } from '../../client'
 import { decimalsFor, fixed, NONE, signed } from '../../format/numbers'
-import { Card, NumHead } from '../../ui/Card'
+import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
+import { Table } from '../../ui/Table'
 import { useNear } from '../../ui/useNear'
 import { type RunData, searchesOf } from '../data/data'
 import cards from '../../ui/cards.module.css'
@@ -36,7 +37,7 @@ function Changed({ campaign }: { campaign: Campaign }) {
 
 export function Published({ data, className }: { data: RunData; className: string | undefined }) {
   const { run, campaign } = data
-  const rows = campaign.published ?? []
+  const rows = (campaign.published ?? []).map((row) => ({ ...row, ours: oursFor(data, row) }))
   if (rows.length === 0) return null
   const decimals = decimalsFor(
     rows.map((row) => row.value),
@@ -51,44 +52,38 @@ export function Published({ data, className }: { data: RunData; className: strin
       footer={campaign.notes ? <Notes text={campaign.notes} /> : undefined}
     >
       <Changed campaign={campaign} />
-      <table className={clsx(tables.table, tables.tight)}>
-        <thead>
-          <tr>
-            <th>Value</th>
-            <NumHead unit={run.unit}>Published</NumHead>
-            <NumHead unit={run.unit}>Ours</NumHead>
-            <NumHead unit={run.unit}>Difference</NumHead>
-          </tr>
-        </thead>
-        <tbody>
-          {rows.map((row) => {
-            const ours = oursFor(data, row)
-            return (
-              <tr key={row.label}>
-                <td>
-                  <span className={tables.rn}>
-                    <span>{row.label}</span>
-                    <small>
-                      {[row.source, where(data, row)].filter(Boolean).map((part, i) => (
-                        <span key={i}>
-                          {i > 0 && ', '}
-                          {part}
-                        </span>
-                      ))}
-                    </small>
-                  </span>
-                </td>
-                <td className="num">{fixed(row.value, decimals)}</td>
-                <td className={ours === null ? 'num mut' : 'num b'}>
-                  {ours === null ? 'not run' : fixed(ours, decimals + 1)}
-                </td>
-                <td className="num sec">{ours === null ? NONE : signed(ours - row.value, decimals + 1)}</td>
-              </tr>
-            )
-          })}
-        </tbody>
-      </table>
+      <Table
+        tight
+        rows={rows}
+        columns={[
+          { head: 'Value', cell: (row) => <Value data={data} row={row} /> },
+          { head: 'Published', unit: run.unit, cell: ({ value }) => fixed(value, decimals) },
+          {
+            head: 'Ours',
+            unit: run.unit,
+            tone: ({ ours }) => (ours === null ? 'mut' : 'b'),
+            cell: ({ ours }) => (ours === null ? 'not run' : fixed(ours, decimals + 1)),
+          },
+          { head: 'Difference', unit: run.unit, tone: 'sec', cell: ({ ours, value }) => (ours === null ? NONE : signed(ours - value, decimals + 1)) },
+        ]}
+      />
     </Card>
+  )
+}
+
+function Value({ data, row }: { data: RunData; row: PublishedValue }) {
+  return (
+    <span className={tables.rn}>
+      <span>{row.label}</span>
+      <small>
+        {[row.source, where(data, row)].filter(Boolean).map((part, i) => (
+          <span key={i}>
+            {i > 0 && ', '}
+            {part}
+          </span>
+        ))}
+      </small>
+    </span>
   )
 }
 

@@ -5,15 +5,15 @@ import type { SpotChecks, ValidateResult, Validation, Violations } from '../../c
 import { resultOf } from '../../api/stages'
 import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { sentence, words } from '../../format/spans'
-import { Card, NumHead } from '../../ui/Card'
+import { Card } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { Spans } from '../../ui/Spans'
 import { Sign } from '../../ui/Sign'
+import { Table } from '../../ui/Table'
 import type { RunData } from '../data/data'
 import { casesOf, validatedWord } from '../data/validated'
 import badges from '../../ui/badges.module.css'
 import lists from '../../ui/lists.module.css'
-import tables from '../../ui/tables.module.css'
 import styles from './verdict.module.css'
 
 interface ValidationCardProps {
@@ -55,7 +55,7 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
             </span>
           )}
           {[result.violations, result.spot_checks].map(
-            (told, i) => told && <Spans key={i} spans={[...sentence(told.statement), words(' ')]} />,
+            (check, i) => check && <Spans key={i} spans={[...sentence(check.statement), words(' ')]} />,
           )}
           Tolerance {percent(result.tolerance)} of the value, and a tenth of the margin.{' '}
           {neighbours && (
@@ -71,23 +71,28 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
       }
     >
       {cases.length > 0 ? (
-        <table className={clsx(tables.table, tables.tight)}>
-          <thead>
-            <tr>
-              <th>Case</th>
-              <th>{repeated ? 'Evaluation' : 'Integration'}</th>
-              <NumHead unit="ms">Step</NumHead>
-              <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
-              <NumHead unit={run.unit}>Change</NumHead>
-              <NumHead unit={run.unit}>Allowed</NumHead>
-            </tr>
-          </thead>
-          <tbody>
-            {cases.map((c) => (
-              <Rows key={c.name} item={c} decimals={decimals} />
-            ))}
-          </tbody>
-        </table>
+        <Table
+          tight
+          rows={cases.flatMap(rowsOf)}
+          columns={[
+            { head: 'Case', tone: 'm', cell: (row) => <Case row={row} /> },
+            { head: repeated ? 'Evaluation' : 'Integration', tone: 'sec', cell: ({ text }) => text },
+            {
+              head: 'Step',
+              unit: 'ms',
+              tone: 'sec',
+              cell: ({ item, step }) => (step === null ? (item.again || item.repeats ? NONE : 'adaptive') : plain(step * 1000)),
+            },
+            { head: <Sign text={run.quantity || 'value'} />, unit: run.unit, cell: ({ cost }) => fixed(cost, decimals) },
+            {
+              head: 'Change',
+              unit: run.unit,
+              tone: (row) => (isOver(row) ? 'b bad-t' : 'sec'),
+              cell: (row) => `${row.change === undefined ? NONE : row.change === null ? 'no value' : signedSmall(row.change)}${isOver(row) ? ' too large' : ''}`,
+            },
+            { head: 'Allowed', unit: run.unit, tone: 'mut', cell: ({ item, change }) => (change === undefined ? '' : plain(item.allowed, 2)) },
+          ]}
+        />
       ) : (
         <p className="sec">The cases are not stored.</p>
       )}
@@ -133,47 +138,37 @@ function Again({ data: { run, stages }, repeated, violations, spots }: AgainProp
   )
 }
 
-function Rows({ item, decimals }: { item: Validation; decimals: number }) {
-  const name = item.name === 'nominal' ? 'Nominal' : item.name === 'F1' ? 'Worst, F1' : item.name
+interface Row {
+  item: Validation
+  /** Of the rows of its case. */
+  number: number
+  text: string
+  step: number | null
+  cost: number | null
+  /** Undefined for the value that the others are compared with. */
+  change?: number | null
+}
+
+/** A case as it was searched, then by each other means. */
+function rowsOf(item: Validation): Row[] {
   const { half_step: half, integrator, again, repeats } = item
   const lowest = repeats ? Math.min(...repeats.values.filter((v) => v !== null)) : NaN
-  const rows = [
-    { key: 'run', text: again || repeats ? 'As searched' : 'Run step, RK4', step: item.step, cost: item.cost, change: undefined },
-    ...(half
-      ? [{ key: 'half', text: again ? 'Half step' : 'Half step, RK4', step: half.step, cost: half.cost, change: half.difference }]
-      : []),
-    ...(integrator
-      ? [{ key: 'other', text: integrator.name, step: null, cost: integrator.cost, change: integrator.difference }]
-      : []),
-    ...(again
-      ? [{ key: 'again', text: again.name.charAt(0).toUpperCase() + again.name.slice(1), step: null, cost: again.cost, change: again.difference }]
-      : []),
-    ...(repeats
-      ? [{ key: 'repeats', text: `Lowest of ${count(repeats.values.length)} independent calls`, step: null, cost: Number.isFinite(lowest) ? lowest : null, change: undefined }]
-      : []),
+  const rows: (Omit<Row, 'item' | 'number'> | null | undefined | false)[] = [
+    { text: again || repeats ? 'As searched' : 'Run step, RK4', step: item.step, cost: item.cost },
+    half && { text: again ? 'Half step' : 'Half step, RK4', step: half.step, cost: half.cost, change: half.difference },
+    integrator && { text: integrator.name, step: null, cost: integrator.cost, change: integrator.difference },
+    again && { text: again.name.charAt(0).toUpperCase() + again.name.slice(1), step: null, cost: again.cost, change: again.difference },
+    repeats && { text: `Lowest of ${count(repeats.values.length)} independent calls`, step: null, cost: Number.isFinite(lowest) ? lowest : null },
   ]
-  return rows.map((row, i) => {
-    const over = typeof row.change === 'number' && item.allowed !== null && Math.abs(row.change) > item.allowed
-    return (
-      <tr key={row.key}>
-        <td className="m">
-          {i === 0 && name}
-          {i === 1 && <span className={item.ok ? 'small sec' : 'small unk-t'}>{validatedWord(item)}</span>}
-          {i === 2 && item.realisation !== null && (
-            <span className="small mut">noise seed {item.realisation}</span>
-          )}
-        </td>
-        <td className="sec">{row.text}</td>
-        <td className="num sec">{row.step === null ? (again || repeats ? NONE : 'adaptive') : plain(row.step * 1000)}</td>
-        <td className="num">{fixed(row.cost, decimals)}</td>
-        <td className={over ? 'num b bad-t' : 'num sec'}>
-          {row.change === undefined ? NONE : row.change === null ? 'no value' : signedSmall(row.change)}
-          {over && ' too large'}
-        </td>
-        <td className="num mut">{row.change === undefined ? '' : plain(item.allowed, 2)}</td>
-      </tr>
-    )
-  })
+  return rows.flatMap((row) => row || []).map((row, number) => ({ ...row, item, number }))
+}
+
+const isOver = ({ change, item }: Row): boolean => typeof change === 'number' && item.allowed !== null && Math.abs(change) > item.allowed
+
+function Case({ row: { item, number } }: { row: Row }) {
+  if (number === 0) return item.name === 'nominal' ? 'Nominal' : item.name === 'F1' ? 'Worst, F1' : item.name
+  if (number === 1) return <span className={item.ok ? 'small sec' : 'small unk-t'}>{validatedWord(item)}</span>
+  return number === 2 && item.realisation !== null && <span className="small mut">noise seed {item.realisation}</span>
 }
 
 /** A signed difference with two significant digits. */

@@ -74,7 +74,7 @@ def test_a_capsule_contains_the_finding_exactly(capsule: Path) -> None:
     found, arrays = read(capsule)
     worst = min(store.findings, key=lambda finding: finding.cost)
     assert found.finding == worst
-    assert found.asked == campaign
+    assert found.specification == campaign
     assert found.origin.sentence == store.verdict.sentence if store.verdict else None
     for name in ("nominal", "F1"):
         assert arrays[name].tobytes() == np.ascontiguousarray(store.traces[name].data).tobytes()

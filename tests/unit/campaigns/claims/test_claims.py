@@ -96,10 +96,10 @@ def test_earlier_words_stay_as_they_are(text: str) -> None:
 
 def test_earlier_results_are_read_with_symbols_and_units() -> None:
     stored = {"rectangles": 9, "lower_bound": 0.1, "gap": 0.2, "text": "d_min lies nowhere below 0.1 m"}
-    asked: list[int] = []
+    calls: list[int] = []
 
     def terms() -> earlier.Terms:
-        asked.append(1)
+        calls.append(1)
         return TERMS
 
     read = Gap.model_validate(earlier.spoken(stored, terms))
@@ -107,7 +107,7 @@ def test_earlier_results_are_read_with_symbols_and_units() -> None:
     assert [span.kind for span in read.statement] == ["symbol", "text", "quantity"]
     assert Gap.model_validate(stored).text == stored["text"], "without a look at the campaign the words alone"
     assert earlier.spoken(read.model_dump(), terms) == read.model_dump(), "what has spans stays"
-    assert asked == [1]
+    assert calls == [1]
     nested = {"stop": {"kind": "rule", "text": "ended"}, "curves": [{"values": [1.0, 2.0]}]}
     assert earlier.spoken(nested, terms)["stop"]["statement"] == [{"kind": "text", "text": "ended"}]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from typing import Any
 from xml.etree import ElementTree as Xml
 
@@ -16,10 +15,11 @@ from campaigns.asked.load import load_document
 from campaigns.asked.problem import CampaignError
 from campaigns.asked.spec import seedless
 from campaigns.results import Finding, Verdict
-from campaigns.results.baseline import BaselineResult, Reevaluated
 from campaigns.results.baselines import CannotCompare, with_baseline
 from campaigns.results.regression import FindingChange, Regression, Standing
+from campaigns.results.stage import Reevaluated
 from campaigns.results.verdict import VerdictWord
+from campaigns.stages.baseline import BaselineResult
 from clearance.cli._ended import EndedRun, code, exit_sentence
 from clearance.cli._junit import junit
 from clearance.cli._markdown import markdown
@@ -59,8 +59,10 @@ def compared(
     ]  # fmt: skip
     found = [given.finding(cost).model_copy(update={"label": f"F{i}"}) for i, cost in enumerate(now, 1)]
     validated = given.validation(since=list(since))
-    made = given.evidence(validation=validated, finding=found[0] if found else None, others=found[1:])
-    made = replace(made, baseline=BaselineResult(run="R-0001", cases=cases))
+    made = given.evidence(
+        baseline=BaselineResult(run="R-0001", cases=cases), validation=validated, finding=found[0] if found else None,
+        others=found[1:],
+    )  # fmt: skip
     result = regression(Problem(asked(*before, **changes)), made)
     assert result is not None
     return result
@@ -145,8 +147,8 @@ def test_the_tolerance_is_the_largest_of_what_cannot_be_resolved() -> None:
     floor = one(0.84, 0.84 - 5e-7, 0.84)
     assert (floor.standing, floor.tolerance) == (Standing.SAME, pytest.approx(0.94e-6))
     cases = [Reevaluated(label="F1", index=0, parameters=AT, point=[1.0, 1.0], status="ok", cost=0.83)]
-    noisy = given.evidence(validation=given.validation(since=[None]), finding=None)
-    noisy = replace(noisy, baseline=BaselineResult(run="R-0001", cases=cases))
+    baseline = BaselineResult(run="R-0001", cases=cases)
+    noisy = given.evidence(baseline=baseline, validation=given.validation(since=[None]), finding=None)
     found = regression(Problem(asked(0.84, difference=0.02)), noisy)
     assert found is not None
     assert (found.cases[0].standing, found.cases[0].tolerance) == (Standing.SAME, 0.02)

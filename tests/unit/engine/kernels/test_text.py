@@ -7,6 +7,8 @@ import linecache
 import sys
 import traceback
 import types
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
 from clearance.testing.problems import Problem
 from tests.given.assembled_loops import check, parts, vector
+from tests.given.reference_in_python import part
 from worker.engine.kernels import maths
 from worker.engine.reference import compiled
 from worker.engine.systems.closed_loop import assemble
@@ -105,21 +108,21 @@ def test_the_reference_calls_the_platforms_functions(name: str, monkeypatch: pyt
         if event == "call" and frame.f_code in codes:
             polynomials[codes[frame.f_code]] += 1
 
-    def asked(library: bool) -> Any:
+    def flown(function: Callable[[str], Any]) -> Any:
         sys.setprofile(watch)
         try:
             with np.errstate(over="ignore"):
-                held = loop.part("guide", library)(0.0, x, g, p)
-                return loop.part("closed_loop", library)(0.0, x, held, p)
+                guidance = function("guide")(0.0, x, g, p)
+                return function("closed_loop")(0.0, x, guidance, p)
         finally:
             sys.setprofile(None)
 
-    slope, channels = asked(library=False)
+    slope, channels = flown(loop.part)
     expected = polynomials.copy()
     assert expected[maths.sincos] > 3
     assert not any(calls.values())
     polynomials.update(dict.fromkeys(calls, 0))
-    other_slope, other_channels = asked(library=True)
+    other_slope, other_channels = flown(partial(part, loop))
     assert calls == expected
     assert not any(polynomials.values())
     assert other_slope == pytest.approx(slope, rel=1e-9, abs=1e-9)

@@ -18,7 +18,7 @@ from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results import NominalResult
 from campaigns.results.base import EXCLUDED
-from campaigns.results.baseline import BaselineResult
+from campaigns.stages.baseline import BaselineResult
 from clearance.cli import VIOLATED, WRONG_INPUT, invoke
 from clearance.testing.problems import Problem
 from clearance.testing.searching import Function, batch
@@ -40,11 +40,11 @@ PLAN = [StagePlan("nominal", None, 1), StagePlan("baseline", None, 2), StagePlan
 CORNER = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 
 
-def asked(*cases: dict[str, Any], **changes: Any) -> Campaign:
+def against(*cases: dict[str, Any], **changes: Any) -> Campaign:
     """Case 1 with a baseline of these findings; label and cost are added."""
     listed = [{"label": f"F{i}", "cost": 0.9, **case} for i, case in enumerate(cases, 1)]
-    given = {"run": "R-0001", "digest": "0" * 64, "threshold": 0.5, "cases": listed}
-    return campaign(baseline=given, **changes)
+    baseline = {"run": "R-0001", "digest": "0" * 64, "threshold": 0.5, "cases": listed}
+    return campaign(baseline=baseline, **changes)
 
 
 def context(made: Campaign, function: Function) -> Context:
@@ -76,10 +76,10 @@ def ran(made: Context) -> BaselineResult:
 
 
 def test_a_finding_is_evaluated_at_its_own_bits() -> None:
-    made = context(asked({"parameters": CORNER}), flat)
+    made = context(against({"parameters": CORNER}), flat)
     point = np.array([0.123456789012345, 1.0 / 3.0])
     exact = made.problem.named(point)
-    made = context(asked({"parameters": exact, "point": point.tolist()}, {"parameters": CORNER}), flat)
+    made = context(against({"parameters": exact, "point": point.tolist()}, {"parameters": CORNER}), flat)
     result = ran(made)
     stored = made.store.evaluations(1)
     assert stored is not None
@@ -99,7 +99,7 @@ def test_a_finding_is_evaluated_at_its_own_bits() -> None:
     ],
 )
 def test_parameters_that_cannot_be_had_are_named(parameters: dict[str, float], statement: str) -> None:
-    made = context(asked({"parameters": parameters}, {"parameters": CORNER}), flat)
+    made = context(against({"parameters": parameters}, {"parameters": CORNER}), flat)
     result = ran(made)
     lost, found = result.cases
     assert (lost.index, lost.cost, lost.parameters) == (None, None, parameters)
@@ -109,7 +109,7 @@ def test_parameters_that_cannot_be_had_are_named(parameters: dict[str, float], s
 
 
 def test_a_parameter_that_is_fixed_at_its_value_and_one_that_is_new() -> None:
-    made = context(asked({"parameters": {"vehicle.m": 6.0, "avoider.d_0": 2.0}}), flat)
+    made = context(against({"parameters": {"vehicle.m": 6.0, "avoider.d_0": 2.0}}), flat)
     result = ran(made)
     assert result.cases[0].parameters == {"vehicle.m": 6.0, "vehicle.J": 0.05}
     assert result.cases[0].assumed == ["vehicle.J"]
@@ -117,25 +117,25 @@ def test_a_parameter_that_is_fixed_at_its_value_and_one_that_is_new() -> None:
 
 
 def test_a_baseline_of_which_nothing_can_be_evaluated_says_so() -> None:
-    made = context(asked({"parameters": {"vehicle.m": 9.0}}), flat)
+    made = context(against({"parameters": {"vehicle.m": 9.0}}), flat)
     assert ran(made).text.startswith("0 of 1 findings of R-0001 evaluated; F1 was not evaluated: ")
     assert made.store.evaluations(1) is None
 
 
 def test_another_threshold_is_stated() -> None:
-    made = context(asked({"parameters": CORNER}, criterion__threshold=0.6), flat)
+    made = context(against({"parameters": CORNER}, criterion__threshold=0.6), flat)
     assert ran(made).text.endswith("; the threshold of R-0001 was 0.5 m, here it is 0.6 m")
 
 
 def test_a_case_without_a_value_has_its_reason() -> None:
-    made = context(asked({"parameters": CORNER}), flat)
+    made = context(against({"parameters": CORNER}), flat)
     made.evaluate = lambda points, seeds=None: (batch(np.full(len(points), np.nan), EXCLUDED), {0: "starts inside"})
     (case,) = ran(made).cases
     assert (case.status, case.cost, case.reason) == ("excluded", None, "starts inside")
 
 
 def test_a_resumed_stage_evaluates_nothing_again() -> None:
-    made = context(asked({"parameters": CORNER}, {"parameters": {"vehicle.m": 4.0}}), flat)
+    made = context(against({"parameters": CORNER}, {"parameters": {"vehicle.m": 4.0}}), flat)
     first = ran(made)
 
     def never(points: Floats, seeds: Any = None) -> Any:
@@ -148,7 +148,7 @@ def test_a_resumed_stage_evaluates_nothing_again() -> None:
 def test_every_case_is_followed_to_its_basin() -> None:
     problem = Problem(campaign())
     near = [problem.named(np.array(w) + 0.02) for w in (*WELLS, WELLS[0])]
-    made = context(asked(*({"parameters": parameters} for parameters in near)), two_wells)
+    made = context(against(*({"parameters": parameters} for parameters in near)), two_wells)
     ran(made)
     found = findings.Found()
     drive(made, 2, findings.search(made, 2, found), 10**5, repeats=True)
@@ -168,7 +168,7 @@ def test_more_cases_than_candidates_are_all_followed() -> None:
     many = [
         {"parameters": problem.named(np.array([x, y]))} for x in np.linspace(0, 1, 10) for y in np.linspace(0, 1, 9)
     ]
-    made = context(asked(*many), two_wells)
+    made = context(against(*many), two_wells)
     ran(made)
     gathered = findings.gather(made, 2)
     assert len(gathered) == len(many) > findings.ALL
@@ -214,15 +214,15 @@ def test_a_worse_controller_fails_and_every_other_command_reads_the_run(
     assert json.loads((tmp_path / "more" / "result.json").read_text())["regression"]["run"] == first
 
 
-def stored(engine: sa.Engine, asked: Campaign, given: str, **labels: str) -> int:
+def stored(engine: sa.Engine, launched: Campaign, request: str, **labels: str) -> int:
     """A run in a database, launched with these labels and carried out."""
     with engine.begin() as writer:
-        found = baselines.resolved(writer, asked, given) if given else baselines.Resolved(asked, None, "")
+        found = baselines.resolved(writer, launched, request) if request else baselines.Resolved(launched, None, "")
         run_id = submit(
             writer, found.campaign, name="a", tags=[], owner="", planned=1, catalogue=catalogue(), given=labels
         )
-        if given:
-            baselines.store(writer, run_id, given, found.run_id)
+        if request:
+            baselines.store(writer, run_id, request, found.run_id)
     claim = Queue(engine).claim("w")
     assert claim is not None
     execute(load_document(claim.document), RunStore(engine, claim), threads=1)
@@ -232,8 +232,8 @@ def stored(engine: sa.Engine, asked: Campaign, given: str, **labels: str) -> int
 def test_a_stored_run_is_compared_audited_and_extended(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     engine = connect(migrated(tmp_path))
     policy = {"fail_on": ["worse"], "tolerance": 0.001}
-    asked = searching(DIRECT, SQP, **SHORT, regression=policy)
-    assert stored(engine, asked, "", branch="main") == 1
+    launched = searching(DIRECT, SQP, **SHORT, regression=policy)
+    assert stored(engine, launched, "", branch="main") == 1
     slow = searching(DIRECT, SQP, **SHORT, regression=policy, scenario__avoider__parameters__k_rep=3.0)
     assert stored(engine, slow, "label:branch=main", branch="slow") == 2
     data = ["--data", str(tmp_path)]
@@ -243,7 +243,7 @@ def test_a_stored_run_is_compared_audited_and_extended(tmp_path: Path, capsys: p
     assert invoke(["run", "--continue", "R-0002", "--budget", "+20", "--threads", "1", *data]) == VIOLATED
     assert "R-0003 extends R-0002" in capsys.readouterr().out
     file = tmp_path / "good.json"
-    file.write_text(json.dumps(asked.document()))
+    file.write_text(json.dumps(launched.document()))
     assert invoke(["run", str(file), "--threads", "1", "--baseline", "label:branch=main", *data]) == 0
     assert "Baseline: R-0001, the newest run with the label branch=main." in capsys.readouterr().out
     with read(engine) as reader:
@@ -315,7 +315,7 @@ def test_drawn_noise_is_simulated_with_the_seed_of_the_baseline(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """The seed is part of the case: it is stored with it, evaluated first, and replayed."""
-    file = write(tmp_path / "noisy.json", scenario__faults=NOISE)
+    file = write(tmp_path / "noisy.json", **NOISE)
     document = json.loads(file.read_text())
     cases = [
         {"label": "F1", "parameters": CORNER, "cost": 0.9},
@@ -337,5 +337,5 @@ def test_drawn_noise_is_simulated_with_the_seed_of_the_baseline(
 
 
 def test_a_seed_without_noise_is_named() -> None:
-    made = context(asked({"parameters": CORNER, "realisation": 7}), flat)
+    made = context(against({"parameters": CORNER, "realisation": 7}), flat)
     assert ran(made).cases[0].reason == "it drew the noise seed 7, and nothing in this campaign is random"

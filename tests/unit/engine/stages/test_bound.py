@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from worker.engine.stages.parts.claims import band, bound, held, needed, order
+from worker.engine.stages.parts.claims import band, bound, confidence_of, needed, order
 
 
 @pytest.mark.parametrize("samples", [1, 2, 10, 100, 1000, 10**6])
@@ -51,7 +51,7 @@ def test_the_known_sizes_of_samples(share: float, confidence: float, size: int) 
     assert needed(share, confidence) == size
     assert order(size, share, confidence) == 1
     assert order(size - 1, share, confidence) == 0
-    assert held(1, size, share) == pytest.approx(1 - (1 - share) ** size)
+    assert confidence_of(1, size, share) == pytest.approx(1 - (1 - share) ** size)
 
 
 @pytest.mark.parametrize(("size", "r"), [(59, 1), (93, 2), (124, 3), (153, 4), (181, 5), (208, 6)])
@@ -67,14 +67,14 @@ def test_the_order_is_the_highest_that_holds(size: int, share: float) -> None:
     r = order(size, share, 0.95)
     assert 0 <= r <= size
     if r:
-        assert held(r, size, share) >= 0.95
-    assert held(r + 1, size, share) < 0.95
-    assert held(max(r, 1), size, share) == pytest.approx(stats.binom.sf(max(r, 1) - 1, size, share))
+        assert confidence_of(r, size, share) >= 0.95
+    assert confidence_of(r + 1, size, share) < 0.95
+    assert confidence_of(max(r, 1), size, share) == pytest.approx(stats.binom.sf(max(r, 1) - 1, size, share))
 
 
 def test_what_no_sample_bounds() -> None:
     assert order(0, 0.05, 0.95) == order(1000, 0.0, 0.95) == order(1000, -0.1, 0.95) == 0
-    assert held(0, 10, 0.5) == held(11, 10, 0.5) == 0.0
+    assert confidence_of(0, 10, 0.5) == confidence_of(11, 10, 0.5) == 0.0
 
 
 def test_the_band_of_the_distribution_function() -> None:

@@ -15,22 +15,22 @@ from worker.engine.stages.parts import boundary
 from worker.engine.stages.parts.base import Asking, drive
 from worker.engine.stages.parts.slices import slices
 
-Told = TypeVar("Told")
+Result = TypeVar("Told")
 
 WORST = np.array([0.0, 0.0])
 """Of d = threshold - 0.2 + u + v; nominal is (0.5, 0.5)."""
 
 
-def driven(asking: Asking[Told], flown: Any = None) -> tuple[Told, int]:
+def driven(asking: Asking[Result], flown: Any = None) -> tuple[Result, int]:
     """The result of a request with the driver, and its number of evaluations."""
-    told: list[Told] = []
+    result: list[Result] = []
 
     def search() -> Asking[str]:
-        told.append((yield from asking))
+        result.append((yield from asking))
         return "asked"
 
     done = drive(context(campaign(), flown or evaluate()), 0, search(), 10**6)
-    return told[0], done.tally.evaluations
+    return result[0], done.tally.evaluations
 
 
 def steep(u: Floats) -> Floats:
@@ -48,19 +48,19 @@ def flown(function: Any, status: Any = None) -> Any:
 
 def test_slices_pass_through_the_worst_case() -> None:
     point = np.array([0.123, 1.0])
-    told, evaluations = driven(slices(case1(), point, 5))
-    mass, inertia = told.curves
+    result, evaluations = driven(slices(case1(), point, 5))
+    mass, inertia = result.curves
     assert evaluations == 6 + 5  # the second coordinate is on the grid already
     assert mass.values == pytest.approx([4.0, 4.246, 4.5, 5.0, 5.5, 6.0])
     assert mass.costs == pytest.approx([THRESHOLD - 0.2 + 1 + u for u in (0, 0.123, 0.25, 0.5, 0.75, 1)])
     assert inertia.values == pytest.approx([0.04, 0.045, 0.05, 0.055, 0.06])
-    assert told.at == {"vehicle.m": pytest.approx(4.246), "vehicle.J": 0.06}
+    assert result.at == {"vehicle.m": pytest.approx(4.246), "vehicle.J": 0.06}
     assert mass.status == ["ok"] * 6
 
 
 def test_distances_to_the_boundary() -> None:
-    told, evaluations = driven(boundary.boundary(case1(), np.array([0.1, 0.5])), flown(steep))
-    rays = {(ray.path, ray.towards): ray for ray in told.rays}
+    result, evaluations = driven(boundary.boundary(case1(), np.array([0.1, 0.5])), flown(steep))
+    rays = {(ray.path, ray.towards): ray for ray in result.rays}
     low, high = rays["vehicle.m", "low"], rays["vehicle.J", "high"]
     assert low.share == pytest.approx(0.3, abs=1e-5)
     assert low.value == pytest.approx(4.4, abs=2e-5)
@@ -73,29 +73,29 @@ def test_distances_to_the_boundary() -> None:
         assert ray.cost <= THRESHOLD
     for ray in (rays["vehicle.m", "high"], rays["vehicle.J", "low"]):
         assert (ray.share, ray.distance, ray.kind) == (None, None, None)
-    assert told.line is not None
-    assert told.line.way == pytest.approx(0.75, abs=1e-4)
-    assert told.line.parameters is not None
-    assert told.line.parameters["vehicle.m"] == pytest.approx(4.4, abs=1e-4)
-    assert told.text.startswith("the nearest boundary along a single parameter is at vehicle.m = 4.")
-    assert "on the straight line to the worst case it is crossed at 75 % of the distance" in told.text
+    assert result.line is not None
+    assert result.line.way == pytest.approx(0.75, abs=1e-4)
+    assert result.line.parameters is not None
+    assert result.line.parameters["vehicle.m"] == pytest.approx(4.4, abs=1e-4)
+    assert result.text.startswith("the nearest boundary along a single parameter is at vehicle.m = 4.")
+    assert "on the straight line to the worst case it is crossed at 75 % of the distance" in result.text
     assert evaluations <= boundary.most(2)
 
 
 def test_a_violation_that_no_parameter_reaches_alone() -> None:
-    told, _ = driven(boundary.boundary(case1(), WORST))
-    assert all(ray.share is None for ray in told.rays)
-    assert told.line is not None
-    assert told.line.way == pytest.approx(0.8, abs=1e-4)
-    assert told.text.startswith("no violation was found along any single parameter, sampled in 20 steps; on the")
+    result, _ = driven(boundary.boundary(case1(), WORST))
+    assert all(ray.share is None for ray in result.rays)
+    assert result.line is not None
+    assert result.line.way == pytest.approx(0.8, abs=1e-4)
+    assert result.text.startswith("no violation was found along any single parameter, sampled in 20 steps; on the")
 
 
 def test_a_failed_flight_ends_a_ray_and_an_excluded_one_does_not() -> None:
     def status(u: Floats) -> Floats:
         return np.where(u[:, 0] > 0.8, FAILED, np.where((u[:, 0] < 0.4) & (u[:, 0] > 0.3), EXCLUDED, OK))
 
-    told, _ = driven(boundary.boundary(case1(), WORST), flown(steep, status))
-    rays = {(ray.path, ray.towards): ray for ray in told.rays}
+    result, _ = driven(boundary.boundary(case1(), WORST), flown(steep, status))
+    rays = {(ray.path, ray.towards): ray for ray in result.rays}
     assert rays["vehicle.m", "high"].kind == "failure"
     assert rays["vehicle.m", "high"].share == pytest.approx(0.3, abs=1e-5)
     assert rays["vehicle.m", "high"].cost is None
@@ -103,9 +103,9 @@ def test_a_failed_flight_ends_a_ray_and_an_excluded_one_does_not() -> None:
 
 
 def test_a_nominal_flight_that_violates_has_no_distance() -> None:
-    told, evaluations = driven(boundary.boundary(case1(), WORST), flown(lambda u: np.zeros(len(u))))
-    assert (told.rays, told.line) == ([], None)
-    assert told.text == "the nominal case itself violates the criterion or fails"
+    result, evaluations = driven(boundary.boundary(case1(), WORST), flown(lambda u: np.zeros(len(u))))
+    assert (result.rays, result.line) == ([], None)
+    assert result.text == "the nominal case itself violates the criterion or fails"
     assert evaluations == 1 + 5 * boundary.SAMPLES
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from worker.engine.stages.parts.noise import call_seconds, start_seconds
 from worker.engine.stages.parts.store import Columns
 
@@ -37,10 +37,10 @@ def test_a_start_is_what_a_call_in_a_fresh_process_takes_longer(slots: int, call
 
 def test_a_start_takes_no_negative_time() -> None:
     """As of noise, where each call has a process of its own anyway."""
-    told = ended(1, 0.42)
-    seconds = told.seconds.copy()
+    columns = ended(1, 0.42)
+    seconds = columns.seconds.copy()
     seconds[2 * POINTS :] = seconds[2 * POINTS - 1] + np.arange(1, POINTS + 1) * 0.1
-    assert start_seconds(Columns(told.points, told.costs, told.status, seconds, {}), POINTS, 1, 1) == 0.0
+    assert start_seconds(Columns(columns.points, columns.costs, columns.status, seconds, {}), POINTS, 1, 1) == 0.0
 
 
 def test_it_is_unknown_where_nothing_was_measured() -> None:
@@ -57,6 +57,6 @@ def test_it_is_unknown_where_nothing_was_measured() -> None:
 def test_results_of_earlier_versions_have_none_and_stay_as_they_were() -> None:
     before = {"points": 5, "evaluations": 15, "failed": 0, "identical": True, "declared": True, "by_process": False}
     before |= {"spread": 0.0, "deviation": 0.0, "seconds": 0.1, "statement": []}
-    told = Measured.model_validate(before)
-    assert (told.call_seconds, told.slots, told.start_seconds, told.recycle) == (None, None, None, None)
-    assert told.model_dump(mode="json") == {**before, "text": ""}
+    measured = Measured.model_validate(before)
+    assert (measured.call_seconds, measured.slots, measured.start_seconds, measured.recycle) == (None, None, None, None)
+    assert measured.model_dump(mode="json") == {**before, "text": ""}

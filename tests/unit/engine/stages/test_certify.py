@@ -15,6 +15,7 @@ from campaigns.stages.plan import plan
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign
 from tests.given.sampled_stages import PROBABILITY, THRESHOLD, asked, context, costs, evaluate, quantile
+from tests.given.stated_facts import Fact, facts
 from worker.engine.search.base import Floats
 from worker.engine.stages import certify
 from worker.engine.stages.parts.claims import bound
@@ -45,9 +46,64 @@ def test_what_a_sample_allows_to_claim() -> None:
     assert told.bound == expected[130]
     assert told.confidence is not None
     assert told.confidence >= 0.95
-    assert f"at most 5 % of all cases have d_min below {expected[130]:.6g} m" in found.text
-    assert "this is the 131st lowest of 3\u202f000" in found.text
-    assert f"{drawn.violations} of 3\u202f000 samples drawn from the stated distributions violate" in found.text
+    assert facts(told.statement) == [0.05, "d_min", float(f"{expected[130]:.6g}"), 0.95, 3000]
+    assert facts(drawn.statement)[:2] == [drawn.violations, 3000]
+
+
+STATED: dict[str, tuple[dict[str, Any], Any, list[Fact], str]] = {
+    "the samples and the quantile": (
+        {"samples": 3000}, None,
+        [51, 3000, 0.0214, 0.95, 0.05, "d_min", 0.596025, 0.95, 3000],
+        "51 of 3\u202f000 samples drawn from the stated distributions violate the criterion: P(violation) is at "
+        "most 2.14 % with 95 % confidence; at most 5 % of all cases have d_min below 0.596025 m, with 95 % "
+        "confidence: this is the 131st lowest of 3\u202f000",
+    ),
+    "failed evaluations": (
+        {"samples": 1000}, evaluate(failing=lambda x: x[:, 0] > 0.99),
+        [29, 1000, 8, 0.0393, 0.95, 0.05, "d_min", 0.544465, 0.95, 1000],
+        "29 of 1\u202f000 samples drawn from the stated distributions violate the criterion or failed (8 "
+        "failed): P(violation) is at most 3.93 % with 95 % confidence; at most 5 % of all cases have "
+        "d_min below 0.544465 m, with 95 % confidence: this is the 39th lowest of 1\u202f000",
+    ),
+    "a quantile among failed evaluations": (
+        {"samples": 200}, evaluate(failing=lambda x: x[:, 0] > 0.8),
+        [54, 200, 49, 0.326, 0.95, 0.05],
+        "54 of 200 samples drawn from the stated distributions violate the criterion or failed (49 "
+        "failed): P(violation) is at most 32.6 % with 95 % confidence; no bound on the 5 % quantile: "
+        "the 5th lowest of the sample is a failed evaluation",
+    ),
+    "too few samples": (
+        {"samples": 58}, None,
+        [2, 58, 0.105, 0.95, 58, 0.05, 59],
+        "2 of 58 samples drawn from the stated distributions violate the criterion: P(violation) is at most"
+        " 10.5 % with 95 % confidence; 58 samples are too few for a bound on the 5 % quantile, which needs "
+        "59",
+    ),
+    "a precondition that hardly ever holds": (
+        {"samples": 100}, evaluate(excluded=lambda x: x[:, 0] < 0.99),
+        [0, 17, 0.162, 0.95, 1983, 2000, 0.992, 17, 0.05, 59, 17, 100],
+        "0 of 17 samples drawn from the stated distributions violate the criterion: P(violation) is at most"
+        " 16.2 % with 95 % confidence; it holds only for starts above the threshold: 1\u202f983 of 2\u202f000 draws "
+        "(99.2 %) start at or below it and were excluded; 17 samples are too few for a bound on the 5 % "
+        "quantile, which needs 59; only 17 of 100 samples were not excluded",
+    ),
+    "a grid without a value": (
+        {"samples": 5, "grid": {"points": 3}}, evaluate(failing=lambda x: x[:, 0] >= 0),
+        [5, 5, 5, 1, 0.95, 5, 0.05, 59],
+        "5 of 5 samples drawn from the stated distributions violate the criterion or failed (5 "
+        "failed): P(violation) is at most 100 % with 95 % confidence; 5 samples are too few for a bound on "
+        "the 5 % quantile, which needs 59",
+    ),
+}  # fmt: skip
+"""The stage, what it evaluates, the numbers of its sentence, and its words."""
+
+
+@pytest.mark.parametrize("name", STATED)
+def test_the_sentence_of_a_certificate(name: str) -> None:
+    stage, flown, expected, words = STATED[name]
+    found = ran(stage, flown)
+    assert facts(found.statement) == expected
+    assert found.text == words
 
 
 def test_the_distribution_function_is_that_of_the_sample() -> None:
@@ -101,20 +157,20 @@ def test_a_failed_flight_is_a_violation_and_the_lowest_value() -> None:
     assert told.bound == flown[told.order - 1 - failed]
     assert drawn.distribution is not None
     assert drawn.distribution.shares[0] == pytest.approx((failed + 1) / 1000)
-    assert f"violate the criterion or failed ({failed} failed)" in found.text
+    assert facts(drawn.statement)[:3] == [drawn.violations, 1000, failed]
 
 
 def test_a_quantile_among_failed_flights_has_no_bound() -> None:
     found = quantile_of(ran({"samples": 200}, evaluate(failing=lambda x: x[:, 0] > 0.8)).sample)
     assert found.bound is None
-    assert found.text == "no bound on the 5 % quantile: the 5th lowest of the sample is a failed evaluation"
+    assert facts(found.statement) == [0.05]
 
 
 @pytest.mark.parametrize("samples", [1, 58])
 def test_a_sample_that_is_too_small_is_reported_as_such(samples: int) -> None:
     found = ran({"samples": samples})
     assert quantile_of(found.sample).bound is None
-    assert f"{samples} samples are too few for a bound on the 5 % quantile, which needs 59" in found.text
+    assert facts(quantile_of(found.sample).statement) == [samples, 0.05, 59]
     assert quantile_of(ran({"samples": 59}).sample).order == 1
 
 
@@ -133,7 +189,7 @@ def test_sampling_stops_where_the_precondition_hardly_ever_holds() -> None:
     found = ran({"samples": 100}, evaluate(excluded=lambda x: x[:, 0] < 0.99))
     assert found.evaluations == 2000
     assert found.sample.samples < 100
-    assert f"only {found.sample.samples} of 100 samples were not excluded" in found.text
+    assert facts(found.statement)[-2:] == [found.sample.samples, 100]
     nothing = ran({"samples": 50}, evaluate(excluded=lambda x: x[:, 0] >= 0))
     assert nothing.sample.upper_bound == 1.0
     assert nothing.sample.lowest is None
@@ -150,7 +206,7 @@ def test_the_probability_beyond_the_bounds_is_added() -> None:
     drawn = found.sample
     assert drawn.outside == pytest.approx(outside, abs=1e-6)
     assert drawn.upper_bound == pytest.approx(bound(drawn.violations, 1000, 0.95) + outside, abs=1e-6)
-    assert "of which 1.24 % is the probability beyond the bounds" in found.text
+    assert facts(drawn.statement)[-1] == 0.0124
     # The quantile is that of a sample of which so many more may lie below.
     order = quantile_of(drawn).order
     assert order is not None
@@ -159,6 +215,7 @@ def test_the_probability_beyond_the_bounds_is_added() -> None:
         "kind": "normal", "mean": 5, "deviation": 0.6}}})  # fmt: skip
     statement = quantile_of(certify.run(context(wide, problem=Problem(wide)), 0).result.sample)
     assert statement.bound is None
+    assert facts(statement.statement) == [0.05, 0.0956]
     assert statement.text == "no bound on the 5 % quantile: 9.56 % of the draws may be beyond the bounds"
 
 
@@ -206,7 +263,7 @@ def test_a_grid_of_which_every_evaluation_fails() -> None:
     grid = ran({"samples": 5, "grid": {"points": 3}}, evaluate(failing=lambda x: x[:, 0] >= 0)).grid
     assert grid is not None
     assert (grid.lowest, grid.failed, grid.violations) == (None, 9, 9)
-    assert "none of them could be evaluated" in grid.text
+    assert facts(grid.statement) == [3, 9, 9, 9]
 
 
 def test_the_grid_of_a_large_dimension_is_refused() -> None:

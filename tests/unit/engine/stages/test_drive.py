@@ -140,16 +140,16 @@ def test_the_budget_counts_evaluations_and_not_requests() -> None:
 
 
 def test_a_search_that_only_repeats_can_be_cancelled() -> None:
-    asked = 0
+    requests = 0
 
     def forever() -> Search:
-        nonlocal asked
+        nonlocal requests
         while True:
-            asked += 1
+            requests += 1
             yield grid(0, 3)
 
     with pytest.raises(Cancelled):
-        drive(context(Counting(), cancelled=lambda: asked > 50), 0, forever(), 100, repeats=True)
+        drive(context(Counting(), cancelled=lambda: requests > 50), 0, forever(), 100, repeats=True)
 
 
 def test_what_is_counted() -> None:
@@ -175,12 +175,12 @@ def test_nothing_that_failed_is_ever_the_best() -> None:
 def test_results_are_stored_as_they_arise(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(driver, "FLUSH_ROWS", 10)
     monkeypatch.setattr(driver, "FLUSH_SECONDS", 1e9)
-    told: list[int] = []
-    made = context(Counting(), progress=lambda position, tally: told.append(tally.evaluations))
+    counts: list[int] = []
+    made = context(Counting(), progress=lambda position, tally: counts.append(tally.evaluations))
     assert isinstance(made.store, MemoryStore)
     drive(made, 0, in_batches([4, 4, 4, 4, 4, 4]), 100)
     assert [len(c.status) for c in made.store.chunks[0]] == [12, 12]
-    assert told[:2] == [12, 24]
+    assert counts[:2] == [12, 24]
     seconds = made.store.evaluations(0)
     assert seconds is not None
     assert (np.diff(seconds.seconds) >= 0).all()
@@ -192,9 +192,9 @@ def test_long_requests_are_evaluated_in_pieces_so_that_they_are_stored_and_can_b
     with pytest.raises(Cancelled):
         drive(made, 0, in_batches([10**6]), 10**6)
     assert 2000 <= evaluate.count < 200_000
-    held = made.store.evaluations(0)
-    assert held is not None
-    assert len(held.status) == evaluate.count
+    rows = made.store.evaluations(0)
+    assert rows is not None
+    assert len(rows.status) == evaluate.count
 
 
 # Replay
@@ -225,11 +225,11 @@ def test_a_resumed_stage_evaluates_only_what_is_missing(count: int) -> None:
     assert evaluate.count == 20 - count
     same(driven, whole)
     assert [len(b.status) for b in seen] == [3, 5, 10, 2]
-    held = store.evaluations(0)
-    assert held is not None
-    assert np.array_equal(held.points, grid(0, 20))
-    assert (np.diff(held.seconds) >= 0).all()
-    assert held.reasons == {4: "no 4"}
+    rows = store.evaluations(0)
+    assert rows is not None
+    assert np.array_equal(rows.points, grid(0, 20))
+    assert (np.diff(rows.seconds) >= 0).all()
+    assert rows.reasons == {4: "no 4"}
 
 
 def same(one: Driven, other: Driven) -> None:
@@ -281,11 +281,11 @@ def test_a_batch_takes_no_longer_than_stored_rows_may_wait(
 ) -> None:
     """A simulation of half a minute is stored, shown and cancelled one by one; a fast one is given whole blocks."""
     counting = Counting()
-    asked = context(counting)
-    system = asked.problem.system
+    stage = context(counting)
+    system = stage.problem.system
     monkeypatch.setattr(system, "settings", replace(system.settings, lanes=lanes))
     monkeypatch.setattr(system, "cost", cost)
-    drive(asked, 0, in_batches([70_000]), 70_000)
+    drive(stage, 0, in_batches([70_000]), 70_000)
     assert len(counting.points[0]) == size
     assert counting.count == 70_000
     assert system.cost is not None

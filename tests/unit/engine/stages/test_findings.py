@@ -10,7 +10,6 @@ from campaigns.results import Finding, NominalResult
 from campaigns.results.finding import FoundBy
 from clearance.testing.searching import Function, batch
 from tests.given.case_campaigns import case1, searching
-from worker.engine.search.base import Space
 from worker.engine.stages import search
 from worker.engine.stages.parts import findings
 from worker.engine.stages.parts.base import Context, Driven, drive
@@ -71,8 +70,8 @@ def found_by(campaign: Campaign, function: Function, budget: int = 10**6) -> tup
 
 @pytest.mark.parametrize("method", [pytest.param(m, marks=[pytest.mark.nightly] if m in SLOW else []) for m in GLOBAL])
 def test_two_symmetric_failures_are_exactly_two_findings(method: str) -> None:
-    asked = {"method": method, "evaluations": BUDGETS.get(method, BUDGET), "options": OPTIONS.get(method, {})}
-    made, found, driven = found_by(searching(asked), two_failures)
+    request = {"method": method, "evaluations": BUDGETS.get(method, BUDGET), "options": OPTIONS.get(method, {})}
+    made, found, driven = found_by(searching(request), two_failures)
     assert driven.stop == "rule"
     assert len(found.basins) == 2
     assert sorted(tuple(np.round(b.point, 2)) for b in found.basins) == [(0.23, 0.31), (0.77, 0.69)]
@@ -84,8 +83,8 @@ def test_two_symmetric_failures_are_exactly_two_findings(method: str) -> None:
 
 
 def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
-    asked = searching({"method": "direct", "evaluations": 500}, {"method": "monte_carlo", "evaluations": 20})
-    made, found, _ = found_by(asked, two_failures)
+    campaign = searching({"method": "direct", "evaluations": 500}, {"method": "monte_carlo", "evaluations": 20})
+    made, found, _ = found_by(campaign, two_failures)
     columns = made.store.evaluations(1)
     assert columns is not None
     for basin in found.basins:
@@ -97,7 +96,7 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
             if c <= near and np.abs(p - basin.point).max() <= 0.05
         ]  # fmt: skip
         assert needed == close[0] + 1
-    told = [
+    named = [
         Finding(
             label=f"F{i}",
             cost=b.cost,
@@ -110,31 +109,33 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
         )
         for i, b in enumerate(found.basins, 1)
     ]
-    direct, sample = compare(made, told, found, ["F1", "F2"])
+    direct, sample = compare(made, named, found, ["F1", "F2"])
     assert (direct.findings, sample.findings) == (["F1", "F2"], [])
     assert direct.best == columns.costs[:, 0].min()
-    assert direct.basin == min(told, key=lambda f: f.cost).label
+    assert direct.basin == min(named, key=lambda f: f.cost).label
 
 
 def test_each_minimum_of_a_search_is_in_the_basin_of_the_finding_that_it_ended_in() -> None:
     """Descents from everywhere end in two wells, or on the plain around them, which no barrier separates from one."""
     starts = [{"vehicle.m": m, "vehicle.J": j} for m in (4.3, 4.6, 5.4, 5.6) for j in (0.046, 0.053)]
-    asked = searching({"method": "direct", "evaluations": 500}, {"method": "sqp", "evaluations": 900, "starts": starts})
-    made, found, _ = found_by(asked, two_failures)
+    campaign = searching(
+        {"method": "direct", "evaluations": 500}, {"method": "sqp", "evaluations": 900, "starts": starts}
+    )
+    made, found, _ = found_by(campaign, two_failures)
     known = [FoundBy(position=1, method="direct", evaluations=1)]
-    told = [
+    named = [
         Finding(
             label=f"F{i}", cost=b.cost, margin=b.cost - 0.5, parameters={}, point=b.point.tolist(), methods=["direct"],
             found=known, validation=None,
         )
         for i, b in enumerate(found.basins, 1)
     ]  # fmt: skip
-    direct, sqp = compare(made, told, found, ["F1", "F2"])
+    direct, sqp = compare(made, named, found, ["F1", "F2"])
     ends = made.searched[2].minima
     assert (direct.minima, len(sqp.minima)) == ([], len(ends))
     inside = [(end, of) for end, of in zip(ends, sqp.minima, strict=True) if end.cost < 0.5]
     for end, of in inside:
-        nearest = min(told, key=lambda f: float(np.abs(np.array(end.point) - f.point).max()))
+        nearest = min(named, key=lambda f: float(np.abs(np.array(end.point) - f.point).max()))
         assert of == nearest.label
     assert {of for _, of in inside} == {"F1", "F2"}, "at least one descent ended in each well"
     assert set(sqp.minima) <= {"F1", "F2", None}
@@ -145,8 +146,8 @@ def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> Non
         bump = 0.3 * np.exp(-((x - [0.8, 0.2]) ** 2).sum(axis=1) / WELL)
         return np.asarray(two_failures(x) + 0.6 - bump)
 
-    asked = searching({"method": "direct", "evaluations": 2000})
-    _, found, _ = found_by(asked, three)
+    campaign = searching({"method": "direct", "evaluations": 2000})
+    _, found, _ = found_by(campaign, three)
     nominal = float(three(case1().nominal_point[None, :])[0])
     assert all(b.cost < nominal for b in found.basins)
     _, strict, _ = found_by(searching({"method": "direct", "evaluations": 2000}), lambda x: three(x) - 0.9)
@@ -166,15 +167,15 @@ def test_neighbours_lower_a_rough_worst_case() -> None:
         grain = np.modf(np.abs(np.sin(x[:, 0] * 12345.678 + x[:, 1] * 54321.987)) * 1000.0)[0]
         return np.asarray(1.0 + ((x - 0.4) ** 2).sum(axis=1) + 1e-3 * grain)
 
-    asked = searching({"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000})
-    _, found, _ = found_by(asked, rough)
+    campaign = searching({"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000})
+    _, found, _ = found_by(campaign, rough)
     flown = [found.of(basin).neighbours for basin in found.basins]
     assert any(n is not None and n.lower_by is not None and n.lower_by > 0.0 for n in flown)
-    for told, basin in zip(flown, found.basins, strict=True):
-        assert told is not None
-        assert told.flown == 5000
+    for neighbours, basin in zip(flown, found.basins, strict=True):
+        assert neighbours is not None
+        assert neighbours.flown == 5000
         assert basin.cost == rough(basin.point[None, :])[0]
-        assert told.lower_by == 0.0 or basin.cost == told.lowest
+        assert neighbours.lower_by == 0.0 or basin.cost == neighbours.lowest
 
 
 def lowest_stored(made: Context) -> float:
@@ -196,8 +197,8 @@ def test_whatever_is_evaluated_and_lower_becomes_a_finding(seed: int) -> None:
         inside = np.abs(x - place).max(axis=1) < 1e-4
         return np.asarray(np.where(inside, 0.1 + 1e3 * np.abs(x - place).max(axis=1), cost))
 
-    asked = searching({"method": "direct", "evaluations": 200}, {"method": "genetic", "evaluations": 200})
-    made, found, driven = found_by(asked, slit)
+    campaign = searching({"method": "direct", "evaluations": 200}, {"method": "genetic", "evaluations": 200})
+    made, found, driven = found_by(campaign, slit)
     assert driven.stop == "rule"
     assert found.basins[0].cost == lowest_stored(made)
     assert found.basins[0].cost <= 0.11, "a slice met the slit"
@@ -218,8 +219,8 @@ def test_without_any_cost_there_is_no_finding() -> None:
 
 
 def test_a_spent_budget_retains_the_basins_found_and_is_reported() -> None:
-    asked = searching({"method": "direct", "evaluations": 500})
-    made, found, driven = found_by(asked, two_failures, budget=60)
+    campaign = searching({"method": "direct", "evaluations": 500})
+    made, found, driven = found_by(campaign, two_failures, budget=60)
     assert driven.stop == "budget"
     assert found.basins
     columns = made.store.evaluations(1)
@@ -228,16 +229,15 @@ def test_a_spent_budget_retains_the_basins_found_and_is_reported() -> None:
 
 
 def test_it_repeats_bit_by_bit() -> None:
-    asked = searching({"method": "direct", "evaluations": 300}, {"method": "monte_carlo", "evaluations": 100})
-    one, other = (found_by(asked, two_failures)[0].store.evaluations(3) for _ in range(2))
+    campaign = searching({"method": "direct", "evaluations": 300}, {"method": "monte_carlo", "evaluations": 100})
+    one, other = (found_by(campaign, two_failures)[0].store.evaluations(3) for _ in range(2))
     assert one is not None
     assert other is not None
     assert np.array_equal(one.points, other.points)
 
 
-def test_the_space_of_findings_has_its_own_random_numbers() -> None:
+def test_findings_have_their_own_random_numbers() -> None:
     made = context(searching({"method": "direct", "evaluations": 1}), two_failures)
-    spaces: list[Space] = [findings._space(made), findings._space(made)]
-    drawn = [s.random.random(4) for s in spaces]
+    drawn = [stream(made.campaign.seed, findings.FINDINGS_STREAM).random(4) for _ in range(2)]
     assert np.array_equal(*drawn)
     assert not np.array_equal(drawn[0], stream(made.campaign.seed, 0).random(4))

@@ -101,7 +101,7 @@ def test_a_large_front_is_thinned_and_states_its_full_size() -> None:
 
 @pytest.mark.parametrize("method", ["nsga2", "monte_carlo"])
 def test_a_run_stores_it_and_the_file_has_every_criterion(method: str, tmp_path: Path) -> None:
-    asked = campaign(
+    problem = campaign(
         stages={
             "sensitivity": {"points": 3},
             "search": [{"method": method, "evaluations": 120}],
@@ -115,13 +115,13 @@ def test_a_run_stores_it_and_the_file_has_every_criterion(method: str, tmp_path:
         scenario=CASE1["scenario"] | {"horizon": 8.0},
     )
     store = MemoryStore()
-    execute(asked, store, threads=1)
-    audited(store, asked)
+    execute(problem, store, threads=1)
+    audited(store, problem)
     result = next(s.result for s in store.stages if s.plan.method == method)
     assert isinstance(result, SearchResult)
     assert result.front is not None
     assert result.front_size == len(result.front) > 1
-    write_results(tmp_path, asked, store, {})
+    write_results(tmp_path, problem, store, {})
     rows = list(csv.DictReader((tmp_path / "evaluations.csv").read_text(encoding="utf-8").splitlines()))
     assert {"cost", "goal_miss [m]", "time_to_goal [s]"} <= rows[0].keys()
     flown = {int(r["index"]): r for r in rows if r["method"] == method}

@@ -20,8 +20,8 @@ def stored(
 ) -> Columns:
     found = run(method, function, 2, budget, options=options)
     points = found.points[:budget]
-    given = batch(function(points))
-    return Columns(points, given.costs, given.status, np.zeros(len(points)), {})
+    answer = batch(function(points))
+    return Columns(points, answer.costs, answer.status, np.zeros(len(points)), {})
 
 
 def plane(x: Floats) -> Floats:

@@ -51,10 +51,10 @@ def test_draws_are_spread_evenly_and_do_not_follow_each_other() -> None:
 
 @cache
 def ran() -> tuple[MemoryStore, Verdict, Problem]:
-    asked = noisy()
-    document = asked.document()
+    fixed = noisy()
+    document = fixed.document()
     document["stages"]["certify"] = {"samples": 120}
-    campaign = type(asked).model_validate(document)
+    campaign = type(fixed).model_validate(document)
     store = MemoryStore()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(offered, "SPOT_CHECKS", 5)
@@ -122,16 +122,16 @@ def test_evaluations_under_their_own_noise_are_apart_from_those_under_the_stated
 
 
 def test_the_realisation_that_counts_is_the_first_failed_one_or_the_lowest() -> None:
-    asked = Realisations((7, 8, 9), "worst", True, (0,))
+    realisations = Realisations((7, 8, 9), "worst", True, (0,))
     random = np.random.default_rng(4)
     status = random.choice(np.array([OK, FAILED, EXCLUDED], dtype=np.uint8), (3, 200), p=[0.7, 0.2, 0.1])
     costs = random.integers(0, 3, (3, 200)).astype(float)  # with ties: the first of them
     costs[status != OK] = np.nan
-    found = asked.counting(costs.reshape(-1, 1), status.reshape(-1))
+    found = realisations.counting(costs.reshape(-1, 1), status.reshape(-1))
     for column, seed in enumerate(found):
         failed = [k for k in range(3) if status[k, column] == FAILED]
         ok = [k for k in range(3) if status[k, column] == OK]
         row = failed[0] if failed else min(ok, key=lambda k: costs[k, column]) if ok else 0
-        assert seed == asked.seeds[row]
-        assert asked.worst(costs[:, column : column + 1], status[:, column]) == row
+        assert seed == realisations.seeds[row]
+        assert realisations.worst(costs[:, column : column + 1], status[:, column]) == row
     assert Realisations((5,), "worst", False, ()).counting(costs[0, :, None], status[0]) == [5] * 200

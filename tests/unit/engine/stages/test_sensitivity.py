@@ -96,8 +96,8 @@ def test_the_distributions_weight_the_indices() -> None:
 
 
 def test_correlations_are_ignored_and_the_result_states_it() -> None:
-    given = [{"between": ["vehicle.m", "vehicle.J"], "value": 0.9}]
-    found = shares_of(ran(lambda u: u.sum(axis=1), {"sobol": {"samples": 1024}}, correlations=given))
+    correlations = [{"between": ["vehicle.m", "vehicle.J"], "value": 0.9}]
+    found = shares_of(ran(lambda u: u.sum(axis=1), {"sobol": {"samples": 1024}}, correlations=correlations))
     assert found.indices is not None
     assert [row.first for row in found.indices] == pytest.approx([1 / 3] * 3, abs=0.03)
     assert found.text.endswith("; correlations are ignored")
@@ -117,12 +117,12 @@ def test_a_design_with_flights_that_are_missing_is_not_computed(kind: str) -> No
     study = {"points": 3, "sobol": {"samples": 64}, "morris": {"trajectories": 10}}
     lost: Any = {kind: lambda x: x[:, 0] > 0.9}
     found = sensitivity.run(context(asked({"sensitivity": study}), evaluate(**lost)), 0).result
-    for told in (shares_of(found), effects_of(found)):
-        missing = told.failed if kind == "failing" else told.excluded
+    for part in (shares_of(found), effects_of(found)):
+        missing = part.failed if kind == "failing" else part.excluded
         assert missing > 0
-        assert told.indices is None
-        assert told.text.startswith(
-            f"not computed: {missing} of {told.evaluations} evaluations failed or were excluded"
+        assert part.indices is None
+        assert part.text.startswith(
+            f"not computed: {missing} of {part.evaluations} evaluations failed or were excluded"
         )
     assert found.curves[0].status.count("ok") == 2
 

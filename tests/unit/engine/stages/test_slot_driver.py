@@ -133,9 +133,9 @@ def test_a_search_interrupted_at_any_moment_resumes_in_the_same_order(name: str)
         assert (later > moment).all(), "what ends now ends after all that had ended"
         if ended == len(whole.status):
             assert columns.points.tobytes() == whole.points.tobytes()
-        held = store.evaluations(0)
-        assert held is not None
-        assert np.array_equal(held.points, columns.points)
+        rows = store.evaluations(0)
+        assert rows is not None
+        assert np.array_equal(rows.points, columns.points)
         assert store.ahead(0) is None
 
 
@@ -165,8 +165,8 @@ def test_a_cancelled_stage_stores_what_had_ended() -> None:
             drive(context(problem, store, cancelled=cancelled), 0, in_batches([grid(5000)], []), 10_000)
         assert isinstance(problem.system, Threaded)
         begun = problem.system.begun
-    held, ahead = store.evaluations(0), store.ahead(0)
-    count = (0 if held is None else len(held.status)) + (0 if ahead is None else len(ahead.indices))
+    rows, ahead = store.evaluations(0), store.ahead(0)
+    count = (0 if rows is None else len(rows.status)) + (0 if ahead is None else len(ahead.indices))
     assert 0 < count <= begun < 5000
 
 

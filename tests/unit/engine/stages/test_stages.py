@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
-from campaigns.codes import StopCode
+from campaigns.codes import CheckCode, StopCode
 from campaigns.results import NominalResult, SearchResult, SensitivityResult, ValidateResult, Verdict
 from campaigns.results.base import Result
 from campaigns.results.verdict import NominalCost
 from tests.audited import audited
 from tests.given.case_campaigns import campaign, case1, searching
+from tests.given.verdict_evidence import check_of
 from worker.engine.reference import Reference
 from worker.engine.stages.parts.streams import stream
 from worker.running.runs.runner import execute
@@ -35,10 +36,10 @@ def ran() -> tuple[MemoryStore, Verdict]:
     return run(searching(*SEARCHES))
 
 
-def run(asked: Campaign) -> tuple[MemoryStore, Verdict]:
+def run(campaign: Campaign) -> tuple[MemoryStore, Verdict]:
     store = MemoryStore()
-    conclusion = execute(asked, store, threads=1)
-    audited(store, asked)
+    conclusion = execute(campaign, store, threads=1)
+    audited(store, campaign)
     return store, conclusion
 
 
@@ -106,7 +107,7 @@ def test_a_search_reports_its_best_point_in_the_units_of_the_parameters() -> Non
     assert (found.method, found.title, found.kind, found.sample) == ("direct", "DIRECT", "global", None)
     assert found.stop is not None
     assert (found.stop.kind, found.stop.code) == ("budget", StopCode.BUDGET)
-    assert (found.stop.text, found.stop.values) == ("used its budget of 200 evaluations", {"budget": 200})
+    assert found.stop.values == {"budget": 200}
 
 
 def test_a_local_search_reports_its_minima() -> None:
@@ -141,8 +142,8 @@ def test_the_sample_of_a_random_search() -> None:
 def test_excluded_flights_are_no_samples_and_violations_are_counted() -> None:
     uncertain = {"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}}
     changes = {"scenario__start": {"x": 3.0, "y": 3.0}, "scenario__horizon": 1.0, "criterion__threshold": 0.6}
-    asked = searching({"method": "monte_carlo", "evaluations": 400}, uncertain=uncertain, **changes)
-    store, _ = run(asked)
+    sampling = searching({"method": "monte_carlo", "evaluations": 400}, uncertain=uncertain, **changes)
+    store, _ = run(sampling)
     found = result_of(store, 2, SearchResult)
     columns = store.evaluations(2)
     assert columns is not None
@@ -171,18 +172,20 @@ def test_failed_flights_count_as_violations() -> None:
 
 
 def test_a_run_in_which_every_flight_fails_has_no_verdict() -> None:
-    asked = searching(
+    request = searching(
         {"method": "direct", "evaluations": 50},
         {"method": "sqp", "evaluations": 50},
         {"method": "monte_carlo", "evaluations": 20},
         scenario__vehicle__parameters__J=0.001, uncertain={"vehicle.m": {"plus_minus": "20%"}},
     )  # fmt: skip
-    store, conclusion = run(asked)
+    store, conclusion = run(request)
     assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
     assert conclusion.nominal == NominalCost(cost=None, margin=None)
-    assert (
-        "the nominal case was not evaluated: the vehicle left the model's envelope at t = 0.005 s" in conclusion.reason
-    )
+    nominal = check_of(CheckCode.NOMINAL, conclusion)
+    assert not nominal.ok
+    assert f": {store.traces['nominal'].meta.reason}" in nominal.text
+    assert "at t = 0.005 s" in nominal.text
+    assert nominal.text in conclusion.reason
     assert store.findings == []
     assert list(store.traces) == ["nominal"]
     assert store.traces["nominal"].meta.status == "failed"

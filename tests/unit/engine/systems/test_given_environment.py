@@ -14,16 +14,16 @@ import yaml
 from worker.engine.systems.simulators.command import CommandSimulator
 from worker.engine.systems.simulators.declared.descriptor import read
 from worker.engine.systems.simulators.declared.simulator import Opening
-from worker.engine.systems.simulators.slots.given import BEFORE, THREADS, given
+from worker.engine.systems.simulators.slots.given import BEFORE, THREADS, original
 
 PROGRAM = """
 import os
 from worker.running.processes import blas
 import numpy
 numpy.ones((400, 400)) @ numpy.ones((400, 400))
-from worker.engine.systems.simulators.slots.given import given
+from worker.engine.systems.simulators.slots.given import original
 print(len(os.listdir("/proc/self/task")), *(
-    given(os.environ).get(name, "none") for name in ("OPENBLAS_NUM_THREADS", "ELSE")
+    original(os.environ).get(name, "none") for name in ("OPENBLAS_NUM_THREADS", "ELSE")
 ))
 """
 SIMULATOR = """
@@ -43,9 +43,9 @@ def test_a_process_has_one_thread_and_knows_what_was_given(number: str) -> None:
 
 
 def test_what_was_given_is_known_to_the_processes_of_processes() -> None:
-    assert given({THREADS: "1", BEFORE: "8", "A": "b"}) == {THREADS: "8", "A": "b"}
-    assert given({THREADS: "1", BEFORE: ""}) == {}
-    assert given({THREADS: "4"}) == {THREADS: "4"}  # nothing of ours was set
+    assert original({THREADS: "1", BEFORE: "8", "A": "b"}) == {THREADS: "8", "A": "b"}
+    assert original({THREADS: "1", BEFORE: ""}) == {}
+    assert original({THREADS: "4"}) == {THREADS: "4"}  # nothing of ours was set
 
 
 @pytest.mark.parametrize(("before", "declared", "number"), [("8", {}, 8.0), ("", {}, 0.0), ("8", {THREADS: "2"}, 2.0)])

@@ -193,10 +193,10 @@ def test_a_cleared_verdict_whose_evidence_is_not_stored_cannot_be_recomputed(
     folder = written(tmp_path / "out", "cleared")
     (folder / "evidence.json").unlink()
     assert invoke(["audit", str(folder), "--json"]) == VIOLATED == 1
-    told = json.loads(capsys.readouterr().out)
-    assert not told["follows"]
-    assert told["sentence"].startswith("it is not known whether the verdict follows; ")
-    assert {i["agrees"] for i in told["items"]} == {True, None}
+    answer = json.loads(capsys.readouterr().out)
+    assert not answer["follows"]
+    assert answer["sentence"].startswith("it is not known whether the verdict follows; ")
+    assert {i["agrees"] for i in answer["items"]} == {True, None}
 
 
 def test_the_command_prints_the_given_and_the_recomputed_verdict(

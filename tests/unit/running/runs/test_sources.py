@@ -8,13 +8,15 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from campaigns import library, load_file
 from campaigns.identity.code import code_of
-from tests.given.case_campaigns import document
+from tests.given.case_campaigns import campaign, document
 from worker.running.runs import identity, meaning, sources
 
 MODULE = b'"""Text."""\nX = 1.0\n\n\ndef f(x):\n    """Help."""\n    return x * X\n'
@@ -52,6 +54,92 @@ def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_code_is_what_can_change_a_number(edit: tuple[bytes, bytes], same: bool) -> None:
     assert edit[0] in MODULE
     assert (meaning.meaning(MODULE) == meaning.meaning(MODULE.replace(*edit))) == same
+
+
+STOP = b"""from worker.engine.search.base import Ended
+def end(n):
+    return Ended("drawn", "drew {samples} samples", samples=n)
+"""
+
+
+@pytest.mark.parametrize(
+    ("edit", "same"),
+    [
+        ((b"drew {samples} samples", b"{samples} samples were drawn"), True),
+        ((b'"drawn"', b'"other"'), False),
+        ((b"samples=n", b"samples=n + 1"), False),
+        ((b"from worker.engine.search.base import Ended", b"Ended = print"), False),
+    ],
+)
+def test_the_words_of_a_stop_rule_are_no_code(edit: tuple[bytes, bytes], same: bool) -> None:
+    assert edit[0] in STOP
+    assert (meaning.meaning(STOP) == meaning.meaning(STOP.replace(*edit))) == same
+
+
+def test_the_text_of_another_function_of_that_name_is_code() -> None:
+    own = STOP.replace(b"worker.engine.search.base", b"own.rules")
+    assert meaning.meaning(own) != meaning.meaning(own.replace(b"drew", b"took"))
+
+
+EVERY = {
+    "sensitivity": {"points": 3, "morris": {"trajectories": 4}, "sobol": {"samples": 8}},
+    "search": [{"method": "direct", "evaluations": 10}, {"method": "monte_carlo", "evaluations": 10}],
+    "certify": {"samples": 5, "grid": {"points": 2}},
+}
+WORDS = {
+    "campaigns.claims.stages.ends": b"used its budget of",
+    "campaigns.claims.stages.sample": b"P(violation) is at most",
+    "campaigns.claims.stages.calls": b"repeats bit by bit",
+    "campaigns.claims.stages.surroundings": b"the nearest boundary along a single parameter",
+    "campaigns.claims.stages.earlier_run": b"was not evaluated",
+    "worker.engine.search.methods.direct": b"completed the {iterations} iterations",
+    "worker.engine.search.methods.monte_carlo": b"drew all {samples} samples",
+    "worker.evidence.verdicts.sentence": b"Nothing may be claimed",
+}
+"""A sentence of a run in each of these modules."""
+
+
+@pytest.fixture
+def edited(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str, bytes, bytes], str]]:
+    """The code digest of a run of all stages with one text of one module replaced."""
+    asked = campaign(stages=EVERY)
+    computed = (identity.loaded, identity._reached, identity.code_parts, identity._systems, identity._guests)
+
+    def digest(module: str, old: bytes, new: bytes) -> str:
+        content = sources.LOADED.files[module]
+        assert old in content
+        files = {**sources.LOADED.files, module: content.replace(old, new)}
+        with monkeypatch.context() as patch:
+            patch.setattr(sources, "LOADED", replace(sources.LOADED, files=files))
+            for each in computed:
+                each.cache_clear()
+            return identity.code(asked).digest
+
+    yield digest
+    for each in computed:
+        each.cache_clear()
+
+
+def test_no_word_of_a_run_is_part_of_its_code(edited: Callable[[str, bytes, bytes], str]) -> None:
+    before = edited("worker", b"", b"")
+    assert {module: edited(module, words, b"Other words") for module, words in WORDS.items()} == dict.fromkeys(
+        WORDS, before
+    )
+    numbers = {
+        "worker.engine.stages.parts.boundary": b"SAMPLES = 20",
+        "worker.engine.stages.parts.claims": b"return 1.0",
+        "worker.engine.search.methods.monte_carlo": b'"drawn"',
+    }
+    assert before not in {edited(module, text, text + b" + 1") for module, text in numbers.items()}
+
+
+def test_the_stages_build_no_sentence() -> None:
+    """They call `campaigns.claims.stages`; the end of a search is put together from its own sentence and numbers."""
+    root = "worker.engine.stages"
+    building = {name for name in sources.LOADED.files if name.startswith(root) and any(
+        one.module == "campaigns.claims.say" and one.name == "say" for one in identity.loaded()[name].imports
+    )}  # fmt: skip
+    assert building == {f"{root}.parts.ended"}
 
 
 def test_the_meaning_of_a_text_is_computed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

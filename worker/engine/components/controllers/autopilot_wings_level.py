@@ -27,7 +27,7 @@ from worker.engine.kernels.maths import kernel
 from worker.engine.physics import autopilot
 from worker.engine.physics.aerodynamics import Controls, Trimmed
 from worker.engine.physics.aircraft import State
-from worker.engine.physics.autopilot import Loops, aileron, elevator, held, nan_guard, throttle, turn
+from worker.engine.physics.autopilot import Loops, aileron, elevator, nan_guard, saturated, throttle, turn
 from worker.engine.physics.space import Vector
 
 
@@ -59,7 +59,7 @@ def command(t: float, x: State, c: Sums, wanted: Vector, p: Any) -> tuple[Contro
     e, de = elevator(x, p.alpha + climb, c[0], p)
     a, da = aileron(x, 0.0, c[1], p)
     error = turn(x, heading, p)
-    r, dr = held(p.K_d3 * x[11] - p.K_p3 * error - p.K_i3 * c[2], -p.stop, p.stop, error, -error)
+    r, dr = saturated(p.K_d3 * x[11] - p.K_p3 * error - p.K_i3 * c[2], -p.stop, p.stop, error, -error)
     power, dt = throttle(x, speed, c[3], p)
     return (e, a, r, power), (de, da, dr, dt)
 

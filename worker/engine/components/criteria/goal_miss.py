@@ -19,6 +19,8 @@ from typing import Any, NamedTuple
 
 from worker.engine.kernels.component import Criterion
 from worker.engine.kernels.maths import kernel
+from worker.engine.physics.space import dot3
+from worker.engine.physics.vectors import difference, spatial
 
 
 class GoalMiss(NamedTuple):
@@ -26,18 +28,9 @@ class GoalMiss(NamedTuple):
 
 
 @kernel
-def in_plane(t: float, q: Any, v: Any, x: Any, u: Any, goal: Any, p: GoalMiss) -> tuple[float]:
-    dx = q[0] - goal[0]
-    dy = q[1] - goal[1]
-    return (dx * dx + dy * dy,)
-
-
-@kernel
-def in_space(t: float, q: Any, v: Any, x: Any, u: Any, goal: Any, p: GoalMiss) -> tuple[float]:
-    dx = q[0] - goal[0]
-    dy = q[1] - goal[1]
-    dz = q[2] - goal[2]
-    return (dx * dx + dy * dy + dz * dz,)
+def sample(t: float, q: Any, v: Any, x: Any, u: Any, goal: Any, p: GoalMiss) -> tuple[float]:
+    away = spatial(difference(q, goal))
+    return (dot3(away, away),)
 
 
 @kernel
@@ -51,7 +44,7 @@ component = Criterion(
     quantity="d_goal",
     unit="m",
     parameters=GoalMiss,
-    sample={2: in_plane, 3: in_space},
+    sample={2: sample, 3: sample},
     value=value,
     worse="high",
     of="goal",

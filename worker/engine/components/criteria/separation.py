@@ -15,6 +15,8 @@ from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Criterion, Parameter
 from worker.engine.kernels.maths import kernel
+from worker.engine.physics.space import dot3
+from worker.engine.physics.vectors import centre, difference, spatial
 
 
 class Separation(NamedTuple):
@@ -22,18 +24,9 @@ class Separation(NamedTuple):
 
 
 @kernel
-def in_plane(t: float, q: Any, v: Any, x: Any, u: Any, body: Any, p: Separation) -> tuple[float]:
-    dx = q[0] - body.x
-    dy = q[1] - body.y
-    return (dx * dx + dy * dy,)
-
-
-@kernel
-def in_space(t: float, q: Any, v: Any, x: Any, u: Any, body: Any, p: Separation) -> tuple[float]:
-    dx = q[0] - body.x
-    dy = q[1] - body.y
-    dz = q[2] - body.z
-    return (dx * dx + dy * dy + dz * dz,)
+def sample(t: float, q: Any, v: Any, x: Any, u: Any, body: Any, p: Separation) -> tuple[float]:
+    away = spatial(difference(q, centre(body, q)))
+    return (dot3(away, away),)
 
 
 @kernel
@@ -55,7 +48,7 @@ component = Criterion(
     quantity="d_min",
     unit="m",
     parameters=Separation,
-    sample={2: in_plane, 3: in_space},
+    sample={2: sample, 3: sample},
     value=value,
     excluded=excluded,
     measured_to="centre",

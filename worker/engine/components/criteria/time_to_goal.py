@@ -12,11 +12,11 @@ position.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, NamedTuple
 
 from worker.engine.kernels.component import Criterion, Parameter
 from worker.engine.kernels.maths import kernel
+from worker.engine.physics.vectors import difference, norm
 
 
 class TimeToGoal(NamedTuple):
@@ -24,18 +24,8 @@ class TimeToGoal(NamedTuple):
 
 
 @kernel
-def in_plane(t: float, q: Any, v: Any, x: Any, u: Any, goal: Any, p: TimeToGoal) -> tuple[float]:
-    dx = q[0] - goal[0]
-    dy = q[1] - goal[1]
-    return (math.sqrt(dx * dx + dy * dy) - p.radius,)
-
-
-@kernel
-def in_space(t: float, q: Any, v: Any, x: Any, u: Any, goal: Any, p: TimeToGoal) -> tuple[float]:
-    dx = q[0] - goal[0]
-    dy = q[1] - goal[1]
-    dz = q[2] - goal[2]
-    return (math.sqrt(dx * dx + dy * dy + dz * dz) - p.radius,)
+def sample(t: float, q: Any, v: Any, x: Any, u: Any, goal: Any, p: TimeToGoal) -> tuple[float]:
+    return (norm(difference(q, goal)) - p.radius,)
 
 
 @kernel
@@ -49,7 +39,7 @@ component = Criterion(
     quantity="t_goal",
     unit="s",
     parameters=TimeToGoal,
-    sample={2: in_plane, 3: in_space},
+    sample={2: sample, 3: sample},
     value=value,
     worse="high",
     of="goal",

@@ -26,6 +26,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Derived, Environment, Parameter
 from worker.engine.kernels.maths import kernel, norm2, normals, sample_number
 from worker.engine.kernels.views import Surroundings
+from worker.engine.physics import instants
 
 
 class DrydenGusts(NamedTuple):
@@ -109,10 +110,6 @@ def blow(t: float, q: Any, v: Any, e: State, n: Any, p: Constants) -> tuple[Surr
     )
 
 
-def switches(p: Constants, horizon: float) -> list[float]:
-    return [k * p.period for k in range(1, int(horizon / p.period) + 1)]
-
-
 component = Environment(
     name="dryden_gusts",
     title="Dryden gusts",
@@ -121,7 +118,7 @@ component = Environment(
     states=5,
     wake=wake,
     derived=Derived(Constants, derive),
-    switches=switches,
+    switches=instants.samples,
     draw=draw,
     draws=3,
 )

@@ -13,6 +13,7 @@ from typing import Annotated, NamedTuple
 
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import kernel, onset
+from worker.engine.physics import instants
 
 
 class ActuatorBias(NamedTuple):
@@ -26,15 +27,11 @@ def act(t: float, u: float, a: tuple[()], p: ActuatorBias) -> tuple[float, tuple
     return u + onset(t, p.at, p.over) * p.bias, ()
 
 
-def switches(p: ActuatorBias, horizon: float) -> list[float]:
-    return [p.at, p.at + p.over]
-
-
 component = Fault(
     name="actuator_bias",
     title="Actuator bias",
     path="actuator",
     parameters=ActuatorBias,
     kernel=act,
-    switches=switches,
+    switches=instants.ramp,
 )

@@ -15,6 +15,7 @@ from typing import Annotated, NamedTuple
 
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import kernel, onset
+from worker.engine.physics import instants
 
 
 class ActuatorLoss(NamedTuple):
@@ -29,15 +30,11 @@ def act(t: float, u: float, a: tuple[()], p: ActuatorLoss) -> tuple[float, tuple
     return u - onset(t, p.at, p.over) * p.loss * (u - p.about), ()
 
 
-def switches(p: ActuatorLoss, horizon: float) -> list[float]:
-    return [p.at, p.at + p.over]
-
-
 component = Fault(
     name="actuator_loss",
     title="Loss of effectiveness",
     path="actuator",
     parameters=ActuatorLoss,
     kernel=act,
-    switches=switches,
+    switches=instants.ramp,
 )

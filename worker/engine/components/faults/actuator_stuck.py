@@ -16,6 +16,7 @@ from typing import Annotated, NamedTuple
 
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import kernel, onset
+from worker.engine.physics import instants
 
 
 class ActuatorStuck(NamedTuple):
@@ -36,10 +37,6 @@ def rest(u: float, p: ActuatorStuck) -> tuple[float]:
     return (u,)
 
 
-def switches(p: ActuatorStuck, horizon: float) -> list[float]:
-    return [p.at, p.at + p.over]
-
-
 component = Fault(
     name="actuator_stuck",
     title="Stuck actuator",
@@ -48,5 +45,5 @@ component = Fault(
     kernel=act,
     states=1,
     rest=rest,
-    switches=switches,
+    switches=instants.ramp,
 )

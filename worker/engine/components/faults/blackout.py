@@ -14,6 +14,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import INSTANT, kernel
 from worker.engine.kernels.views import Sight
+from worker.engine.physics import instants
 
 
 class Blackout(NamedTuple):
@@ -28,10 +29,6 @@ def see(t: float, index: float, own: Any, v: Any, body: Any, p: Blackout) -> Sig
     return Sight(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 if dark else 1.0)
 
 
-def switches(p: Blackout, horizon: float) -> list[float]:
-    return [p.at, p.at + p.duration]
-
-
 component = Fault(
-    name="blackout", title="Blackout", path="perception", parameters=Blackout, kernel=see, switches=switches
+    name="blackout", title="Blackout", path="perception", parameters=Blackout, kernel=see, switches=instants.interval
 )

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
+from worker.engine.components.faults.actuator_lag import Constants, derive
 from worker.engine.kernels.component import Derived, Fault, Parameter
 from worker.engine.kernels.maths import kernel
 
@@ -25,17 +26,6 @@ from worker.engine.kernels.maths import kernel
 class ControlDelay(NamedTuple):
     tau: Annotated[float, Parameter("s", "Delay", 0.0, 1e3, symbol="τ")] = 0.0
     shortest: Annotated[float, Parameter("s", "Smallest delay that is integrated", 1e-4, 10.0)] = 0.1
-
-
-class Constants(NamedTuple):
-    per_tau: float
-    share: float
-
-
-@kernel
-def derive(p: ControlDelay, trim: object) -> tuple[float, float]:
-    tau = p.tau if p.tau > p.shortest else p.shortest
-    return 1.0 / tau, p.tau / tau
 
 
 @kernel

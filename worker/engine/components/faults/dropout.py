@@ -16,6 +16,7 @@ from typing import Annotated, NamedTuple
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import INSTANT, kernel
 from worker.engine.kernels.views import Seen
+from worker.engine.physics import instants
 
 
 class Dropout(NamedTuple):
@@ -31,10 +32,11 @@ def delay(t: float, p: Dropout) -> Seen:
     return Seen(p.at if out else t, p.coasting * (t - p.at) if out else 0.0)
 
 
-def switches(p: Dropout, horizon: float) -> list[float]:
-    return [p.at, p.at + p.duration]
-
-
 component = Fault(
-    name="dropout", title="Dropout of tracks", path="timing", parameters=Dropout, kernel=delay, switches=switches
+    name="dropout",
+    title="Dropout of tracks",
+    path="timing",
+    parameters=Dropout,
+    kernel=delay,
+    switches=instants.interval,
 )

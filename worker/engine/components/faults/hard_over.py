@@ -14,6 +14,7 @@ from typing import Annotated, NamedTuple
 
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import kernel, onset
+from worker.engine.physics import instants
 
 
 class HardOver(NamedTuple):
@@ -27,10 +28,6 @@ def act(t: float, u: float, a: tuple[()], p: HardOver) -> tuple[float, tuple[()]
     return u + onset(t, p.at, p.over) * (p.value - u), ()
 
 
-def switches(p: HardOver, horizon: float) -> list[float]:
-    return [p.at, p.at + p.over]
-
-
 component = Fault(
-    name="hard_over", title="Hard-over", path="actuator", parameters=HardOver, kernel=act, switches=switches
+    name="hard_over", title="Hard-over", path="actuator", parameters=HardOver, kernel=act, switches=instants.ramp
 )

@@ -15,6 +15,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import kernel, sample_number, uniform
 from worker.engine.kernels.views import Sight
+from worker.engine.physics import instants
 
 
 class MissedDetection(NamedTuple):
@@ -29,15 +30,11 @@ def see(t: float, index: float, own: Any, v: Any, body: Any, p: MissedDetection)
     return Sight(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 if missed else 1.0)
 
 
-def switches(p: MissedDetection, horizon: float) -> list[float]:
-    return [k * p.period for k in range(1, int(horizon / p.period) + 1)]
-
-
 component = Fault(
     name="missed_detection",
     title="Missed detection",
     path="perception",
     parameters=MissedDetection,
     kernel=see,
-    switches=switches,
+    switches=instants.samples,
 )

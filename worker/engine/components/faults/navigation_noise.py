@@ -15,6 +15,7 @@ from typing import Annotated, NamedTuple
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import kernel, normals, sample_number
 from worker.engine.kernels.views import Errors
+from worker.engine.physics import instants
 
 
 class NavigationNoise(NamedTuple):
@@ -34,15 +35,11 @@ def mistake(t: float, p: NavigationNoise) -> Errors:
     return Errors(p.sigma * x, p.sigma * y, p.sigma * z, p.sigma_psi * heading, p.sigma_u * speed)
 
 
-def switches(p: NavigationNoise, horizon: float) -> list[float]:
-    return [k * p.period for k in range(1, int(horizon / p.period) + 1)]
-
-
 component = Fault(
     name="navigation_noise",
     title="Navigation noise",
     path="navigation",
     parameters=NavigationNoise,
     kernel=mistake,
-    switches=switches,
+    switches=instants.samples,
 )

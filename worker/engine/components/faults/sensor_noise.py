@@ -18,6 +18,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.engine.kernels.component import Fault, Parameter
 from worker.engine.kernels.maths import kernel, normals, sample_number
 from worker.engine.kernels.views import Sight
+from worker.engine.physics import instants
 
 
 class SensorNoise(NamedTuple):
@@ -36,15 +37,11 @@ def see(t: float, index: float, own: Any, v: Any, body: Any, p: SensorNoise) -> 
     return Sight(p.sigma * x, p.sigma * y, p.sigma * z, p.sigma_v * vx, p.sigma_v * vy, p.sigma_v * vz, 1.0)
 
 
-def switches(p: SensorNoise, horizon: float) -> list[float]:
-    return [k * p.period for k in range(1, int(horizon / p.period) + 1)]
-
-
 component = Fault(
     name="sensor_noise",
     title="Sensor noise",
     path="perception",
     parameters=SensorNoise,
     kernel=see,
-    switches=switches,
+    switches=instants.samples,
 )

@@ -7,9 +7,9 @@ It never gives way. Avoiders keep clear of its radius; `separation` measures dis
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
+from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach, extended
 from worker.engine.kernels.maths import kernel, sincos
 from worker.engine.kernels.views import Body
 from worker.engine.physics.shapes import disc
@@ -24,25 +24,22 @@ class OrbitingCircle(NamedTuple):
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 0.5
 
 
-class Constants(NamedTuple):
-    x: float
-    y: float
-    way: float
-    phase: float
-    speed: float
+class Rate(NamedTuple):
     rate: float
-    radius: float
+
+
+Constants = extended("Constants", OrbitingCircle, Rate)
 
 
 @kernel
 def derive(p: OrbitingCircle, trim: object) -> tuple[float, ...]:
-    return p.centre_x, p.centre_y, p.way, p.phase, p.speed, p.speed / p.way, p.radius
+    return *p[0:], p.speed / p.way
 
 
 @kernel
-def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
+def body(t: float, o: tuple[()], q: tuple[float, float], p: Any) -> Body:
     s, c = sincos(p.phase + p.rate * t)
-    return disc((p.x + p.way * c, p.y + p.way * s), (-p.speed * s, p.speed * c), p.radius, q)
+    return disc((p.centre_x + p.way * c, p.centre_y + p.way * s), (-p.speed * s, p.speed * c), p.radius, q)
 
 
 component = Obstacle(

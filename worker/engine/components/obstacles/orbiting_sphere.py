@@ -8,9 +8,9 @@ never gives way. Avoiders keep clear of its radius; `separation` measures distan
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
-from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
+from worker.engine.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach, extended
 from worker.engine.kernels.maths import kernel, sincos
 from worker.engine.kernels.views import Body3
 from worker.engine.physics.space import Vector, ball
@@ -27,27 +27,22 @@ class OrbitingSphere(NamedTuple):
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 25.0
 
 
-class Constants(NamedTuple):
-    x: float
-    y: float
-    z: float
-    way: float
-    phase: float
-    speed: float
-    climb: float
+class Rate(NamedTuple):
     rate: float
-    radius: float
+
+
+Constants = extended("Constants", OrbitingSphere, Rate)
 
 
 @kernel
 def derive(p: OrbitingSphere, trim: object) -> tuple[float, ...]:
-    return p.centre_x, p.centre_y, p.centre_z, p.way, p.phase, p.speed, p.climb, p.speed / p.way, p.radius
+    return *p[0:], p.speed / p.way
 
 
 @kernel
-def body(t: float, o: tuple[()], q: Vector, p: Constants) -> Body3:
+def body(t: float, o: tuple[()], q: Vector, p: Any) -> Body3:
     s, c = sincos(p.phase + p.rate * t)
-    centre = (p.x + p.way * c, p.y + p.way * s, p.z + p.climb * t)
+    centre = (p.centre_x + p.way * c, p.centre_y + p.way * s, p.centre_z + p.climb * t)
     return ball(centre, (-p.speed * s, p.speed * c, p.climb), p.radius, q)
 
 

@@ -15,8 +15,8 @@ FOLDERS = "CLEARANCE_COMPONENTS"
 
 def listed() -> list[Path]:
     """The folders that the operator lists."""
-    given = (Path(each).expanduser().absolute() for each in os.environ.get(FOLDERS, "").split(os.pathsep) if each)
-    return list(dict.fromkeys(given))
+    folders = (Path(each).expanduser().absolute() for each in os.environ.get(FOLDERS, "").split(os.pathsep) if each)
+    return list(dict.fromkeys(folders))
 
 
 def folders() -> list[Path]:

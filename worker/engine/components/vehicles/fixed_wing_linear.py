@@ -24,6 +24,7 @@ only for comparison.
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
@@ -47,56 +48,17 @@ class Reference(NamedTuple):
 FixedWingLinear = extended("FixedWingLinear", Airframe, Reference)
 
 
-class Trimmed(NamedTuple):
-    """Trim at the start speed, as of the nonlinear aircraft; trim and derivatives at the reference speed."""
+LONGITUDINAL, LATERAL = ("u", "w", "q", "theta", "de", "dt"), ("v", "p", "r", "phi", "da", "dr")
+AXES = {"X": LONGITUDINAL, "Z": LONGITUDINAL, "M": LONGITUDINAL, "Y": LATERAL, "L": LATERAL, "N": LATERAL}
+"""What the force along, or the moment about, each axis depends on."""
+DERIVATIVES = [(axis, state) for axis, states in AXES.items() for state in states]
 
-    alpha: float
-    elevator: float
-    throttle: float
-    m: float
-    C_mde: float
-    C_dt: float
-    u_0: float
-    w_0: float
-    theta_0: float
-    elevator_0: float
-    throttle_0: float
-    X_u: float
-    X_w: float
-    X_q: float
-    X_theta: float
-    X_de: float
-    X_dt: float
-    Z_u: float
-    Z_w: float
-    Z_q: float
-    Z_theta: float
-    Z_de: float
-    Z_dt: float
-    M_u: float
-    M_w: float
-    M_q: float
-    M_theta: float
-    M_de: float
-    M_dt: float
-    Y_v: float
-    Y_p: float
-    Y_r: float
-    Y_phi: float
-    Y_da: float
-    Y_dr: float
-    L_v: float
-    L_p: float
-    L_r: float
-    L_phi: float
-    L_da: float
-    L_dr: float
-    N_v: float
-    N_p: float
-    N_r: float
-    N_phi: float
-    N_da: float
-    N_dr: float
+Trimmed = namedtuple(  # type: ignore[misc]
+    "Trimmed",
+    ["alpha", "elevator", "throttle", "m", "C_mde", "C_dt", "u_0", "w_0", "theta_0", "elevator_0", "throttle_0"]
+    + [f"{axis}_{state}" for axis, state in DERIVATIVES],
+)
+"""Trim at the start speed, as of the nonlinear aircraft; trim and derivatives, such as X_u, at the reference speed."""
 
 
 class Held(NamedTuple):
@@ -105,25 +67,20 @@ class Held(NamedTuple):
 
 Constants = extended("Constants", Trimmed, Held)
 
-LONGITUDINAL = tuple(trim.STATES.index(s) for s in ("u", "w", "q", "theta", "de", "dt"))
-LATERAL = tuple(trim.STATES.index(s) for s in ("v", "p", "r", "phi", "da", "dr"))
-ROWS = ((0, LONGITUDINAL), (2, LONGITUDINAL), (4, LONGITUDINAL), (1, LATERAL), (3, LATERAL), (5, LATERAL))
-"""Rows of `trim.derivatives` and the columns that count in each, in the order X, Z, M, Y, L, N."""
 
-
-def solve(values: Mapping[str, float]) -> Trimmed:
+def solve(values: Mapping[str, float]) -> Any:
     """Both trims and the derivatives at the nominal parameters; NoTrim if there is no trim at one of the speeds."""
     body, speed = trim.airframe(values), values["vehicle.reference_speed"]
     about = trim.trimmed(body, speed)
     u_0, _, w_0, *_ = trim.level(speed, *about)
     table = trim.derivatives(body, speed, about)
-    entries = [float(table[row, column]) for row, columns in ROWS for column in columns]
+    entries = [float(table["XYZLMN".index(axis), trim.STATES.index(state)]) for axis, state in DERIVATIVES]
     start = trim.trimmed(body, values["start.speed"])
-    return Trimmed(*start, body.m, body.C_mde, body.C_dt, u_0, w_0, *about, *entries)
+    return Trimmed._make((*start, body.m, body.C_mde, body.C_dt, u_0, w_0, *about, *entries))
 
 
 @kernel
-def derive(p: Any, at: Trimmed) -> tuple[float, ...]:
+def derive(p: Any, at: Any) -> tuple[float, ...]:
     lighter = at.m / p.m
     return (
         *at[0:11],

@@ -117,8 +117,8 @@ def derive(p: Pioneer, trim: object) -> tuple[float, ...]:
 
 def model(nominal: Mapping[str, float]) -> Constants:
     """The nominal robot, as a controller may model it."""
-    given = Pioneer(*(nominal[f"vehicle.{field}"] for field in Pioneer._fields))
-    return Constants(*plain(derive)(given, ()))
+    parameters = Pioneer(*(nominal[f"vehicle.{field}"] for field in Pioneer._fields))
+    return Constants(*plain(derive)(parameters, ()))
 
 
 @kernel

@@ -43,6 +43,7 @@ FASTEST_TURN = 1e3
 GRAVITY = 9.81
 PER_CREEP = 100.0
 FASTEST = 1e3
+State = tuple[float, float, float, float, float]
 
 
 @kernel
@@ -51,14 +52,12 @@ def derive(p: Unicycle, trim: tuple[()]) -> tuple[float, float]:
 
 
 @kernel
-def begin(start: Start, p: Constants) -> tuple[float, float, float, float, float]:
+def begin(start: Start, p: Constants) -> State:
     return start.x, start.y, start.theta, start.v, start.omega
 
 
 @kernel
-def derivative(
-    t: float, x: tuple[float, float, float, float, float], u: tuple[float, float], env: Surroundings, p: Constants
-) -> tuple[float, float, float, float, float]:
+def derivative(t: float, x: State, u: tuple[float, float], env: Surroundings, p: Constants) -> State:
     _, _, theta, v, omega = x
     s, c = sincos(theta)
     climb = env.slope_x * c + env.slope_y * s
@@ -67,31 +66,29 @@ def derivative(
 
 
 @kernel
-def position(x: tuple[float, float, float, float, float], p: Constants) -> tuple[float, float]:
+def position(x: State, p: Constants) -> tuple[float, float]:
     return x[0], x[1]
 
 
 @kernel
-def velocity(x: tuple[float, float, float, float, float], p: Constants) -> tuple[float, float]:
+def velocity(x: State, p: Constants) -> tuple[float, float]:
     s, c = sincos(x[2])
     return x[3] * c, x[3] * s
 
 
 @kernel
-def pose(x: tuple[float, float, float, float, float], p: Constants) -> tuple[float, float, float, float, float, float]:
+def pose(x: State, p: Constants) -> tuple[float, float, float, float, float, float]:
     return x[0], x[1], 0.0, 0.0, 0.0, x[2]
 
 
 @kernel
-def outside(x: tuple[float, float, float, float, float], p: Constants) -> float:
+def outside(x: State, p: Constants) -> float:
     code = 1.0 if abs(x[3]) > FASTEST else 0.0
     return 2.0 if abs(x[4]) > FASTEST_TURN else code
 
 
 @kernel
-def measured(
-    x: tuple[float, float, float, float, float], e: Errors, p: Constants
-) -> tuple[float, float, float, float, float]:
+def measured(x: State, e: Errors, p: Constants) -> State:
     return x[0] + e.x, x[1] + e.y, x[2] + e.heading, x[3] + e.speed, x[4]
 
 

@@ -15,8 +15,8 @@ def avoider_demand(s: Scenario) -> None:
         bodies = "weighed"
         f.add(f"weighed = {f.call('avoider', avoider.first, *own, f.own('goal'), 'memory')}")
         for k in range(len(s.obstacles)):
-            given = ("weighed", f"{k}.0", f"seen[{k}]", *own, f.own("goal"), "memory")
-            f.add(f"weighed = {f.call('avoider', avoider.weigh, *given)}")
+            arguments = ("weighed", f"{k}.0", f"seen[{k}]", *own, f.own("goal"), "memory")
+            f.add(f"weighed = {f.call('avoider', avoider.weigh, *arguments)}")
     f.add(f"return {f.call('avoider', avoider.steer, *own, f.own('goal'), bodies, 'memory')}")
 
 
@@ -28,10 +28,10 @@ def avoider_demand_at(s: Scenario) -> None:
     f.add(f"return avoider_demand(t, position, v, seen, {memory(s)}, p)[0]")
 
 
-def memory(s: Scenario, held: str = "g") -> str:
+def memory(s: Scenario, guidance: str = "g") -> str:
     """The expression for the avoider's memory within the held guidance."""
     count = s.parts.avoider.memory
-    return f"{held}[{s.dimension}:{s.dimension + count}]" if count else "()"
+    return f"{guidance}[{s.dimension}:{s.dimension + count}]" if count else "()"
 
 
 def demand(s: Scenario) -> None:

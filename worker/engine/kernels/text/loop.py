@@ -11,10 +11,10 @@ from worker.engine.kernels.text.scenario import Function, Scenario, tupled, vari
 def extend(s: Scenario) -> None:
     f, terms = s.function("extend(p)"), ["p"]
     for section, derived in derivations(s.parts, s.sections):
-        given = f"{s.name(section.prefix, section.fields)}(*p[{section.first}:{section.last}])"
+        parameters = f"{s.name(section.prefix, section.fields)}(*p[{section.first}:{section.last}])"
         trim = f.own("trim") if s.parts.vehicle.trim else "()"
         terms.append(variable(section.prefix))
-        f.add(f"{terms[-1]} = {s.name(section.prefix, derived.derive)}({given}, {trim})")
+        f.add(f"{terms[-1]} = {s.name(section.prefix, derived.derive)}({parameters}, {trim})")
     f.add(f"return {' + '.join(terms)}")
 
 
@@ -98,7 +98,6 @@ def initial(s: Scenario) -> None:
 
 
 def _woken(s: Scenario, f: Function, prefixes: list[str]) -> str:
-    """The expression for the initial states of these components."""
     return " + ".join(f.call(prefix, s.component[prefix].wake) for prefix in prefixes if s.component[prefix].states)
 
 

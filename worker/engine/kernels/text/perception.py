@@ -62,8 +62,8 @@ def _perceived(s: Scenario) -> None:
         sight = summed(s, f, "perception", "sight", "t", f"{number}.0", "pose", "speed", "there")
         if late:
             f.add(f"sight = {s.view('moved_by')}({sight}, {ahead}, there.vx, there.vy, there.vz)")
-        displaced = f.call(prefix, body, at, state, f"{s.view(f'shifted{d}')}(q, sight)")
-        f.add(f"{_body(prefix)} = {s.view(f'shown{d}')}({displaced}, sight, q)")
+        displaced = f.call(prefix, body, at, state, f"{s.view('shifted')}(q, sight)")
+        f.add(f"{_body(prefix)} = {s.view('shown')}({displaced}, sight, q)")
     f.add(f"return {tupled(map(_body, s.obstacles))}")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable
+from dataclasses import asdict
 from typing import Any
 
 from worker.engine.kernels.component import Component
@@ -35,14 +36,11 @@ class Scenario:
         for i, placed in enumerate(parts.faults):
             self.faults.setdefault(placed.fault.path, []).append(f"faults.{i}")
         self.inputs = {f"faults.{i}": placed.on for i, placed in enumerate(parts.faults)}
-        self.component: dict[str, Any] = {
-            "vehicle": parts.vehicle, "controller": parts.controller, "avoider": parts.avoider,
-            "start": parts.vehicle, "goal": parts.avoider, "trim": parts.vehicle, **parts.criteria,
-            **dict(zip(self.obstacles, parts.obstacles, strict=True)),
-            **dict(zip(self.environment, parts.environment, strict=True)),
-            **{f"faults.{i}": placed.fault for i, placed in enumerate(parts.faults)},
+        self.component: dict[str, Any] = parts.named | {
+            "start": parts.vehicle, "goal": parts.avoider, "trim": parts.vehicle,
         }  # fmt: skip
-        self.state = self._slices()
+        self.state = _slices(asdict(self.states), "x")
+        """The slice of the loop's state that each kind of component has."""
         self.functions: list[Function] = []
 
     def function(self, head: str) -> Function:
@@ -70,21 +68,15 @@ class Scenario:
 
     def each(self, prefixes: Iterable[str], state: str, first: int = 0) -> dict[str, str]:
         """The slice of a state that each component has, from a position on."""
-        found = {}
-        for prefix in prefixes:
-            last = first + self.component[prefix].states
-            found[prefix] = f"{state}[{first}:{last}]" if last > first else "()"
-            first = last
-        return found
+        return _slices({prefix: self.component[prefix].states for prefix in prefixes}, state, first)
 
-    def _slices(self) -> dict[str, str]:
-        """The slice of the loop's state that each kind of component has."""
-        found, first = {}, 0
-        for kind in ("vehicle", "controller", "actuators", "environment", "obstacles"):
-            last = first + getattr(self.states, kind)
-            found[kind] = f"x[{first}:{last}]" if last > first else "()"
-            first = last
-        return found
+
+def _slices(counts: dict[str, int], state: str, first: int = 0) -> dict[str, str]:
+    found = {}
+    for name, count in counts.items():
+        found[name] = f"{state}[{first}:{first + count}]" if count else "()"
+        first += count
+    return found
 
 
 class Function:

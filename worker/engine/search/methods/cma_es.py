@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from worker.engine.search.base import Batch, Floats, Method, MethodLook, Search, Space
-from worker.engine.search.parts.lowest import Lowest
+from worker.engine.search.parts.lowest import Reported
 from worker.engine.search.parts.pycma import ending, last, strategy
 
 
@@ -51,30 +51,26 @@ def search(space: Space, options: Options) -> Search:
 def _descend(space: Space, population: int, deviation: float, most: float = np.inf) -> Generator[Floats, Batch, int]:
     """One run of the strategy from a random point; returns its evaluations."""
     start = space.random.random(space.dimension)
-    best = Lowest(start)
-    text = "the search ended"
-    try:
+    with Reported(space, start) as best:
         running = strategy(start, deviation, population, space.random)
         while best.evaluations < most:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                asked = running.ask()
-            points = np.clip(np.array(asked), 0.0, 1.0)
+                generation = running.ask()
+            points = np.clip(np.array(generation), 0.0, 1.0)
             batch = yield points.copy()
             values = batch.ranked()
             best.see(points, values)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                running.tell(asked, last(values).tolist())
+                running.tell(generation, last(values).tolist())
                 stopped = running.stop()
             if stopped:
-                text = ending(stopped)
+                best.text = ending(stopped)
                 break
         else:
-            text = "its share of the evaluations is used up"
-        return best.evaluations
-    finally:
-        best.report(space, text)
+            best.text = "its share of the evaluations is used up"
+    return best.evaluations
 
 
 method = Method(

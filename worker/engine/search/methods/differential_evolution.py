@@ -15,7 +15,7 @@ from pydantic import Field
 
 from worker.engine.search.base import Ended, Floats, Method, MethodLook, Search, Space
 from worker.engine.search.parts.callback import Ask, called_back
-from worker.engine.search.parts.lowest import Lowest
+from worker.engine.search.parts.lowest import Lowest, Reported
 
 GENERATIONS = 10**9
 """Larger than any budget."""
@@ -54,13 +54,9 @@ def search(space: Space, options: Options) -> Search:
 
 
 def _gather(space: Space, options: Options) -> Search:
-    best = Lowest()
-    text = "the search ended"
-    try:
-        text = yield from called_back(lambda ask: _run(ask, space, options, best))
-        return text
-    finally:
-        best.report(space, text)
+    with Reported(space) as best:
+        best.text = yield from called_back(lambda ask: _run(ask, space, options, best))
+    return best.text
 
 
 def _run(ask: Ask, space: Space, options: Options, best: Lowest) -> str:

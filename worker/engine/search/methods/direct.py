@@ -58,8 +58,8 @@ class Boxes:
         last = self.count + len(value)
         while last > len(self.value):
             for name in ("centre", "depth", "level", "value", "lost", "near"):
-                held = getattr(self, name)
-                setattr(self, name, np.concatenate([held, np.empty_like(held)]))
+                column = getattr(self, name)
+                setattr(self, name, np.concatenate([column, np.empty_like(column)]))
         self.centre[self.count : last] = centre
         self.depth[self.count : last] = depth
         self.level[self.count : last] = depth.sum(axis=1)
@@ -242,12 +242,6 @@ def _lowest_near(boxes: Boxes, rows: Ints, feasible: Ints) -> Floats:
 def extend(options: Options, more: int) -> Options:
     """Enough iterations for `more` further evaluations, and no smallest size."""
     return replace(options, iterations=min(options.iterations + more, MOST), smallest=0.0)
-
-
-def rectangles(dimension: int, options: Options) -> tuple[Boxes, Search]:
-    """A search and the division of the box that it leaves."""
-    boxes = Boxes(dimension)
-    return boxes, divided(boxes, options)
 
 
 method = Method(

@@ -67,8 +67,8 @@ class Population:
 def search(space: Space, options: Options) -> Search:
     """One generation is one request: the children that are not copies of a parent."""
     points = space.random.random((options.population, space.dimension))
-    given = space.starts[: options.population]
-    points[: len(given)] = given
+    starts = space.starts[: options.population]
+    points[: len(starts)] = starts
     batch = yield points.copy()
     population = Population(points, batch.ranked())
     ending = ""

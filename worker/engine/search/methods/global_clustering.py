@@ -28,7 +28,6 @@ from worker.engine.search.base import (
     Search,
     Several,
     Space,
-    independently,
     side_by_side,
 )
 from worker.engine.search.parts.descent import End, Settings, descend
@@ -172,7 +171,7 @@ def _search_locally(space: Space, options: Options, clusters: Clusters) -> Gener
     """Search from the lone points, lowest first; a point that joins a cluster meanwhile is skipped or abandoned."""
     if options.at_once:
         searches = [_while_alone(space, options, clusters, i) for i in clusters.alone()]
-        yield from independently(searches) if space.slots else side_by_side(searches)
+        yield from side_by_side(searches, in_slots=bool(space.slots))
         return
     for i in clusters.alone():
         if clusters.is_alone(i) and len(clusters.minima) < options.minima:

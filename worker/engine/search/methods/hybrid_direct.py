@@ -39,12 +39,12 @@ def search(space: Space, options: Options) -> Parallel:
     starts = _centres(boxes, options.centres)
     if len(starts) == 0:
         return Ended("no value", "DIRECT: {direct}; no centre had a value", direct=ending)
-    asked = sqp.Options(
+    settings = sqp.Options(
         differences=options.differences, difference=options.difference, iterations=options.gradients
     )  # fmt: skip
-    text = yield from sqp.search(replace(space, starts=starts[:1]), asked)
+    text = yield from sqp.search(replace(space, starts=starts[:1]), settings)
     if len(starts) > 1:
-        yield from sqp.search(replace(space, starts=starts[1:]), asked)
+        yield from sqp.search(replace(space, starts=starts[1:]), settings)
     return Ended(
         "members",
         "DIRECT: {direct}; SQP from {centres} centres, from the best of them: {sqp}",

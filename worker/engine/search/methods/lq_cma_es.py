@@ -31,7 +31,7 @@ from pydantic import Field
 
 from worker.engine.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
 from worker.engine.search.parts.explored import Explored
-from worker.engine.search.parts.lowest import Lowest
+from worker.engine.search.parts.lowest import Lowest, Reported
 from worker.engine.search.parts.one_thread import one_thread
 from worker.engine.search.parts.progress import Progress
 from worker.engine.search.parts.pycma import STOPS, ending, last, strategy
@@ -117,33 +117,30 @@ def _descend(
     space: Space, start: Floats, deviation: float, population: int, options: Options, explored: Explored
 ) -> Generator[Floats, Batch, None]:
     """One run of the strategy from a point, with a model of its own."""
-    best, progress = Lowest(start), Progress(LATELY * space.dimension)
-    text = "the search ended"
-    try:
+    progress = Progress(LATELY * space.dimension)
+    with Reported(space, start) as best:
         tested = _model(start, deviation, population, options, explored)
         running = strategy(start, deviation, population, space.random, options.step)
         while True:
             with _quiet():
-                asked = running.ask()
+                generation = running.ask()
             known = len(tested.points)
-            values = yield from _generation(np.clip(np.array(asked), 0.0, 1.0), tested, options.at_once, best)
+            values = yield from _generation(np.clip(np.array(generation), 0.0, 1.0), tested, options.at_once, best)
             with _quiet():
-                running.tell(asked, last(values).tolist())
+                running.tell(generation, last(values).tolist())
                 stopped = running.stop()
             explored.add(tested.points[known:], tested.values[known:])
             progress.add(best.evaluations, best.cost)
             narrow = options.initial > 0 and float(np.max(running.stds)) < NARROW
             ended = ending(stopped) if stopped else _ended(progress, explored) if narrow else None
             if ended is not None:
-                text = ended
-                return
+                best.text = ended
+                break
             with _quiet():
                 lowest = tested.lowest()
                 if lowest is not None:
                     running.inject([lowest])
-    finally:
-        explored.visit(start if best.point is None else best.point)
-        best.report(space, text)
+    explored.visit(start if best.point is None else best.point)
 
 
 def _model(start: Floats, deviation: float, population: int, options: Options, explored: Explored) -> Tested:

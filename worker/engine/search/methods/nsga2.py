@@ -37,8 +37,8 @@ class Options:
 def search(space: Space, options: Options) -> Search:
     """One generation is one request; the first batch determines the number of criteria."""
     points = space.random.random((options.population, space.dimension))
-    given = space.starts[: options.population]
-    points[: len(given)] = given
+    starts = space.starts[: options.population]
+    points[: len(starts)] = starts
     points = points[np.sort(np.unique(points, axis=0, return_index=True)[1])]  # the library drops duplicates
     batch = yield points.copy()
     breeder = _breeder(space, options, points, batch.costs.shape[1])

@@ -108,11 +108,8 @@ def _in_batches(space: Space, members: list[Member], record: Record, fair: int) 
         for member in turn:
             space.attribute(member.method.name, len(member.requested))
         batch = yield np.concatenate([member.requested for member in turn])
-        at = 0
-        for member in turn:
-            rows = slice(at, at + len(member.requested))
-            at = rows.stop
-            member.tell(Batch(batch.costs[rows], batch.status[rows]), record)
+        for member, own in zip(turn, batch.split([len(member.requested) for member in turn]), strict=True):
+            member.tell(own, record)
 
 
 def _in_slots(space: Space, members: list[Member], record: Record, fair: int) -> Parallel:
@@ -163,7 +160,7 @@ class Member:
             starts = start[None, :]
         self.lowest = np.inf
         self.past.clear()
-        given = replace(
+        space = replace(
             self.space,
             budget=EPOCH,
             random=np.random.default_rng(self.space.random.integers(2**63)),
@@ -171,7 +168,7 @@ class Member:
             attribute=lambda member, points: None,
             slots=0,
         )
-        self.search = self.method.search(given, self.part.options)
+        self.search = self.method.search(space, self.part.options)
         return self._advance(None, record)
 
     def tell(self, batch: Batch, record: Record) -> None:

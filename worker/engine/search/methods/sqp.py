@@ -15,18 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from campaigns.effort import Descents
-from worker.engine.search.base import (
-    Ended,
-    Floats,
-    Method,
-    MethodLook,
-    Minimum,
-    Parallel,
-    Search,
-    Space,
-    independently,
-    side_by_side,
-)
+from worker.engine.search.base import Ended, Floats, Method, MethodLook, Minimum, Parallel, Search, Space, side_by_side
 from worker.engine.search.parts.descent import Settings, descend
 
 
@@ -53,7 +42,7 @@ def search(space: Space, options: Options) -> Parallel:
         sampler = qmc.Sobol(space.dimension, rng=space.random)
         starts = sampler.random_base2(int(np.ceil(np.log2(options.starts))))[: options.starts]
     descents = [_descend(space, options, start) for start in starts]
-    endings = yield from independently(descents) if space.slots else side_by_side(descents)
+    endings = yield from side_by_side(descents, in_slots=bool(space.slots))
     if len(starts) == 1:
         return endings[0]
     ends = {f"end{i}": end for i, end in enumerate(sorted(set(endings)))}

@@ -21,7 +21,7 @@ from pydantic import Field
 
 from worker.engine.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.engine.search.parts.gaussian_process import Process, fitted
-from worker.engine.search.parts.lowest import Lowest
+from worker.engine.search.parts.lowest import Lowest, Reported
 
 # The published settings, section 2 and the authors' program.
 FIRST, SHORTEST, LONGEST = 0.8, 0.5**7, 1.6
@@ -50,9 +50,7 @@ def search(space: Space, options: Options) -> Search:
     """One request is a batch of Thompson samples; it restarts until the budget ends."""
     tested = Evaluated(np.empty((0, space.dimension)), np.empty(0))
     while True:
-        best = Lowest()
-        text = "the search ended"
-        try:
+        with Reported(space) as best:
             first = len(tested.points)
             while tested.valued(first) < 2:  # without two values there is nothing to model
                 points = hypercube(options.initial * space.dimension, space)
@@ -65,9 +63,7 @@ def search(space: Space, options: Options) -> Search:
                 before = best.cost
                 tested = tested.add(points, (yield points.copy()), best)
                 region.update(before, best.cost)
-            text = "the trust region became small"
-        finally:
-            best.report(space, text)
+            best.text = "the trust region became small"
 
 
 @dataclass(frozen=True)

@@ -98,7 +98,6 @@ class Explored:
         return values
 
     def _filling(self, count: int) -> Floats:
-        """The next points of the space-filling sample."""
         from scipy.stats import qmc  # imported late: slow to load
 
         if self._sobol is None:

@@ -10,8 +10,7 @@ from worker.engine.search.base import Floats, Minimum, Space
 class Lowest:
     """The lowest point so far, its cost (infinity: none), and the number of evaluations."""
 
-    def __init__(self, start: Floats | None = None) -> None:
-        self.start = start
+    def __init__(self) -> None:
         self.point: Floats | None = None
         self.cost = np.inf
         self.evaluations = 0
@@ -23,7 +22,17 @@ class Lowest:
         if values[low] < self.cost:
             self.cost, self.point = float(values[low]), points[low].copy()
 
-    def report(self, space: Space, text: str) -> None:
-        """Report the lowest point as a minimum, if there is one."""
+
+class Reported(Lowest):
+    """A context whose lowest point, if there is one, is reported as a minimum at its end; `text`: how it ended."""
+
+    def __init__(self, space: Space, start: Floats | None = None) -> None:
+        super().__init__()
+        self.space, self.start, self.text = space, start, "the search ended"
+
+    def __enter__(self) -> Reported:
+        return self
+
+    def __exit__(self, *_: object) -> None:
         if self.point is not None:
-            space.report(Minimum(self.point, self.cost, self.start, self.evaluations, text))
+            self.space.report(Minimum(self.point, self.cost, self.start, self.evaluations, self.text))

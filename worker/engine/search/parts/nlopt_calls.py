@@ -14,7 +14,7 @@ import numpy as np
 
 from worker.engine.search.base import Ended, Floats, Search, Space
 from worker.engine.search.parts.callback import Ask, called_back_in_thread
-from worker.engine.search.parts.lowest import Lowest
+from worker.engine.search.parts.lowest import Lowest, Reported
 
 STOPPED = {
     nlopt.FTOL_REACHED: Ended("converged", "the cost no longer changes"),
@@ -28,14 +28,10 @@ OWN = Ended("library", "the library's own rule stopped the search")
 
 def optimised(space: Space, build: Callable[[], Any]) -> Search:
     """Run the optimiser returned by `build` on the unit cube until it ends; reports its lowest point."""
-    best = Lowest()
-    text = "the search ended"
     seed = int(space.random.integers(1, 2**31))
-    try:
-        text = yield from called_back_in_thread(lambda ask: _run(ask, space.dimension, build, best, seed))
-        return text
-    finally:
-        best.report(space, text)
+    with Reported(space) as best:
+        best.text = yield from called_back_in_thread(lambda ask: _run(ask, space.dimension, build, best, seed))
+    return best.text
 
 
 def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed: int) -> str:

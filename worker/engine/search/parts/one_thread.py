@@ -20,8 +20,6 @@ import scipy
 
 
 class _Library(NamedTuple):
-    """The two functions of one loaded OpenBLAS."""
-
     get: Callable[[], int]
     set: Callable[[int], None]
 

@@ -42,14 +42,14 @@ class Finish:
         self.valleys: list[int] = []
         self.polished: list[int] = []
 
-    def run(self, used: int, total: int, samples: Samples, asked: Options) -> Generator[Floats, Batch, int]:
+    def run(self, used: int, total: int, samples: Samples, options: Options) -> Generator[Floats, Batch, int]:
         """Merge, then polish until `total` evaluations are used; returns the number used in this phase."""
         if self.pool.count == 0:
             return 0
         median = float(np.median(samples.value[: samples.count]))
-        scale = asked.hill * max(median - float(self.pool.cost.min()), 0.0)
+        scale = options.hill * max(median - float(self.pool.cost.min()), 0.0)
         spent = yield from self._merge(int(CAP * total), scale)
-        spent += yield from self._polish(total - used - spent, asked)
+        spent += yield from self._polish(total - used - spent, options)
         return spent
 
     def _merge(self, cap: int, scale: float) -> Generator[Floats, Batch, int]:
@@ -83,14 +83,14 @@ class Finish:
             valleys = valleys[(values <= limit).all(axis=0)]
         return len(valleys) > 0, spent
 
-    def _polish(self, room: int, asked: Options) -> Generator[Floats, Batch, int]:
+    def _polish(self, room: int, options: Options) -> Generator[Floats, Batch, int]:
         """Polish the best valleys, those with the fewest evaluations first."""
         pool, spent = self.pool, 0
         n = pool.best.shape[1]
-        self.polished = [self._polisher(t) for t in self.valleys[: asked.polished]]
+        self.polished = [self._polisher(t) for t in self.valleys[: options.polished]]
         self.valleys[: len(self.polished)] = self.polished
         rows = np.array(self.polished, dtype=np.int64)
-        had = np.minimum(pool.state.evaluations[rows], 5 * asked.first * n)
+        had = np.minimum(pool.state.evaluations[rows], 5 * options.first * n)
         began = pool.state.evaluations[rows].copy()
         while spent < room:
             count = had + pool.state.evaluations[rows] - began

@@ -87,8 +87,8 @@ class Samples:
     def _grow(self) -> None:
         self.axes = np.concatenate([self.axes, np.empty_like(self.axes)], axis=1)
         for name in ("value", "far", "around", "contrast", "closed"):
-            held = getattr(self, name)
-            setattr(self, name, np.concatenate([held, np.empty_like(held)]))
+            column = getattr(self, name)
+            setattr(self, name, np.concatenate([column, np.empty_like(column)]))
 
 
 @compiled

@@ -109,7 +109,7 @@ def room(rows: int, n: int) -> State:
 def grown(s: State) -> State:
     """The searchers with twice the number of rows."""
     shared = {"weights": s.weights, "rates": s.rates}
-    rows = {name: np.concatenate([held, np.zeros_like(held)]) for name, held in s._asdict().items()}
+    rows = {name: np.concatenate([column, np.zeros_like(column)]) for name, column in s._asdict().items()}
     return State(**(rows | shared))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from campaigns.claims.stages import ends
 from worker.engine.search.base import Ended, Parallel, Search
 from worker.engine.stages.parts.context import (
     Asking,
@@ -9,29 +10,22 @@ from worker.engine.stages.parts.context import (
     Context,
     Driven,
     ReplayMismatch,
-    Request,
-    Result,
     Seeded,
     Tally,
     Through,
 )
-from worker.engine.stages.parts.driver import FLUSH_ROWS, FLUSH_SECONDS, FULL_BLOCKS, Driver
+from worker.engine.stages.parts.driver import Driver
 from worker.engine.stages.parts.ended import stop
 from worker.engine.stages.parts.slot_driver import SlotDriver
 from worker.engine.stages.parts.store import Columns
 from worker.engine.systems.base import Floats, slots
 
 __all__ = [
-    "FLUSH_ROWS",
-    "FLUSH_SECONDS",
-    "FULL_BLOCKS",
     "Asking",
     "Cancelled",
     "Context",
     "Driven",
     "ReplayMismatch",
-    "Request",
-    "Result",
     "Seeded",
     "Tally",
     "Through",
@@ -54,9 +48,7 @@ def drive(
                 raise Cancelled
             batch, spent = driver.answer(points)
             if spent:
-                return driver.end(
-                    stop("budget", Ended("budget", "used its budget of {budget} evaluations", budget=budget))
-                )
+                return driver.end(stop("budget", Ended("budget", ends.BUDGET, budget=budget)))
             points = search.send(batch)
     except StopIteration as stopped:
         return driver.end(stop("rule", stopped.value))

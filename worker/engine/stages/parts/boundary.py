@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.claims.say import count, number, percent, say
+from campaigns.claims.stages import surroundings as sentences
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.finding import Boundary, Ray
-from campaigns.results.sensitivity import Slices
+from campaigns.results.slices import Slices
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
 from worker.engine.stages.parts import slices
@@ -67,7 +67,7 @@ def boundary(problem: Problem, worst: Floats) -> Generator[Floats, Batch, Bounda
     batch = yield points
     beyond = _beyond(batch, problem.threshold)
     if beyond[0]:
-        statement = say("the nominal case itself violates the criterion or fails")
+        statement = sentences.NOMINAL_BEYOND
         return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=[], line=None, statement=statement)
     costs = batch.costs[1:, 0].reshape(len(rays), SAMPLES)
     for ray, hit, values in zip(rays, beyond[1:].reshape(len(rays), SAMPLES), costs, strict=True):
@@ -114,19 +114,9 @@ def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Fl
 
 def _described(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Boundary:
     *single, line = [_ray(problem, nominal, ray) for ray in rays]
-    hits = [(ray.share, ray) for ray in single if ray.share is not None and ray.value is not None]
-    statement = say("no violation was found along any single parameter, sampled in ", count(SAMPLES), " steps")
-    if hits:
-        fraction, near = min(hits, key=lambda hit: hit[0])
-        assert near.value is not None
-        parameter = problem.symbols[near.path]
-        statement = say(
-            *("the nearest boundary along a single parameter is at ", parameter, " = ", number(near.value)),
-            *(", ", percent(fraction), " of its range from nominal"),
-        )
-    if line.way is not None:
-        crossed = "; on the straight line to the worst case it is crossed at "
-        statement = say(statement, crossed, percent(line.way), " of the distance")
+    hits = [(r.share, problem.symbols[r.path], r.value) for r in single if r.share is not None and r.value is not None]
+    nearest = min(hits, key=lambda hit: hit[0], default=None)
+    statement = sentences.boundary(SAMPLES, nearest, line.way)
     return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=single, line=line, statement=statement)
 
 

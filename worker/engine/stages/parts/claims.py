@@ -39,14 +39,14 @@ def order(samples: int, fraction: float, confidence: float) -> int:
     if samples == 0 or not 0.0 < fraction < 1.0:
         return 0
     r = int(stats.binom.ppf(1.0 - confidence, samples, fraction))
-    while held(r + 1, samples, fraction) >= confidence:
+    while confidence_of(r + 1, samples, fraction) >= confidence:
         r += 1
-    while r > 0 and held(r, samples, fraction) < confidence:
+    while r > 0 and confidence_of(r, samples, fraction) < confidence:
         r -= 1
     return r
 
 
-def held(r: int, samples: int, fraction: float) -> float:
+def confidence_of(r: int, samples: int, fraction: float) -> float:
     """The confidence with which the r-th lowest of the sample is at most the quantile at `fraction`."""
     from scipy import stats
 
@@ -56,7 +56,7 @@ def held(r: int, samples: int, fraction: float) -> float:
 def needed(fraction: float, confidence: float) -> int:
     """The smallest sample whose lowest value bounds the quantile at `fraction`: 59 for 5 % with 95 % confidence."""
     size = max(1, math.floor(math.log1p(-confidence) / math.log1p(-fraction)) - 1)
-    while held(1, size, fraction) < confidence:
+    while confidence_of(1, size, fraction) < confidence:
         size += 1
     return size
 

@@ -13,13 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.claims.stages import calls as sentences
 from campaigns.limits import ROUNDING, TOLERANCE_OF_MARGIN
 from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validation
 from worker.engine.stages.parts import noise, repeated
 from worker.engine.stages.parts.base import Cancelled, Context
 from worker.engine.systems.base import Comparison, Confirmed, Floats
-
-LOST = "the evaluation failed"
 
 
 @dataclass(frozen=True)
@@ -33,34 +32,34 @@ class Case:
     seed: int | None = None
 
 
-def cases(context: Context, asked: Sequence[Case], calls: int | None = None) -> list[Validation]:
+def cases(context: Context, subjects: Sequence[Case], calls: int | None = None) -> list[Validation]:
     """Every case as the campaign specifies, and by all independent means of the system. Raises `Cancelled`.
 
     Of a simulator that does not repeat: by independent calls, as many as the campaign states unless given.
     """
-    if not asked:
+    if not subjects:
         return []
     if noise.noisy(context):
-        return repeated.cases(context, [(c.name, c.point, c.cost) for c in asked], calls)
-    found = context.problem.system.confirm(*_asked(context, asked), context.cancelled)
-    if len(found) < len(asked):
+        return repeated.cases(context, [(c.name, c.point, c.cost) for c in subjects], calls)
+    found = context.problem.system.confirm(*_vectors_and_seeds(context, subjects), context.cancelled)
+    if len(found) < len(subjects):
         raise Cancelled
-    return [_case(context, *case) for case in zip(asked, found, strict=True)]
+    return [_case(context, *case) for case in zip(subjects, found, strict=True)]
 
 
-def reference(context: Context, asked: Sequence[Case]) -> list[Comparison]:
+def reference(context: Context, subjects: Sequence[Case]) -> list[Comparison]:
     """Every case, all with a cost, by the strongest independent means. Raises `Cancelled`."""
-    if not asked:
+    if not subjects:
         return []
-    found = context.problem.system.compare(*_asked(context, asked), context.cancelled)
-    if len(found) < len(asked):
+    found = context.problem.system.compare(*_vectors_and_seeds(context, subjects), context.cancelled)
+    if len(found) < len(subjects):
         raise Cancelled
     return found
 
 
-def _asked(context: Context, asked: Sequence[Case]) -> tuple[Floats, list[int | None]]:
+def _vectors_and_seeds(context: Context, subjects: Sequence[Case]) -> tuple[Floats, list[int | None]]:
     """The vectors of these cases, and the seeds of those that drew their own noise."""
-    return context.problem.vectors(np.array([case.point for case in asked])), [case.seed for case in asked]
+    return context.problem.vectors(np.array([case.point for case in subjects])), [case.seed for case in subjects]
 
 
 def scale(context: Context) -> float:
@@ -103,7 +102,7 @@ def _against(stored: float | None, found: Confirmed, threshold: float) -> Confir
 
     again = [c for c in found.comparisons if c.kind == "again"]
     rest = tuple(c for c in found.comparisons if c.kind != "again")
-    used = Comparison("again", "an evaluation in a used process", found.cost, "" if found.cost is not None else LOST)
+    used = Comparison("again", sentences.USED_PROCESS, found.cost, "" if found.cost is not None else sentences.FAILED)
     # With equal evidence the fresh one, which is the stronger.
     return Confirmed(stored, (max([*again, used], key=contrary), *rest), found.step)
 

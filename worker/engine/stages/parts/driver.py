@@ -7,6 +7,7 @@ It stops at the budget, tracks the best point, and replays the stored evaluation
 from __future__ import annotations
 
 import time
+from collections.abc import Container
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,7 @@ class Driver:
         self.tally = Tally()
         self.known: dict[bytes, tuple[Floats, int]] | None = {} if repeats else None
         self.through: System | None = None
-        self.held: list[Columns] = []
+        self.evaluated: list[Columns] = []
         self.unsaved: list[Columns] = []
         self.stored = context.store.evaluations(position)
         earlier = self.stored.seconds if self.stored is not None else np.empty(0)
@@ -60,12 +61,9 @@ class Driver:
         points, seeds = request if isinstance(request, Seeded) else (request, None)
         if self.known is None:
             return self._fresh(points, seeds)
-        keys = [p.tobytes() for p in points]
-        if seeds is not None:
-            keys = [key + seed.tobytes() for key, seed in zip(keys, seeds, strict=True)]
-        distinct = list({key: i for i, key in reversed([*enumerate(keys)]) if key not in self.known}.values())
+        keys = keys_of(points, seeds)
+        distinct = unknown(keys, self.known)
         if distinct:
-            distinct.sort()
             batch, spent = self._fresh(points[distinct], None if seeds is None else seeds[distinct])
             for i, cost, status in zip(distinct, batch.costs, batch.status, strict=False):
                 self.known[keys[i]] = (cost, int(status))
@@ -79,7 +77,7 @@ class Driver:
             raise ReplayMismatch(self.position, self.tally.evaluations)
         self.flush()
         self.tally.seconds = self._seconds()
-        columns = join(self.held)
+        columns = join(self.evaluated)
         if columns is not None:
             self.context.columns[self.position] = columns
         return Driven(self.tally, columns, how)
@@ -160,7 +158,7 @@ class Driver:
 
     def _count(self, columns: Columns) -> None:
         tally, first = self.tally, self.tally.evaluations
-        self.held.append(columns)
+        self.evaluated.append(columns)
         tally.evaluations += len(columns.status)
         tally.failed += int(np.count_nonzero((columns.status != OK) & (columns.status != EXCLUDED)))
         tally.excluded += int(np.count_nonzero(columns.status == EXCLUDED))
@@ -173,6 +171,18 @@ class Driver:
 
     def _seconds(self) -> float:
         return self.offset + time.perf_counter() - self.began
+
+
+def keys_of(points: Floats, seeds: Seeds | None) -> list[bytes]:
+    """What distinguishes requests: the point, and its seed if it has one."""
+    if seeds is None:
+        return [point.tobytes() for point in points]
+    return [point.tobytes() + seed.tobytes() for point, seed in zip(points, seeds, strict=True)]
+
+
+def unknown(keys: list[bytes], known: Container[bytes]) -> list[int]:
+    """The first request of each point that is not known yet, in their order."""
+    return sorted({key: i for i, key in reversed([*enumerate(keys)]) if key not in known}.values())
 
 
 def _no_status() -> NDArray[np.uint8]:

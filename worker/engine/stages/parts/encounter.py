@@ -13,7 +13,7 @@ import numpy as np
 
 from campaigns.results.base import OK
 from campaigns.results.finding import ClosestApproach
-from campaigns.results.sensitivity import Curve
+from campaigns.results.slices import Curve
 from campaigns.results.validate import Encounter, Spread
 from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.store import Trace

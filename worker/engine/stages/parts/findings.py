@@ -7,20 +7,23 @@ until the run has no lower stored evaluation. `worker.engine.search.parts.basins
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from campaigns.claims.stages import ends
 from campaigns.limits import ROUNDING, SAME_COST, SAME_PLACE
 from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
-from worker.engine.search.base import Batch, Search, Space
+from worker.engine.search.base import Batch, Search
 from worker.engine.search.parts.basins import Basin, Rules, distinct, promising
 from worker.engine.search.parts.lowest import Lowest
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context
 from worker.engine.stages.parts.boundary import Around, after
 from worker.engine.stages.parts.store import Columns
+from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 
 EACH, ALL = 12, 60
@@ -29,6 +32,9 @@ FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
 ROUNDS = 20
 """The largest number of rounds in which lower evaluations become candidates."""
+
+Part = Generator[Floats, Batch, None]
+"""A part of the search."""
 
 
 @dataclass(frozen=True)
@@ -116,8 +122,8 @@ def _search(context: Context, position: int, found: Found) -> Search:
     found.candidates = gather(context, position)
     yield from _drawn(context, position, found)
     if not found.candidates:
-        return "no evaluation succeeded"
-    random = _space(context).random
+        return ends.NOTHING
+    random = stream(context.campaign.seed, FINDINGS_STREAM)
     yield from _distinguished(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
     yield from _evidence(context, found, random)
     while found.rounds < ROUNDS and (lower := _lower(context, position, found)) is not None:
@@ -128,7 +134,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
         fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
         yield from _distinguished(context, found, [*found.basins, fresh])
         yield from _evidence(context, found, random)
-    return "polished every distinct worst case and evaluated its neighbours"
+    return ends.FINDINGS
 
 
 def gather(context: Context, position: int) -> list[Candidate]:
@@ -166,7 +172,7 @@ def scale(context: Context, worst: float) -> float:
     return fall if fall > 0.0 else max(abs(worst), 1e-12)
 
 
-def _drawn(context: Context, position: int, found: Found) -> Search:
+def _drawn(context: Context, position: int, found: Found) -> Part:
     """Points that drew their own noise, evaluated again under the campaign's realisations, as candidates."""
     for _, columns, _ in seeds.drawn(context, range(position)):
         points = columns.points[promising(columns.points, _ranked(columns), EACH)]
@@ -175,10 +181,9 @@ def _drawn(context: Context, position: int, found: Found) -> Search:
             Candidate(p.copy(), float(c), position) for p, c in zip(points, ranked, strict=True) if np.isfinite(c)
         ]
     found.candidates.sort(key=lambda c: c.cost)
-    return "evaluated the lowest drawn points under the stated realisations"
 
 
-def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Search:
+def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Part:
     """Descend from these starts and merge; the end of a descent takes over what its start represented."""
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
     basins: list[Basin] = []
@@ -187,10 +192,9 @@ def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Searc
     finally:  # when the budget ends, none is lost
         found.basins = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]
         _keep_the_worst(context, found)
-    return "polished every distinct minimum"
 
 
-def _evidence(context: Context, found: Found, random: np.random.Generator) -> Search:
+def _evidence(context: Context, found: Found, random: np.random.Generator) -> Part:
     """The neighbours of every worst case that has none yet, then slices and the boundary."""
     for basin in found.basins:
         if found.of(basin).neighbours is None:
@@ -198,7 +202,6 @@ def _evidence(context: Context, found: Found, random: np.random.Generator) -> Se
     for basin in found.basins:
         if found.of(basin).after is None:
             found.of(basin).after = yield from after(context.problem, basin.point, basin.cost)
-    return "evaluated the surroundings of every worst case"
 
 
 def _same(context: Context, found: Found, lower: Candidate) -> bool:
@@ -230,14 +233,8 @@ def _ranked(columns: Columns) -> Floats:
 
 
 def _rules(context: Context, worst: float) -> Rules:
-    asked = context.campaign.stages.findings
-    return Rules(asked.distance, asked.barrier * scale(context, worst), asked.at_most)
-
-
-def _space(context: Context) -> Space:
-    n = context.problem.dimension
-    random = np.random.default_rng(np.random.SeedSequence(context.campaign.seed, spawn_key=(FINDINGS_STREAM,)))
-    return Space(n, 0, random, np.empty((0, n)), context.problem.quantile, lambda minimum: None)
+    request = context.campaign.stages.findings
+    return Rules(request.distance, request.barrier * scale(context, worst), request.at_most)
 
 
 def _keep_the_worst(context: Context, found: Found) -> None:
@@ -249,12 +246,12 @@ def _keep_the_worst(context: Context, found: Found) -> None:
     found.basins[:] = kept
 
 
-def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.Generator) -> Search:
+def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.Generator) -> Part:
     """Evaluate a few hundred neighbours of a worst case, which moves to the lowest of them."""
-    asked = context.campaign.stages.validate_
-    if asked.neighbours == 0:
-        return "no neighbours were requested"
-    offsets = random.uniform(-asked.reach, asked.reach, (asked.neighbours, len(basin.point)))
+    request = context.campaign.stages.validate_
+    if request.neighbours == 0:
+        return
+    offsets = random.uniform(-request.reach, request.reach, (request.neighbours, len(basin.point)))
     points = np.clip(basin.point + offsets, 0.0, 1.0)
     batch: Batch = yield points
     ranked = batch.ranked()
@@ -268,4 +265,3 @@ def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.
     if ranked[low] < basin.cost:
         basin.point, basin.cost = points[low].copy(), float(ranked[low])
     found.of(basin).neighbours = neighbours
-    return "evaluated every neighbour"

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.claims.say import count, number, say, symbol
+from campaigns.claims.stages.surroundings import possible_gain
 from campaigns.results.search import Gap
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Floats, Method, Search
@@ -33,23 +33,14 @@ def estimate(problem: Problem, method: Method, options: Any, columns: Columns) -
     half = 0.5 * 3.0 ** -boxes.depth[: boxes.count][kept].astype(np.float64)
     lowest = float((boxes.value[: boxes.count][kept] - half @ slopes).min())
     best = float(boxes.value[: boxes.count][kept].min())
-    unit, lost = problem.unit, int(np.count_nonzero(~kept))
-    without = say("; ", count(lost), " rectangles whose centre has no value are ignored") if lost else ()
+    lost = int(np.count_nonzero(~kept))
     return Gap(
         rectangles=boxes.count,
         without_value=lost,
         slopes={r.path: float(s) / (r.high - r.low) for r, s in zip(problem.ranges, slopes, strict=True)},
         lower_bound=lowest,
         gap=best - lowest,
-        statement=say(
-            *(
-                "estimate, not a bound: if the steepest slopes observed between the centres of ",
-                count(boxes.count),
-                " rectangles hold everywhere, ",
-            ),
-            *(symbol(problem.quantity), " is nowhere below ", number(lowest, unit)),
-            *(", ", number(best - lowest, unit), " below the lowest centre", without),
-        ),
+        statement=possible_gain(boxes.count, lost, problem.quantity, lowest, best, problem.unit),
     )
 
 

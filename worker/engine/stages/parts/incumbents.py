@@ -51,10 +51,10 @@ def called(context: Context, findings: Sequence[Finding]) -> list[Incumbent]:
 
 def violating(context: Context, nominal: Validation, best: Sequence[Incumbent]) -> list[Confirmed]:
     """The best of the searches, and the nominal case, of which an independent call violates; the lowest first."""
-    held = [(_best(context, b.position), b.validation) for b in best]
+    cases = [(_best(context, b.position), b.validation) for b in best]
     if nominal.cost is not None:
-        held.append((Stored(0, 0, context.problem.nominal_point, nominal.cost, None), nominal))
-    found = [(stored, v) for stored, v in held if stored is not None and v.violates]
+        cases.append((Stored(0, 0, context.problem.nominal_point, nominal.cost, None), nominal))
+    found = [(stored, v) for stored, v in cases if stored is not None and v.violates]
     return sorted(found, key=lambda pair: pair[0].cost)
 
 

@@ -13,8 +13,9 @@ from typing import Any, TypedDict
 import numpy as np
 
 from campaigns.asked.stages import Morris, SobolIndices
-from campaigns.claims.say import count, listed, number, say
+from campaigns.claims.say import Part
 from campaigns.claims.spans import Spans
+from campaigns.claims.stages import surroundings as sentences
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sensitivity import MorrisRow, MorrisStudy, SobolRow, SobolStudy
 from worker.engine.problem.problem import Problem
@@ -26,36 +27,36 @@ MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
 
 
 def morris(
-    problem: Problem, asked: Morris, random: np.random.Generator, confidence: float
+    problem: Problem, request: Morris, random: np.random.Generator, confidence: float
 ) -> Generator[Floats, Batch, MorrisStudy]:
     """mu, mu* and sigma of each parameter's effect, per whole range, in the criterion's unit."""
     from SALib.analyze import morris as analysis
     from SALib.sample import morris as sampling
 
     box = _box(problem)
-    points = np.asarray(sampling.sample(box, asked.trajectories, num_levels=asked.levels, seed=random))
+    points = np.asarray(sampling.sample(box, request.trajectories, num_levels=request.levels, seed=random))
     batch = yield points
 
     def study(rows: list[MorrisRow] | None, statement: Spans) -> MorrisStudy:
         counts = _counts(batch, confidence)
         return MorrisStudy(
-            **counts, trajectories=asked.trajectories, levels=asked.levels, indices=rows, statement=statement
+            **counts, trajectories=request.trajectories, levels=request.levels, indices=rows, statement=statement
         )
 
-    reason = _unusable(problem, batch)
+    reason = _unusable(batch)
     if reason is not None:
         return study(None, reason)
     values = batch.costs[:, 0]
     found = analysis.analyze(
-        box, points, values, conf_level=confidence, num_levels=asked.levels, seed=int(random.integers(2**31))
+        box, points, values, conf_level=confidence, num_levels=request.levels, seed=int(random.integers(2**31))
     )
     columns = {"mu": "mu", "mu_star": "mu_star", "mu_star_confidence": "mu_star_conf", "sigma": "sigma"}
     rows = [MorrisRow(path=path, **values) for path, values in _rows(problem, found, columns)]
-    return study(rows, say("largest effects: ", _leading(problem, {row.path: row.mu_star for row in rows})))
+    return study(rows, sentences.effects(_leading(problem, {row.path: row.mu_star for row in rows})))
 
 
 def sobol(
-    problem: Problem, asked: SobolIndices, random: np.random.Generator, confidence: float
+    problem: Problem, request: SobolIndices, random: np.random.Generator, confidence: float
 ) -> Generator[Floats, Batch, SobolStudy]:
     """First-order and total fractions of the variance, under the distributions, with the half width of their interval.
 
@@ -65,16 +66,16 @@ def sobol(
     from SALib.sample import sobol as sampling
 
     box = _box(problem)
-    uniform = np.asarray(sampling.sample(box, asked.samples, calc_second_order=False, seed=random))
+    uniform = np.asarray(sampling.sample(box, request.samples, calc_second_order=False, seed=random))
     batch = yield problem.distributions.marginals(uniform)
 
     def study(rows: list[SobolRow] | None, statement: Spans) -> SobolStudy:
-        return SobolStudy(**_counts(batch, confidence), samples=asked.samples, indices=rows, statement=statement)
+        return SobolStudy(**_counts(batch, confidence), samples=request.samples, indices=rows, statement=statement)
 
     values = batch.costs[:, 0]
-    reason = _unusable(problem, batch)
+    reason = _unusable(batch)
     if reason is None and np.ptp(values) <= 1e-12 * max(1.0, float(np.abs(values).max())):
-        reason = say("not computed: all evaluations have the same value, so there is no variance to explain")
+        reason = sentences.NO_VARIANCE
     if reason is not None:
         return study(None, reason)
     found = analysis.analyze(
@@ -82,9 +83,8 @@ def sobol(
     )
     columns = {"first": "S1", "first_confidence": "S1_conf", "total": "ST", "total_confidence": "ST_conf"}
     rows = [SobolRow(path=path, **values) for path, values in _rows(problem, found, columns)]
-    apart = "; correlations are ignored" if problem.distributions.mixed else ""
     leading = _leading(problem, {row.path: row.total for row in rows})
-    return study(rows, say("largest total indices: ", leading, apart))
+    return study(rows, sentences.totals(leading, bool(problem.distributions.mixed)))
 
 
 class _Box(TypedDict):
@@ -112,16 +112,10 @@ def _counts(batch: Batch, confidence: float) -> _Counts:
     return {"evaluations": len(batch.status), "failed": failed, "excluded": excluded, "confidence": confidence}
 
 
-def _unusable(problem: Problem, batch: Batch) -> Spans | None:
-    """Why no index is computed: the designs need the value of every evaluation, and missing ones are not imputed."""
+def _unusable(batch: Batch) -> Spans | None:
+    """Why no index is computed; None if the design has every value."""
     missing = int(np.count_nonzero(batch.status != OK))
-    if not missing:
-        return None
-    return say(
-        *("not computed: ", count(missing), " of ", count(len(batch.status))),
-        " evaluations failed or were excluded, and the design needs the value of every one; "
-        "narrow the bounds until all evaluations succeed",
-    )
+    return sentences.no_index(missing, len(batch.status)) if missing else None
 
 
 def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[str, dict[str, float | None]]]:
@@ -133,9 +127,7 @@ def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[s
     return rows
 
 
-def _leading(problem: Problem, values: dict[str, float | None]) -> Spans:
-    ordered, parameters = (
-        sorted(values.items(), key=lambda item: -(item[1] or 0.0)),
-        problem.symbols,
-    )
-    return listed([say(parameters[path], " ", number(value or 0.0, digits=3)) for path, value in ordered[:3]])
+def _leading(problem: Problem, values: dict[str, float | None]) -> list[tuple[Part, float]]:
+    """The three parameters of the largest values."""
+    ordered = sorted(values.items(), key=lambda item: -(item[1] or 0.0))
+    return [(problem.symbols[path], value or 0.0) for path, value in ordered[:3]]

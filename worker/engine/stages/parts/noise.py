@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from campaigns.claims.say import count, number, say
-from campaigns.claims.spans import Spans
-from campaigns.results import NominalResult
+from campaigns.claims.stages import calls as sentences
+from campaigns.claims.stages import ends
 from campaigns.results.base import EXCLUDED, FLAKY, OK
-from campaigns.results.nominal import Measured
+from campaigns.results.measured import Measured
 from campaigns.stages.nominal import POINTS, TIMES
 from worker.engine.problem.problem import Problem
 from worker.engine.stages.parts.base import Asking, Context, Through
@@ -27,7 +26,7 @@ def noisy(context: Context) -> bool:
     if simulator is None:
         return False
     nominal = context.results.get(0)
-    measured = nominal.measured if isinstance(nominal, NominalResult) else None
+    measured = None if nominal is None else nominal.repeatability
     repeats = context.problem.system.repeatable and (measured is None or measured.repeats)
     return simulator.calls > 1 or not repeats
 
@@ -52,7 +51,7 @@ def measuring(problem: Problem, chosen: Floats) -> Asking[str]:
     finally:
         if fresh is not problem.system:
             fresh.close()
-    return "evaluated the nominal case, and whether results repeat"
+    return ends.MEASURED
 
 
 def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
@@ -73,9 +72,9 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
     failed = int(np.count_nonzero((status != OK) & (status != EXCLUDED)))
     last = len(columns.seconds) - chosen - 1
     seconds = None if last < 1 else float(columns.seconds[: last + 1].max() - columns.seconds[0]) / last
-    system, asked = slotted(problem.system), problem.campaign.simulator
+    system, simulator = slotted(problem.system), problem.campaign.simulator
     slots = max(system.slots, 1)
-    calls = 1 if asked is None else asked.calls
+    calls = 1 if simulator is None else simulator.calls
     call = call_seconds(columns, chosen, slots, calls)
     return Measured(
         points=chosen,
@@ -91,7 +90,7 @@ def measured(columns: Columns, chosen: int, problem: Problem) -> Measured:
         slots=None if call is None else slots,
         start_seconds=start_seconds(columns, chosen, slots, calls) if system.slots else None,
         recycle=system.recycle or None,
-        statement=_statement(chosen, status.size, failed, identical, declared, spread, problem.unit),
+        statement=sentences.measured(chosen, status.size, failed, identical, declared, spread, problem.unit),
     )
 
 
@@ -117,21 +116,6 @@ def start_seconds(columns: Columns, chosen: int, slots: int, calls: int) -> floa
         return None
     took = float(ended[-chosen:].max() - ended[:-chosen].max())
     return max(took / -(-chosen * calls // slots) - call, 0.0)
-
-
-def _statement(
-    chosen: int, evaluations: int, failed: int, identical: bool, declared: bool, spread: float | None, unit: str
-) -> Spans:
-    of = say(count(chosen, "points"), " points, ", count(evaluations, "evaluations"), " evaluations")
-    lost = say("; ", count(failed, "failed"), " of them failed") if failed else ()
-    if identical:
-        but = () if declared else "; the simulator declares that its results do not repeat"
-        return say("repeats bit by bit: ", of, lost, but)
-    if not spread:
-        return say("does not repeat: of evaluations of the same point some fail and some do not: ", of, lost)
-    return say(
-        "differs by up to ", number(spread, unit, "spread"), " between evaluations of the same point: ", of, lost
-    )
 
 
 def reasons(columns: Columns) -> list[str]:

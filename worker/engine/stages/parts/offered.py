@@ -19,6 +19,7 @@ from campaigns.results.validate import Furthest, SpotChecks, StageCount, Violati
 from worker.engine.stages.parts import seeds
 from worker.engine.stages.parts.base import Context, all_columns
 from worker.engine.stages.parts.confirm import Case, cases, reference
+from worker.engine.stages.parts.streams import stream
 from worker.engine.systems.base import Floats
 
 AT_MOST, SPOT_CHECKS = limits.VIOLATIONS, limits.SPOT_CHECKS
@@ -89,7 +90,7 @@ def violations(context: Context, positions: range) -> tuple[Violations, list[tup
 def spot_checks(context: Context, positions: range) -> SpotChecks:
     """Random evaluations of all stages with the reference integrator: its differences from the stored values."""
     known = _Stored(context, positions)
-    random = np.random.default_rng(np.random.SeedSequence(context.campaign.seed, spawn_key=(STREAM,)))
+    random = stream(context.campaign.seed, STREAM)
     chosen = known.pick(np.sort(random.permutation(len(known))[:SPOT_CHECKS]))
     flights = reference(context, [s.case for s in chosen])
     pairs = [(s, f.cost) for s, f in zip(chosen, flights, strict=True) if f.cost is not None]

@@ -10,22 +10,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from campaigns.claims.say import count, number, say
-from campaigns.claims.spans import Spans
+from campaigns.claims.stages import calls as sentences
 from campaigns.results.base import OK
 from campaigns.results.finding import Calls, Validation
 from worker.engine.stages.parts import claims
 from worker.engine.stages.parts.base import Cancelled, Context
 from worker.engine.systems.base import Floats, slotted
 
-Asked = tuple[str, Floats, float | None]
+Subject = tuple[str, Floats, float | None]
 """A name, a point (n,), and the stored cost, if any."""
 
 
-def cases(context: Context, asked: Sequence[Asked], calls: int | None = None) -> list[Validation]:
+def cases(context: Context, subjects: Sequence[Subject], calls: int | None = None) -> list[Validation]:
     """Every case by this many independent calls, or as many as the campaign states. Raises `Cancelled`."""
     many = context.campaign.stages.validate_.repeats if calls is None else calls
-    return [_case(context, *each, _called(context, each[1], many)) for each in asked]
+    return [_case(context, *each, _called(context, each[1], many)) for each in subjects]
 
 
 def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold: float, confidence: float) -> Calls:
@@ -41,14 +40,8 @@ def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold:
         confidence=confidence,
         low=low,
         high=high,
-        statement=_statement(violating, failed, len(values), low, high),
+        statement=sentences.independent(violating, failed, len(values), low, high),
     )
-
-
-def _statement(violating: int, failed: int, many: int, low: float, high: float) -> Spans:
-    lost = say(", ", count(failed, "failed"), " failed") if failed else ()
-    of = say(count(violating, "repeats_violating"), " of ", count(many, "repeats"), lost)
-    return say("violates in ", of, " [", number(low, "", "low", 2), ", ", number(high, "", "high", 2), "]")
 
 
 def _called(context: Context, point: Floats, many: int) -> tuple[list[float | None], list[str]]:
@@ -70,7 +63,7 @@ def _called(context: Context, point: Floats, many: int) -> tuple[list[float | No
         for row in range(count):
             ok = batch.status[row] == OK and np.isfinite(batch.costs[row, 0])
             values.append(float(batch.costs[row, 0]) if ok else None)
-            reasons += [] if ok else [why.get(row, "the call failed")]
+            reasons += [] if ok else [why.get(row, sentences.CALL_FAILED)]
     return values, reasons
 
 

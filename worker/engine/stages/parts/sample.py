@@ -1,4 +1,4 @@
-"""Statements on a random sample: counts, the bound on P(violation), a quantile bound, the distribution function.
+"""What a random sample shows: counts, the bound on P(violation), a quantile bound, the distribution function.
 
 A failed evaluation counts as a violation and as the lowest value, because its outcome is unknown. If the distributions
 extend beyond the bounds, that probability is added to the bounds.
@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.claims.say import count, listed, number, percent, say, symbol
-from campaigns.claims.spans import Spans, words
+from campaigns.claims.stages import sample as sentences
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sample import Distribution, Histogram, QuantileBound
 from campaigns.results.sample import Noise as NoiseKind
@@ -32,22 +31,16 @@ STEPS = 400
 class Noise:
     """The realisations of the scenario's noise that a statement holds for.
 
-    kind: none (no noise), drawn (one for every sample), stated (those that the campaign lists); clause: as text;
-    holds: what the statement is of, and which condition it needs.
+    kind: none (no noise), drawn (one for every sample), stated (those that the campaign lists); terms: in words.
     """
 
     kind: NoiseKind = "none"
-    clause: str = ""
-    holds: str = ""
+    terms: sentences.Terms = sentences.WITHOUT
 
     @staticmethod
-    def given(realised: Realised) -> Noise:
+    def stated(realised: Realised) -> Noise:
         """The noise of evaluations that all simulate the realisations stated in the campaign."""
-        if not realised.random:
-            return Noise()
-        seeds = words(listed([str(seed) for seed in realised.seeds]))
-        which = f"the {realised.combine} of seeds {seeds}" if realised.several else f"seed {seeds}"
-        return Noise("stated", f", for the stated noise only ({which})")
+        return Noise("stated", sentences.stated(realised.combine, realised.seeds)) if realised.random else Noise()
 
     @staticmethod
     def of_calls(context: Context, single: bool) -> Noise | None:
@@ -57,14 +50,11 @@ class Noise:
         if simulator is None or not noise.noisy(context):
             return None
         if single or simulator.calls == 1:
-            return CALLED
-        return Noise("stated", f", where each evaluation is the {simulator.combine} of {simulator.calls} calls")
+            return Noise("drawn", sentences.CALLED)
+        return Noise("stated", sentences.combined(simulator.combine, simulator.calls))
 
 
-DRAWN = Noise("drawn", ", each with its own noise realisation,")
-CALLED = Noise(
-    "drawn", ", each by one call of the simulator,", ", over parameters and noise, if the noise of calls is independent"
-)
+DRAWN = Noise("drawn", sentences.DRAWN)
 
 
 @dataclass(frozen=True)
@@ -86,7 +76,7 @@ class Sample:
         costs = np.sort(columns.costs[columns.status == OK, 0])
         excluded = int(np.count_nonzero(columns.status == EXCLUDED))
         failed = len(columns.status) - excluded - len(costs)
-        noise = noise or Noise.given(problem.realisations)
+        noise = noise or Noise.stated(problem.realisations)
         outside = problem.distributions.outside
         return Sample(costs, failed, excluded, problem.threshold, outside, confidence, noise)
 
@@ -97,6 +87,13 @@ class Sample:
     @property
     def violations(self) -> int:
         return int(np.count_nonzero(self.costs <= self.threshold)) + self.failed
+
+    @property
+    def counts(self) -> sentences.Counts:
+        """What its sentences state."""
+        return sentences.Counts(
+            self.violations, self.size, self.failed, self.excluded, self.outside, self.confidence, self.noise.terms
+        )
 
     def statement(self, level: float | None = None) -> Statement:
         """Counts, moments, histogram and the bound on P(violation), whose own `level` may be stricter."""
@@ -117,44 +114,22 @@ class Sample:
             mean=float(costs.mean()) if len(costs) else None,
             deviation=float(costs.std(ddof=1)) if len(costs) > 1 else None,
             histogram=Histogram(edges=edges.tolist(), counts=counts.tolist()),
-            statement=say(
-                *(self._seen(), self.violate(), ": P(violation) is at most "),
-                *(percent(upper, name="upper_bound"), " with ", percent(self.confidence, 6, "confidence")),
-                *(" confidence", self._beyond(), self._conditions()),
-            ),
+            statement=self.counts.bound(upper),
         )
 
     def unclaimed(self, points: str, why: str) -> Statement:
         """The statement without a bound, and the reason for that."""
-        estimate = say(" (an estimate of ", percent(self.violations / self.size), ")") if self.size else ()
-        statement = say(
-            *(count(self.violations, "violations"), " of ", count(self.size, "samples"), f" {points}"),
-            *(self.violate(), estimate, f": {why}", self._conditions()),
-        )
+        statement = self.counts.unclaimed(points, why)
         return self.statement().model_copy(update={"upper_bound": None, "statement": statement})
 
     def quantile(self, share: float, quantity: str, unit: str) -> QuantileBound:
         """Wilks' lower bound on the quantile at `share`: which of the lowest values, with which confidence."""
         within = share - self.outside
-        counted = ", counted over all draws," if self.outside and self.excluded else ""
         r = claims.order(self.size, within, self.confidence)
         least = claims.needed(within, self.confidence) if within > 0.0 else None
         value = float(self.costs[r - 1 - self.failed]) if r > self.failed else None
-        most, size, none = percent(share, 6, "share"), count(self.size, "samples"), "no bound on the "
-        if least is None:
-            statement = say(none, most, " quantile: ", percent(self.outside), " of the draws may be beyond the bounds")
-        elif r == 0:
-            few = " samples are too few for a bound on the "
-            statement = say(size, few, most, " quantile, which needs ", count(least, "needed"))
-        elif value is None:
-            statement = say(none, most, f" quantile: the {_ordinal(r)} lowest of the sample is a failed evaluation")
-        else:
-            statement = say(
-                *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
-                *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence")),
-                *(f" confidence: this is the {_ordinal(r)} lowest of ", size),
-            )
-        confidence = claims.held(r, self.size, within) if r else None
+        statement = self.counts.quantile(share, quantity, unit, r, least, value)
+        confidence = claims.confidence_of(r, self.size, within) if r else None
         return QuantileBound(
             share=share, order=r or None, bound=value, needed=least, confidence=confidence, statement=statement
         )
@@ -177,35 +152,6 @@ class Sample:
         """The fraction of all draws that were excluded."""
         return self.excluded / max(self.size + self.excluded, 1)
 
-    def _seen(self) -> Spans:
-        own = self.noise.clause if self.noise.kind == "drawn" else ""
-        drawn = f" samples drawn from the stated distributions{own}"
-        return say(count(self.violations, "violations"), " of ", count(self.size, "samples"), drawn)
-
-    def _conditions(self) -> Spans:
-        """The conditions under which the statement holds: noise and exclusions."""
-        given = self.noise.clause if self.noise.kind == "stated" else self.noise.holds
-        if not self.excluded:
-            return say(given)
-        return say(
-            *(f"{given}; it holds only for starts above the threshold: ", count(self.excluded, "draws_excluded")),
-            *(" of ", count(self.size + self.excluded, "draws"), " draws (", percent(self.excluded_fraction)),
-            ") start at or below it and were excluded",
-        )
-
-    def violate(self) -> Spans:
-        """The verb of the violations, which says how many of them failed, if any."""
-        if not self.failed:
-            return say(" violate the criterion")
-        return say(" violate the criterion or failed (", count(self.failed, "draws_failed"), " failed)")
-
-    def _beyond(self) -> Spans:
-        if not self.outside:
-            return ()
-        every = ", relative to all draws, including excluded ones" if self.excluded else ""
-        beyond = f" is the probability beyond the bounds{every}"
-        return say(", of which ", percent(self.outside, name="outside"), beyond)
-
 
 def of_search(context: Context, method: Method, options: Any, columns: Columns) -> Statement:
     """The statement of a random search: a bound only if its points are independent; with early stopping, one that
@@ -218,14 +164,5 @@ def of_search(context: Context, method: Method, options: Any, columns: Columns) 
     statement = sample.statement(drawn.level)
     if drawn.level is None:
         return statement
-    how = say(
-        "; early stopping spends the error over interim analyses (alpha spending), so all their bounds hold together; "
-        "this is interim analysis ",
-        *(count(drawn.looks, "looks"), ", at ", percent(drawn.level, 6, "level")),
-    )
-    return statement.model_copy(update={"looks": drawn.looks, "statement": say(statement.statement, how)})
-
-
-def _ordinal(r: int) -> str:
-    ending = "th" if r % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(r % 10, "th")
-    return f"{r}{ending}"
+    interim = sentences.interim(statement.statement, drawn.looks, drawn.level)
+    return statement.model_copy(update={"looks": drawn.looks, "statement": interim})

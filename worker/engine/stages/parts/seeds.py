@@ -18,14 +18,14 @@ from worker.engine.systems.base import Seeds
 
 def stated(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns]]:
     """The evaluations of these stages under the realisations stated in the campaign."""
-    found = [(at, _rows(columns, _drawn(context, at), None)) for at, columns in all_columns(context, [*positions])]
+    found = [(at, some(columns, _drawn(context, at))) for at, columns in all_columns(context, [*positions])]
     return [(at, columns) for at, columns in found if len(columns.status)]
 
 
 def drawn(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns, Seeds]]:
     """The evaluations of these stages that drew their own realisation, with its seed."""
     found = [(at, columns, _drawn(context, at)) for at, columns in all_columns(context, [*positions])]
-    return [(at, _rows(columns, 0, count), _seeds(context, at, count)) for at, columns, count in found if count]
+    return [(at, some(columns, 0, count), _seeds(context, at, count)) for at, columns, count in found if count]
 
 
 def _seeds(context: Context, position: int, drawn: int) -> Seeds:
@@ -42,6 +42,7 @@ def _drawn(context: Context, position: int) -> int:
     return 0 if result is None else result.drawn
 
 
-def _rows(columns: Columns, first: int, last: int | None) -> Columns:
+def some(columns: Columns, first: int, last: int | None = None) -> Columns:
+    """Some evaluations of a stage, without the reasons of those that failed."""
     rows = slice(first, last)
     return Columns(columns.points[rows], columns.costs[rows], columns.status[rows], columns.seconds[rows], {})

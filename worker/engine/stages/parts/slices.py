@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from campaigns.results.base import STATUS
-from campaigns.results.sensitivity import Curve, Slices
+from campaigns.results.slices import Curve, Slices
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch
 from worker.engine.systems.base import Floats

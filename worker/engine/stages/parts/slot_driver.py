@@ -6,12 +6,10 @@ import time
 from collections.abc import Callable, Sequence
 from functools import partial
 
-import numpy as np
-
 from campaigns.results.base import Stop
 from worker.engine.search.base import Batch, Several
 from worker.engine.stages.parts.context import Cancelled, Context, Driven, ReplayMismatch, Request, Seeded, Through
-from worker.engine.stages.parts.driver import Driver
+from worker.engine.stages.parts.driver import Driver, keys_of, unknown
 from worker.engine.stages.parts.in_slots import InSlots, OtherPoint
 from worker.engine.stages.parts.store import Ahead, Columns
 from worker.engine.systems.base import Floats, Seeds, System
@@ -35,9 +33,9 @@ class SlotDriver(Driver):
         if isinstance(request, Several):
             return self._first_of(request)
         if isinstance(request, Through):
-            asked, spent = self._ask(request.points, None, request.system)
-            self._until_ended(asked)
-            return self.slots.batch(asked), spent
+            indices, spent = self._ask(request.points, None, request.system)
+            self._until_ended(indices)
+            return self.slots.batch(indices), spent
         points, seeds = request if isinstance(request, Seeded) else (request, None)
         indices, spent = self._indices(points, seeds)
         self._until_ended(indices)
@@ -73,26 +71,23 @@ class SlotDriver(Driver):
 
     def _indices(self, points: Floats, seeds: Seeds | None) -> tuple[list[int], bool]:
         """Request what is not known yet: the indices of the points, and whether the budget is used up by them."""
-        keys = [p.tobytes() if seeds is None else p.tobytes() + s.tobytes() for p, s in _with(points, seeds)]
-        places: dict[bytes, int] = {} if self.places is None else self.places
-        new = list(range(len(points)))
-        if self.places is not None:
-            new = sorted({key: i for i, key in reversed([*enumerate(keys)]) if key not in places}.values())
-        asked, spent = self._ask(points[new], None if seeds is None else seeds[new])
         if self.places is None:
-            return asked, spent
-        places.update(zip((keys[i] for i in new), asked, strict=False))
-        return [places[key] for key in keys if key in places], spent
+            return self._ask(points, seeds)
+        keys = keys_of(points, seeds)
+        new = unknown(keys, self.places)
+        fresh, spent = self._ask(points[new], None if seeds is None else seeds[new])
+        self.places.update(zip((keys[i] for i in new), fresh, strict=False))
+        return [self.places[key] for key in keys if key in self.places], spent
 
     def _ask(self, points: Floats, seeds: Seeds | None, through: System | None = None) -> tuple[list[int], bool]:
         """Request points as far as the budget goes: their indices, and whether it is used up by them."""
         room = self.budget - len(self.slots.rows)
         spent = len(points) >= room and len(points) > 0
         try:
-            asked = self.slots.ask(points[:room], None if seeds is None else seeds[:room], through)
+            indices = self.slots.ask(points[:room], None if seeds is None else seeds[:room], through)
         except OtherPoint as other:
             raise ReplayMismatch(self.position, other.index) from None
-        return list(asked), spent
+        return list(indices), spent
 
     def _until_ended(self, indices: Sequence[int]) -> None:
         for index in indices:
@@ -121,8 +116,3 @@ class SlotDriver(Driver):
         if ended > self.taken:
             self.taken = ended
             self.context.problem.system.cost = max(elapsed, 1e-6) / ended
-
-
-def _with(points: Floats, seeds: Seeds | None) -> list[tuple[Floats, np.int64]]:
-    drawn = np.zeros(len(points), dtype=np.int64) if seeds is None else seeds
-    return list(zip(points, drawn, strict=True))

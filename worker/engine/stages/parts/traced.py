@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from campaigns.claims.stages.calls import other_trace
 from worker.engine.stages.parts.store import Trace
 from worker.engine.systems.base import NoTrace, System
 
@@ -24,7 +25,4 @@ def traced(
         return None, str(error)
     if found is None or not exact or found.meta.cost == cost:
         return found, ""
-    return None, (
-        f"the evaluation that returned it has the cost {found.meta.cost!r}, and the stored one {cost!r}: the trace "
-        "shows something else. Check that the program computes the same with and without a trace"
-    )
+    return None, other_trace(found.meta.cost, cost)

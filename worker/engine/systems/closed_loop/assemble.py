@@ -69,7 +69,7 @@ class Loop:
         self.text = written(parts)
         """The generated code that connects the components to the loop."""
         self.module = loaded(self.text, parts.vehicle.name)
-        self._plain: dict[tuple[str, bool], Any] = {}
+        self._plain: dict[str, Any] = {}
 
     @cached_property
     def _fly(self) -> Any:
@@ -125,15 +125,14 @@ class Loop:
             self._observe(np.ascontiguousarray(states), np.ascontiguousarray(params), step, seen)
         return seen
 
-    def part(self, name: str, library: bool = False) -> Function:
+    def part(self, name: str) -> Function:
         """A function of the generated module in plain Python: bodies, initial, guide, closed_loop, cost, ...
 
-        All take the extended parameter vector, which `extend` returns. With `library` they call the platform's
-        elementary functions in place of those of `maths`.
+        All take the extended parameter vector, which `extend` returns.
         """
-        if (name, library) not in self._plain:
-            self._plain[name, library] = plain(self.kernel(name), LIBRARY if library else None)
-        return self._plain[name, library]  # type: ignore[no-any-return]
+        if name not in self._plain:
+            self._plain[name] = plain(self.kernel(name))
+        return self._plain[name]  # type: ignore[no-any-return]
 
     def kernel(self, name: str) -> Any:
         """The loop as a kernel, for other compiled code."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -12,16 +13,15 @@ from worker.engine.systems.base import Comparison, Confirmed, Floats
 from worker.engine.systems.closed_loop.flights import Flights
 
 
-class ReferenceFlight(Protocol):
-    """A simulation with the reference integrator."""
+@dataclass(frozen=True)
+class Flight:
+    """A simulation with the reference integrator: the criterion's value, or None and the reason.
 
-    @property
-    def cost(self) -> float | None:
-        """The criterion's value; None if there is no value."""
+    `reason` also states a coarse tolerance.
+    """
 
-    @property
-    def reason(self) -> str:
-        """Why there is no value, or the coarse tolerance that it was computed with."""
+    cost: float | None
+    reason: str = ""
 
 
 class Integrator(Protocol):
@@ -31,7 +31,7 @@ class Integrator(Protocol):
 
     def simulate_all(
         self, vectors: Floats, cancelled: Callable[[], bool], counts: Sequence[int | None] | None
-    ) -> Sequence[ReferenceFlight]:
+    ) -> Sequence[Flight]:
         """Simulate vectors (m, size); counts: each vector's deciding seed, if known. Fewer results if cancelled."""
 
 

@@ -44,7 +44,7 @@ def _unseen(campaign: Campaign, installed: Installed, nominal: Trace) -> Unseen:
     flight = _flown(_Blind.of(campaign, installed, None if realisation is None else realisation.seed))
     rows = min(len(flight.path), len(nominal.data))
     apart = np.linalg.norm(flight.path[:rows] - nominal.data[:rows, 1:4], axis=1)
-    return flight.told.model_copy(update={"deviation": float(apart.max()) if rows else None})
+    return flight.evidence.model_copy(update={"deviation": float(apart.max()) if rows else None})
 
 
 @dataclass(frozen=True)
@@ -58,13 +58,13 @@ class _Blind:
     def of(cls, campaign: Campaign, installed: Installed, seed: int | None) -> _Blind:
         blind = unseen(campaign)
         flights = Flights(blind, installed, compiled=False, lanes=1)
-        asked = blind.model_dump_json(include={"scenario", "criterion", "objectives"})
-        return cls((flights.loop.digest, asked, flights.nominal.tobytes(), seed), flights.under(seed))
+        scenario = blind.model_dump_json(include={"scenario", "criterion", "objectives"})
+        return cls((flights.loop.digest, scenario, flights.nominal.tobytes(), seed), flights.under(seed))
 
 
 @dataclass(frozen=True)
 class _Flown:
-    told: Unseen
+    evidence: Unseen
     path: Floats
     """Positions (rows, 3) [m]."""
 
@@ -73,8 +73,8 @@ class _Flown:
 def _flown(blind: _Blind) -> _Flown:
     """Kept for the next run of the same scenario: half a second for each run that a process repeats or varies."""
     flight = trace(blind.flights, "unseen", {})
-    told = Unseen(cost=flight.meta.cost, status=flight.meta.status, reason=flight.meta.reason, deviation=None)
-    return _Flown(told, flight.data[:, 1:4].copy())
+    evidence = Unseen(cost=flight.meta.cost, status=flight.meta.status, reason=flight.meta.reason, deviation=None)
+    return _Flown(evidence, flight.data[:, 1:4].copy())
 
 
 def unseen(campaign: Campaign) -> Campaign:

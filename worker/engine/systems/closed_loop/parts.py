@@ -59,25 +59,25 @@ def results_of(parts: Parts) -> tuple[Result, ...]:
 
 def nominal_of(campaign: Campaign, parts: Parts, sections: Sequence[Section]) -> Floats:
     """The flat vector of nominal values, followed by the vehicle's trim; raises `CampaignUnusable` without a trim."""
-    scenario, given = campaign.given_scenario, {}
-    given["vehicle"] = scenario.vehicle.parameters
-    given["controller"] = scenario.controller.parameters
-    given["avoider"] = scenario.avoider.parameters
-    given["start"], given["goal"] = scenario.start, scenario.goal
-    given["criterion"] = {**campaign.criterion.parameters, "threshold": campaign.criterion.threshold}
+    scenario, stated = campaign.given_scenario, {}
+    stated["vehicle"] = scenario.vehicle.parameters
+    stated["controller"] = scenario.controller.parameters
+    stated["avoider"] = scenario.avoider.parameters
+    stated["start"], stated["goal"] = scenario.start, scenario.goal
+    stated["criterion"] = {**campaign.criterion.parameters, "threshold": campaign.criterion.threshold}
     # Further criteria have no threshold; the value for components that declare one is not used.
     for i, objective in enumerate(campaign.objectives):
-        given[f"objectives.{i}"] = {"threshold": 0.0, **objective.parameters}
+        stated[f"objectives.{i}"] = {"threshold": 0.0, **objective.parameters}
     for name in ("obstacles", "environment", "faults"):
-        given |= {f"{name}.{i}": part.parameters for i, part in enumerate(getattr(scenario, name))}
-    values = {f"{s.prefix}.{p.name}": _nominal(p, given[s.prefix]) for s in sections for p in s.parameters}
+        stated |= {f"{name}.{i}": part.parameters for i, part in enumerate(getattr(scenario, name))}
+    values = {f"{s.prefix}.{p.name}": _nominal(p, stated[s.prefix]) for s in sections for p in s.parameters}
     try:
         return np.array([*values.values(), *(parts.vehicle.trim.solve(values) if parts.vehicle.trim else ())])
     except NoTrim as error:
         raise CampaignUnusable([Wrong("scenario.vehicle", parts.vehicle.name, str(error))]) from None
 
 
-def _nominal(parameter: Any, given: Mapping[str, float]) -> float:
-    value = given.get(parameter.name, parameter.default)
+def _nominal(parameter: Any, stated: Mapping[str, float]) -> float:
+    value = stated.get(parameter.name, parameter.default)
     assert value is not None, f"{parameter.name} is required; check() reports it"
     return float(value)

@@ -35,7 +35,7 @@ class Realisations(Realised):
     seed_indices: tuple[int, ...] = ()
 
     @classmethod
-    def of(cls, asked: Asked, sections: Sequence[Section]) -> Realisations:
+    def of(cls, stated: Asked, sections: Sequence[Section]) -> Realisations:
         """The realisations of a campaign with these parameter sections."""
         indices = [
             section.first + k
@@ -43,7 +43,7 @@ class Realisations(Realised):
             for k, parameter in enumerate(section.parameters)
             if parameter.name == SEED and section.prefix.startswith(("environment.", "faults."))
         ]
-        return cls(tuple(asked.seeds), asked.combine, bool(indices), tuple(indices))
+        return cls(tuple(stated.seeds), stated.combine, bool(indices), tuple(indices))
 
     def flights(self, vectors: Floats) -> Floats:
         """The vectors (k m, size) to simulate for m evaluations with vectors (m, size), grouped by seed."""

@@ -98,17 +98,6 @@ def _again(flights: Flights, vector: Floats) -> Floats:
     return states
 
 
-def _realisation(flights: Flights, shown: int, cost: float) -> Realisation:
-    """The realisation that the trace shows, the number of realisations, and its own cost."""
-    realised = flights.realisations
-    return Realisation(
-        seed=realised.seeds[shown],
-        seeds=len(realised.seeds),
-        combine=realised.combine,
-        cost=_known(cost),
-    )
-
-
 def _values(flights: Flights, costs: Floats) -> dict[str, float | None]:
     """The value of every criterion by name, in its own sign; costs (1, k)."""
     names = [r.name for r in flights.results]
@@ -120,8 +109,6 @@ def _known(cost: float) -> float | None:
 
 
 class _Seen:
-    """The observed columns of one simulation, by kind."""
-
     def __init__(self, flights: Flights, columns: Floats, vector: Floats) -> None:
         self.flights, self.columns, self.vector = flights, columns, vector
         obstacles = flights.parts.obstacles
@@ -259,7 +246,14 @@ def _head(
         )
         for i, o in enumerate(flights.parts.obstacles)
     ]
-    several = flights.realisations.seed_indices
+    realised, realisation = flights.realisations, None
+    if realised.seed_indices:
+        realisation = Realisation(
+            seed=realised.seeds[case.realisation],
+            seeds=len(realised.seeds),
+            combine=realised.combine,
+            cost=_known(case.own_cost),
+        )
     return TraceHead(
         frame=flights.parts.vehicle.frame,
         vehicle=flights.parts.vehicle.name,
@@ -273,5 +267,5 @@ def _head(
         reason=case.reason,
         cost=_known(case.costs[0, 0]),
         values=_values(flights, case.costs),
-        realisation=_realisation(flights, case.realisation, case.own_cost) if several else None,
+        realisation=realisation,
     )

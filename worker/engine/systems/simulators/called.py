@@ -22,9 +22,9 @@ class Called(Simulated):
     """Evaluates by `calls` calls of a simulator, each tried again up to `retries` times, combined as the campaign
     states. One failed call makes the evaluation fail."""
 
-    def __init__(self, inner: System, asked: Simulator, borrowed: bool = False) -> None:
+    def __init__(self, inner: System, request: Simulator, borrowed: bool = False) -> None:
         inner = slotted(inner)
-        self.inner, self.asked, self._borrowed = inner, asked, borrowed
+        self.inner, self.request, self._borrowed = inner, request, borrowed
         self.parameters, self.nominal, self.results = inner.parameters, inner.nominal, inner.results
         self.repeatable, self.settings = inner.repeatable, inner.settings
         self.elsewhere, self.given = inner.elsewhere, inner.given
@@ -33,16 +33,16 @@ class Called(Simulated):
     def fresh(self) -> Slotted:
         """Without any state of earlier calls; what is compared in fresh processes is not tried again."""
         fresh = self.inner.fresh()
-        return Called(fresh, self.asked.model_copy(update={"retries": 0}), borrowed=fresh is self.inner)
+        return Called(fresh, self.request.model_copy(update={"retries": 0}), borrowed=fresh is self.inner)
 
     def halved(self) -> Simulated | None:
         halved = self.inner.halved() if isinstance(self.inner, Simulated) else None
-        return None if halved is None else Called(halved, self.asked.model_copy(update={"retries": 0}))
+        return None if halved is None else Called(halved, self.request.model_copy(update={"retries": 0}))
 
     def single(self) -> Slotted:
         """With one call for each evaluation; failed ones are still tried again."""
-        once = self.asked.model_copy(update={"repeats": None})
-        return Called(self.inner, once) if self.asked.retries else self.inner
+        once = self.request.model_copy(update={"repeats": None})
+        return Called(self.inner, once) if self.request.retries else self.inner
 
     @property
     def digest(self) -> str:
@@ -57,12 +57,12 @@ class Called(Simulated):
         return self.inner.recycle
 
     def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
-        return gathered([self._attempt(vector) for _ in range(self.asked.calls)], self._combined)
+        return gathered([self._attempt(vector) for _ in range(self.request.calls)], self._combined)
 
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         if self.slots:
             return batch_of([future.result() for future in [self.submit(vector) for vector in vectors]])
-        calls = self.asked.calls
+        calls = self.request.calls
         batch, reasons = self._tried(np.repeat(vectors, calls, axis=0))
         rows = [Evaluated(batch.costs[k], int(s), reasons.get(k, "")) for k, s in enumerate(batch.status)]
         return batch_of([self._combined(rows[k : k + calls]) for k in range(0, len(rows), calls)])
@@ -82,7 +82,7 @@ class Called(Simulated):
         """Evaluate each vector by one call; what failed or timed out is tried again, up to the number of retries."""
         batch, reasons = self.inner.evaluate(vectors)
         costs, status, first = batch.costs.copy(), batch.status.copy(), dict(reasons)
-        for _ in range(self.asked.retries):
+        for _ in range(self.request.retries):
             lost = np.flatnonzero((status == FAILED) | (status == TIMEOUT))
             if not len(lost):
                 break
@@ -112,7 +112,7 @@ class Called(Simulated):
             except Exception as error:  # such as of closed slots: reaches whoever waits for this evaluation
                 found.set_exception(error)
 
-        self.inner.submit(vector).add_done_callback(partial(ended, left=self.asked.retries, before=""))
+        self.inner.submit(vector).add_done_callback(partial(ended, left=self.request.retries, before=""))
         return found
 
     def _combined(self, calls: Sequence[Evaluated]) -> Evaluated:
@@ -131,7 +131,7 @@ class Called(Simulated):
 
     def _cost(self, costs: Floats) -> Floats:
         """The costs (calls, k) of one evaluation as one row (k,)."""
-        repeats = self.asked.repeats
+        repeats = self.request.repeats
         if repeats is None or repeats.combine == "worst":
             return np.asarray(costs[int(np.argmin(costs[:, 0]))])
         if repeats.combine == "mean":

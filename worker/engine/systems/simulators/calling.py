@@ -62,7 +62,7 @@ def called(
             return read(call(**parameters), names)
         import numpy as np
 
-        value = call(**{name: np.array([given]) for name, given in parameters.items()})
+        value = call(**{name: np.array([level]) for name, level in parameters.items()})
         if isinstance(value, Mapping):
             return read({name: _only(inner) for name, inner in value.items()}, names)
         return read(_only(value), names)
@@ -82,8 +82,8 @@ def traced(
     returned: list[dict[str, object]] = []
 
     @functools.wraps(call)  # a reason then names the line of the function
-    def asked(**given: Any) -> Any:
-        value = call(**given, trace=True)
+    def with_trace(**arguments: Any) -> Any:
+        value = call(**arguments, trace=True)
         if not isinstance(value, (tuple, list)) or len(value) != 2:
             pair = "a pair of its results and a dict of columns is expected"
             raise Wrong(f"with trace=True it returned {described(value)}; {pair}")
@@ -92,7 +92,7 @@ def traced(
         returned.append(dict(value[1]))
         return value[0]
 
-    results = called(asked, parameters, names, vectorized)
+    results = called(with_trace, parameters, names, vectorized)
     return {"results": results} if "failed" in results else {"results": results, "trace": returned[0]}
 
 
@@ -106,8 +106,8 @@ def read(value: Any, names: Sequence[str]) -> Answer:
                 raise Wrong(f"it returned {described(value)}; return a dict with {', '.join(names)}")
             return {"results": {names[0]: number(value, "it returned")}}
         if missing := [name for name in names if name not in value]:
-            given = ", ".join(str(k)[:40] for k in list(value)[:8]) or "nothing"
-            raise Wrong(f"its results lack {missing[0]}; it returned {given}")
+            listed = ", ".join(str(k)[:40] for k in list(value)[:8]) or "nothing"
+            raise Wrong(f"its results lack {missing[0]}; it returned {listed}")
         return {"results": {name: number(value[name], f"its result {name} is") for name in names}}
     except Wrong as error:
         return {"failed": str(error)}
@@ -191,11 +191,10 @@ def _inner(call: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _only(value: Any) -> Any:
-    """The one element of an array (1,)."""
     shape = getattr(value, "shape", None)
     if shape != (1,):
-        given = described(value) if shape is None else f"an array of shape {tuple(shape)}"
-        raise Wrong(f"it returned {given}; given arrays of shape (1,), an array of shape (1,) is expected")
+        shown = described(value) if shape is None else f"an array of shape {tuple(shape)}"
+        raise Wrong(f"it returned {shown}; given arrays of shape (1,), an array of shape (1,) is expected")
     return value[0]
 
 
@@ -209,20 +208,20 @@ def packed(place: Mapping[str, str], names: Sequence[str], vectorized: bool) -> 
 
 @functools.cache
 def _named() -> tuple[Callable[..., Any], tuple[str, ...], bool]:
-    given = json.loads(os.environ[FUNCTION])
+    place = json.loads(os.environ[FUNCTION])
     here = str(Path(__file__).resolve().parent)
     sys.path[:] = [p for p in sys.path if p != here]  # else `import program` of a function would find ours
     sys.modules.pop(__name__, None)
-    sys.path.extend(p for p in given["path"] if p not in sys.path)
+    sys.path.extend(p for p in place["path"] if p not in sys.path)
     from worker.engine.systems.simulators.declared.function import DESCRIBING, loaded
 
     os.environ[DESCRIBING] = "1"
-    module = loaded(Path(given["file"])) if "file" in given else importlib.import_module(given["module"])
+    module = loaded(Path(place["file"])) if "file" in place else importlib.import_module(place["module"])
     del os.environ[DESCRIBING]
     found: Any = module
-    for part in given["name"].split("."):
+    for part in place["name"].split("."):
         found = getattr(found, part)
-    return getattr(found, "call", found), tuple(given["names"]), bool(given["vectorized"])
+    return getattr(found, "call", found), tuple(place["names"]), bool(place["vectorized"])
 
 
 if __name__ == "calling":  # in a slot: load the function while the slot starts, not during the first evaluation

@@ -76,10 +76,10 @@ class CommandSimulator(Spread):
         return self.described.descriptor.recycle
 
     def _request(self, vector: Floats) -> dict[str, float]:
-        given = super()._request(vector)
+        parameters = super()._request(vector)
         if self.step is not None and isinstance(self.described, DescribedProgram):
-            given[str(self.described.descriptor.step)] = self.step
-        return given
+            parameters[str(self.described.descriptor.step)] = self.step
+        return parameters
 
     def _program(self, work: Path) -> Program:
         assert isinstance(self.described, DescribedProgram)
@@ -100,7 +100,6 @@ class CommandSimulator(Spread):
         return self.described.descriptor.drawn if isinstance(self.described, DescribedProgram) else None
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
-        """The result that decides, or why there is none."""
         if outcome.kind != "ok":
             return math.nan, outcome.sentence
         return number(_results(outcome.answer), self.results[0].name)
@@ -115,8 +114,8 @@ def number(results: Any, name: str) -> tuple[float, str]:
     if not isinstance(results, dict):
         return math.nan, f"its answer has no object `results`, in which {name} is expected"
     if name not in results:
-        given = ", ".join(map(str, results)) or "none"
-        return math.nan, f"its results lack {name}; it returned {given}"
+        listed = ", ".join(map(str, results)) or "none"
+        return math.nan, f"its results lack {name}; it returned {listed}"
     value = results[name]
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return math.nan, f"its result {name} is {value!r:.60}, not a number"

@@ -54,7 +54,6 @@ class _OfFunction(Simulated):
         return self.files_digest
 
     def _batch(self, values: ArrayLike, failed: Reasons) -> tuple[Batch, Reasons]:
-        """Values (m,) as a batch."""
         costs = np.array(values, dtype=np.float64)[:, None]
         status = np.full(len(costs), OK, dtype=np.uint8)
         if failed:
@@ -91,13 +90,13 @@ class InProcess(_OfFunction):
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
         if not self.columns:
             return None
-        given = self._by_path(self._vector(values))
-        own = dict(zip(self.names_given, given.values(), strict=True))
+        parameters = self._by_path(self._vector(values))
+        own = dict(zip(self.names_given, parameters.values(), strict=True))
         answer = calling.traced(self.call, own, self.every, self.of.vectorized)
         results = answer["results"]
         if "failed" in results:
             raise NoResult(results["failed"], timeout=False)
-        head = traced.head(self.results[0], results["results"][self.results[0].name], given, self.scene)
+        head = traced.head(self.results[0], results["results"][self.results[0].name], parameters, self.scene)
         return traced.read(name, self.columns, child.plain(answer), head)
 
     def _each(self, vectors: Floats) -> tuple[Batch, Reasons]:
@@ -137,8 +136,8 @@ class InProcess(_OfFunction):
         name, begun = self.results[0].name, "it returned"
         if isinstance(value, Mapping):
             if name not in value:
-                given = ", ".join(str(k)[:40] for k in list(value)[:8]) or "nothing"
-                return None, f"its results lack {name}; it returned {given}"
+                listed = ", ".join(str(k)[:40] for k in list(value)[:8]) or "nothing"
+                return None, f"its results lack {name}; it returned {listed}"
             value, begun = value[name], f"its result {name} is"
         elif len(self.every) > 1:
             return None, f"it returned {calling.described(value)}; return a dict with {', '.join(self.every)}"
@@ -171,8 +170,8 @@ class Isolated(_OfFunction, Spread):
         self._spread_over(chosen())
 
     def fresh(self) -> Isolated:
-        given = self.entry, self.opening, self.of, self.files_digest
-        return self._made(Isolated(self.place, *given, True, self.columns))
+        basics = self.entry, self.opening, self.of, self.files_digest
+        return self._made(Isolated(self.place, *basics, True, self.columns))
 
     @property
     def _covered(self) -> list[Path]:
@@ -204,7 +203,6 @@ class Isolated(_OfFunction, Spread):
         return Program(command, "framed", named, str(work / "{slot}"))
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
-        """The result that decides, or why there is none."""
         if outcome.kind != "ok":
             return np.nan, outcome.sentence
         answer = outcome.answer["results"]

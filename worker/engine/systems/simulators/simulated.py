@@ -37,8 +37,8 @@ class Simulated(Slotted):
             for p in entry.parameters
         )
         self.nominal = np.array([p.nominal for p in self.parameters])
-        asked = next(r for r in entry.results if r.name == opening.result)
-        self.results = (Result(asked.name, asked.title, asked.quantity, asked.unit, asked.worse),)
+        deciding = next(r for r in entry.results if r.name == opening.result)
+        self.results = (Result(deciding.name, deciding.title, deciding.quantity, deciding.unit, deciding.worse),)
 
     def _vector(self, values: Mapping[str, float]) -> Floats:
         """The nominal vector with these values by path; raises KeyError."""
@@ -48,7 +48,6 @@ class Simulated(Slotted):
         return vector
 
     def _by_path(self, vector: Floats) -> dict[str, float]:
-        """The parameters of a vector by path."""
         return {p.path: float(v) for p, v in zip(self.parameters, vector[: len(self.parameters)], strict=True)}
 
     def fresh(self) -> Slotted:
@@ -93,7 +92,6 @@ class Simulated(Slotted):
 
 
 def _again(fresh: System, vectors: Floats) -> list[Comparison]:
-    """Evaluate vectors (m, n) in one call."""
     batch, reasons = fresh.evaluate(vectors)
     return [
         Comparison("again", FRESH, float(cost))
@@ -104,6 +102,5 @@ def _again(fresh: System, vectors: Floats) -> list[Comparison]:
 
 
 def _at_half(halved: Simulated, vector: Floats) -> Comparison:
-    """Evaluate one vector (n,) at half the step."""
     (other,) = _again(halved, vector[None, :])
     return Comparison("half_step", "half the step", other.cost, other.reason, halved.step)

@@ -39,29 +39,28 @@ def head(result: Result, value: float, values: Mapping[str, float], scene: Scene
 
 def read(name: str, columns: Mapping[str, Column], answer: Any, of: TraceHead) -> Trace:
     """The trace in an answer, `{"trace": {"time": [...], "x": [...]}}`; raises NoTrace with what is wrong with it."""
-    given = answer.get("trace") if isinstance(answer, Mapping) else None
-    if not isinstance(given, Mapping):
+    lists = answer.get("trace") if isinstance(answer, Mapping) else None
+    if not isinstance(lists, Mapping):
         raise NoTrace(f"its answer has no object `trace`, in which {', '.join(columns)} are expected")
-    if missing := [column for column in columns if column not in given]:
-        listed = ", ".join(str(key)[:40] for key in list(given)[:8]) or "nothing"
+    if missing := [column for column in columns if column not in lists]:
+        listed = ", ".join(str(key)[:40] for key in list(lists)[:8]) or "nothing"
         raise NoTrace(f"its trace lacks {missing[0]}; it has {listed}")
-    rows = _rows(columns, given)
-    data = np.column_stack([_values(column, given[column]) for column in columns])
+    rows = _rows(columns, lists)
+    data = np.column_stack([_values(column, lists[column]) for column in columns])
     _in_order(data[:, list(columns).index(TIME)])
     assert data.shape == (rows, len(columns))
     return Trace(name, [_described(column, c) for column, c in columns.items()], data, of)
 
 
-def _rows(columns: Mapping[str, Column], given: Mapping[str, Any]) -> int:
-    """The number of rows, the same in all columns."""
+def _rows(columns: Mapping[str, Column], lists: Mapping[str, Any]) -> int:
     for column in columns:
-        if not isinstance(given[column], (list, tuple)):
-            raise NoTrace(f"the column {column} of its trace is {given[column]!r:.60}, not a list of numbers")
-    rows = len(given[TIME])
+        if not isinstance(lists[column], (list, tuple)):
+            raise NoTrace(f"the column {column} of its trace is {lists[column]!r:.60}, not a list of numbers")
+    rows = len(lists[TIME])
     for column in columns:
-        if len(given[column]) != rows:
+        if len(lists[column]) != rows:
             raise NoTrace(
-                f"the column {column} of its trace has {len(given[column])} rows and time has {rows}; the same number "
+                f"the column {column} of its trace has {len(lists[column])} rows and time has {rows}; the same number "
                 "is expected"
             )
     if not 2 <= rows <= MOST_ROWS:
@@ -69,10 +68,10 @@ def _rows(columns: Mapping[str, Column], given: Mapping[str, Any]) -> int:
     return rows
 
 
-def _values(column: str, given: Any) -> Floats:
+def _values(column: str, values: Any) -> Floats:
     """A column as numbers, NaN for null; the first value that is neither is the reason."""
-    found = np.empty(len(given))
-    for row, value in enumerate(given):
+    found = np.empty(len(values))
+    for row, value in enumerate(values):
         if value is None and column != TIME:
             found[row] = math.nan
             continue

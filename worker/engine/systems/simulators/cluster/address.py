@@ -31,11 +31,11 @@ class EvaluatorLost(RuntimeError):
 class Evaluator:
     """Where simulators evaluate: processes of a cluster on this machine, or a scheduler.
 
-    given: the address as given; scheduler: that of Dask, empty for `processes` on this machine; slots: evaluations side
+    address: as given; scheduler: that of Dask, empty for `processes` on this machine; slots: evaluations side
     by side that searches assume, 0 for as many as the cluster has threads when the run begins; patience [s].
     """
 
-    given: str
+    address: str
     scheduler: str = ""
     processes: int = 0
     slots: int = 0
@@ -44,41 +44,41 @@ class Evaluator:
 
 def chosen() -> Evaluator | None:
     """The evaluator of this process; None for slots of its own. Raises `BadEvaluator`."""
-    given = os.environ.get(SETTING, "").strip()
-    return evaluator(given) if given else None
+    address = os.environ.get(SETTING, "").strip()
+    return evaluator(address) if address else None
 
 
-def evaluator(given: str) -> Evaluator:
+def evaluator(address: str) -> Evaluator:
     """Read an address; raises `BadEvaluator`, also where `dask.distributed` is not installed."""
-    found = _local(given) if given.startswith("local:") else _dask(given)
+    found = _local(address) if address.startswith("local:") else _dask(address)
     if importlib.util.find_spec("distributed") is None:
-        raise BadEvaluator(f"evaluator {given!r}: dask.distributed is not installed: install clearance[cluster]")
+        raise BadEvaluator(f"evaluator {address!r}: dask.distributed is not installed: install clearance[cluster]")
     return found
 
 
-def _local(given: str) -> Evaluator:
-    count = _whole(given.removeprefix("local:"))
+def _local(address: str) -> Evaluator:
+    count = _whole(address.removeprefix("local:"))
     if not 1 <= count <= PROCESSES:
-        raise _bad(given)
-    return Evaluator(given, processes=count, slots=count)
+        raise _bad(address)
+    return Evaluator(address, processes=count, slots=count)
 
 
-def _dask(given: str) -> Evaluator:
+def _dask(address: str) -> Evaluator:
     try:
-        parts = urlsplit(given)
+        parts = urlsplit(address)
         port = parts.port
     except ValueError:  # an invalid port, unclosed brackets
-        raise _bad(given) from None
+        raise _bad(address) from None
     if parts.scheme not in SCHEMES or not parts.hostname or port is None or parts.path not in ("", "/"):
-        raise _bad(given)
+        raise _bad(address)
     if parts.username is not None or parts.fragment:
-        raise _bad(given)
+        raise _bad(address)
     host = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
-    slots, patience = _options(given, parts)
-    return Evaluator(given, f"{SCHEMES[parts.scheme]}://{host}:{port}", slots=slots, patience=patience)
+    slots, patience = _options(address, parts)
+    return Evaluator(address, f"{SCHEMES[parts.scheme]}://{host}:{port}", slots=slots, patience=patience)
 
 
-def _options(given: str, parts: SplitResult) -> tuple[int, float]:
+def _options(address: str, parts: SplitResult) -> tuple[int, float]:
     slots, patience = 0, PATIENCE
     for name, value in parse_qsl(parts.query, keep_blank_values=True):
         number = _whole(value)
@@ -88,7 +88,7 @@ def _options(given: str, parts: SplitResult) -> tuple[int, float]:
             patience = float(number)
         else:
             raise BadEvaluator(
-                f"evaluator {given!r}: invalid {name}={value}: allowed are slots=1 to slots={PROCESSES} "
+                f"evaluator {address!r}: invalid {name}={value}: allowed are slots=1 to slots={PROCESSES} "
                 f"and patience=1 to patience={7 * 86_400} [s]"
             )
     return slots, patience
@@ -99,8 +99,8 @@ def _whole(text: str) -> int:
     return int(text) if text.isascii() and text.isdigit() and len(text) < 10 else -1
 
 
-def _bad(given: str) -> BadEvaluator:
+def _bad(address: str) -> BadEvaluator:
     return BadEvaluator(
-        f"invalid evaluator {given!r}: give local:N for N processes on this machine (N from 1 to {PROCESSES}), "
+        f"invalid evaluator {address!r}: give local:N for N processes on this machine (N from 1 to {PROCESSES}), "
         "or dask://HOST:PORT for a Dask scheduler, such as dask://node1:8786 (dask+tls:// for one with TLS)"
     )

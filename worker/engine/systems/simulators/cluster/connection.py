@@ -83,7 +83,7 @@ class Connection:
             if self.connected is not None:
                 return self.connected
             if self._client is not None:
-                log.warning("%s: the connection to the scheduler was lost; connecting again", self.evaluator.given)
+                log.warning("%s: the connection to the scheduler was lost; connecting again", self.evaluator.address)
             try:
                 await self._forget()
                 return await self._connected(time.monotonic() + self.evaluator.patience)
@@ -156,7 +156,7 @@ class Connection:
         except OSError as error:  # no such file, or it contains something else
             why = _short(error)
         raise EvaluatorLost(
-            f"evaluator {self.evaluator.given}: TLS needs certificates of the client: {why}; set "
+            f"evaluator {self.evaluator.address}: TLS needs certificates of the client: {why}; set "
             "DASK_DISTRIBUTED__COMM__TLS__CA_FILE, and CLIENT__CERT and CLIENT__KEY in place of CA_FILE"
         )
 
@@ -166,7 +166,7 @@ class Connection:
             self._saturation = await asyncio.wait_for(client.run_on_scheduler(node.saturation), ATTEMPT)
         except (ImportError, AttributeError) as error:
             raise EvaluatorLost(
-                f"evaluator {self.evaluator.given}: its scheduler cannot load this version of Clearance ({error}): "
+                f"evaluator {self.evaluator.address}: its scheduler cannot load this version of Clearance ({error}): "
                 "install the same one on the scheduler's node and on all workers"
             ) from None
         while not await self._count(client):
@@ -210,7 +210,7 @@ class Connection:
                 self._give_up(error)
                 return
             except Exception as error:
-                log.warning("%s: %s", self.evaluator.given, _short(error))
+                log.warning("%s: %s", self.evaluator.address, _short(error))
             if time.monotonic() - since > self.evaluator.patience:
                 why = "all that it had have ended; see their logs (one without this version of Clearance ends at once)"
                 self._failure = self._lost("it had no worker", why)
@@ -234,7 +234,7 @@ class Connection:
                     )  # fmt: skip
             except Exception as error:
                 why = f"its processes could not be started: {_short(error)}"
-                raise EvaluatorLost(f"evaluator {self.evaluator.given}: {why}") from error
+                raise EvaluatorLost(f"evaluator {self.evaluator.address}: {why}") from error
         return self._cluster
 
     async def _forget(self) -> None:
@@ -249,7 +249,7 @@ class Connection:
             await self._cluster.close(timeout=END)
 
     def _lost(self, what: str, why: str) -> EvaluatorLost:
-        return EvaluatorLost(f"evaluator {self.evaluator.given}: {what} for {self.evaluator.patience:g} s: {why}")
+        return EvaluatorLost(f"evaluator {self.evaluator.address}: {what} for {self.evaluator.patience:g} s: {why}")
 
 
 def _short(error: BaseException) -> str:
@@ -263,9 +263,9 @@ _shared: dict[str, Connection] = {}
 def acquire(evaluator: Evaluator) -> Connection:
     """The connection of this process to an evaluator; every call needs a `release`."""
     with _lock:
-        connection = _shared.get(evaluator.given)
+        connection = _shared.get(evaluator.address)
         if connection is None:
-            connection = _shared[evaluator.given] = Connection(evaluator)
+            connection = _shared[evaluator.address] = Connection(evaluator)
         connection.users += 1
         return connection
 
@@ -276,5 +276,5 @@ def release(connection: Connection) -> None:
         connection.users -= 1
         if connection.users:
             return
-        _shared.pop(connection.evaluator.given, None)
+        _shared.pop(connection.evaluator.address, None)
     connection.close()

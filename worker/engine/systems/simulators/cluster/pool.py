@@ -23,7 +23,7 @@ from worker.engine.systems.simulators.cluster import connection as connections
 from worker.engine.systems.simulators.cluster import node
 from worker.engine.systems.simulators.cluster.address import Evaluator, EvaluatorLost
 from worker.engine.systems.simulators.cluster.work import Done, Files, NodeClosing, NodeUnusable, Work, code
-from worker.engine.systems.simulators.slots.outcome import Limits, Outcome, Request
+from worker.engine.systems.simulators.slots.outcome import Limits, Outcome, Request, Slots
 from worker.engine.systems.simulators.slots.program import Program
 
 TARGET = 0.2
@@ -45,8 +45,8 @@ class _Job:
     """Nodes that died while they evaluated it alone."""
 
 
-class DaskPool:
-    """Evaluates a program on a cluster; usable from any thread, and as a context manager.
+class DaskPool(Slots):
+    """Evaluates a program on a cluster.
 
     program: its folder may contain `WORK`; files: those of the simulator, the same on every node.
     Raises `EvaluatorLost` when the cluster cannot be reached.
@@ -75,12 +75,6 @@ class DaskPool:
         self._connection.changed.append(self._hand_out)
         self._connection.lost.append(self._fail)
 
-    def __enter__(self) -> DaskPool:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     @property
     def size(self) -> int:
         """Evaluations side by side: as stated with the address, or threads of the cluster now."""
@@ -100,12 +94,7 @@ class DaskPool:
                 self._connection.loop.call_soon_threadsafe(self._arrive)
         return future
 
-    def evaluate(self, requests: Sequence[Request]) -> list[Outcome]:
-        """Evaluate all, in any order; the outcomes in the order of the requests."""
-        return [future.result() for future in [self.submit(r) for r in requests]]
-
     def close(self) -> None:
-        """Close its slots on all nodes; what waits or runs is answered with "cancelled"."""
         with self._lock:
             if self._closed:
                 return
@@ -164,7 +153,7 @@ class DaskPool:
             self._again(batch)
             if client is not None and self._connection.connected is not client:
                 return  # whatever the error, the connection was lost
-            self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.given}: {_statement(error)}"))
+            self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.address}: {_statement(error)}"))
         else:
             self._deliver(batch, done)
 

@@ -21,14 +21,14 @@ class Column:
     symbol: str = ""
 
 
-def columns(given: object) -> dict[str, Column]:
+def columns(declared: object) -> dict[str, Column]:
     """Columns by name, `time` [s] among them, each a `Column` or a dict of its fields.
 
     Raises ValueError or TypeError with a sentence for the first that cannot be used.
     """
-    if not isinstance(given, Mapping):
-        raise TypeError(f"trace must be a dict of columns by name, given {given!r:.60}")
-    found = {name: _column(name, column) for name, column in given.items()}
+    if not isinstance(declared, Mapping):
+        raise TypeError(f"trace must be a dict of columns by name, given {declared!r:.60}")
+    found = {name: _column(name, column) for name, column in declared.items()}
     if TIME not in found or not 2 <= len(found) <= MOST:
         named = ", ".join(map(str, list(found)[:8])) or "nothing"
         raise ValueError(f"trace: the column time and 1 to {MOST - 1} others are expected, given {named}")
@@ -37,18 +37,18 @@ def columns(given: object) -> dict[str, Column]:
     return found
 
 
-def _column(name: object, given: object) -> Column:
+def _column(name: object, declared: object) -> Column:
     if not isinstance(name, str) or not NAME.fullmatch(name):
         raise ValueError(f"trace: invalid name {name!r:.60}: give small letters, digits and _, such as height")
     known = [field.name for field in fields(Column)]
-    if isinstance(given, Mapping):
-        unknown = [key for key in given if key not in known]
+    if isinstance(declared, Mapping):
+        unknown = [key for key in declared if key not in known]
         if unknown:
             raise ValueError(f"trace: {name} has no {unknown[0]!r:.60}; give {', '.join(known)}")
-        given = Column(**given)
-    if not isinstance(given, Column):
-        raise TypeError(f"trace: {name} must be a dict such as {{'unit': 'm'}}, given {given!r:.60}")
+        declared = Column(**declared)
+    if not isinstance(declared, Column):
+        raise TypeError(f"trace: {name} must be a dict such as {{'unit': 'm'}}, given {declared!r:.60}")
     for key in known:
-        if not isinstance(getattr(given, key), str):
-            raise TypeError(f"trace: {name}: {key} must be a text, given {getattr(given, key)!r:.60}")
-    return given
+        if not isinstance(getattr(declared, key), str):
+            raise TypeError(f"trace: {name}: {key} must be a text, given {getattr(declared, key)!r:.60}")
+    return declared

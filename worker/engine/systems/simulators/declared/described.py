@@ -42,8 +42,8 @@ class Basics(Strict):
 
     @field_validator("environment", mode="before")
     @classmethod
-    def _texts(cls, given: object) -> object:
-        return {str(k): str(v) for k, v in given.items()} if isinstance(given, dict) else given
+    def _texts(cls, variables: object) -> object:
+        return {str(k): str(v) for k, v in variables.items()} if isinstance(variables, dict) else variables
 
 
 @dataclass(frozen=True)

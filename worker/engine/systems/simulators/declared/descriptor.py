@@ -214,7 +214,7 @@ def read(folder: Path) -> Described:
 
 def folders() -> list[Path]:
     """The folders that the operator lists."""
-    return [Path(given) for given in os.environ.get(FOLDERS, "").split(os.pathsep) if given]
+    return [Path(folder) for folder in os.environ.get(FOLDERS, "").split(os.pathsep) if folder]
 
 
 def listed() -> Iterator[Described | BadDescriptor]:

@@ -87,7 +87,7 @@ class DescribedFmu(Described):
             name=d.name,
             title=d.title or d.name,
             text=d.text or self.model.text,
-            parameters=[given.entry for given in self.inputs],
+            parameters=[each.entry for each in self.inputs],
             results=[_result(name, r, self.model.variables[r.variable]) for name, r in d.results.items()],
         )
 
@@ -106,7 +106,7 @@ def read(folder: Path, document: dict[str, object]) -> DescribedFmu:
         variable = _readable(f"results.{name}", result.variable, found, descriptor.fmu)
         _unit(f"results.{name}.unit", result.unit, "s" if result.take == "first_crossing" else variable.unit)
     inputs = tuple(_named(descriptor, found) if descriptor.parameters else _all(descriptor, found))
-    _fixed(descriptor, found, {given.variable.reference for given in inputs})
+    _fixed(descriptor, found, {each.variable.reference for each in inputs})
     stop, step = _times(descriptor, found)
     recorded = dict(_recorded(descriptor, found))
     described = DescribedFmu(folder, descriptor, found, sha256, stop, step, inputs, recorded)
@@ -118,12 +118,11 @@ def read(folder: Path, document: dict[str, object]) -> DescribedFmu:
 
 
 def _recorded(descriptor: FmuDescriptor, found: Model) -> Iterator[tuple[str, Variable]]:
-    """The variables of a trace by column."""
     for name, stated in descriptor.trace.items():
         if name == TIME:
             raise Unusable("trace.time: the time of the communication points is added by itself; remove it")
-        asked = stated.variable or name
-        variable = _readable(f"trace.{name}", asked, found, descriptor.fmu)
+        wanted = stated.variable or name
+        variable = _readable(f"trace.{name}", wanted, found, descriptor.fmu)
         _unit(f"trace.{name}.unit", stated.unit, variable.unit)
         yield name, variable
 
@@ -175,7 +174,6 @@ def _all(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
 
 
 def _named(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
-    """The parameters that the descriptor lists."""
     taken: dict[int, str] = {}
     for name, stated in (descriptor.parameters or {}).items():
         variable = _meant(name, stated, found, descriptor.fmu)
@@ -187,12 +185,12 @@ def _named(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
 
 
 def _meant(name: str, stated: FmuParameter, found: Model, file: str) -> Variable:
-    asked = stated.variable or name
-    alike = [v for v in found.variables.values() if identifier(v.name) == asked] if stated.variable is None else []
-    variable = found.variables.get(asked) or (alike[0] if len(alike) == 1 else None)
+    wanted = stated.variable or name
+    alike = [v for v in found.variables.values() if identifier(v.name) == wanted] if stated.variable is None else []
+    variable = found.variables.get(wanted) or (alike[0] if len(alike) == 1 else None)
     if variable is None:
         settable = [v.name for v in found.variables.values() if v.settable]
-        raise Unusable(f"parameters.{name}: {file} has no variable {asked}; it has {_some(settable)}")
+        raise Unusable(f"parameters.{name}: {file} has no variable {wanted}; it has {_some(settable)}")
     if not variable.settable:
         shape = "one" if variable.scalar else "an array"
         raise Unusable(
@@ -207,8 +205,8 @@ def _input(name: str, stated: FmuParameter, variable: Variable) -> Input:
     low = variable.low if stated.low is None else stated.low
     high = variable.high if stated.high is None else stated.high
     if nominal is None or low is None or high is None:
-        given = {"nominal": nominal, "low": low, "high": high}
-        missing = " and ".join(key for key, value in given.items() if value is None)
+        numbers = {"nominal": nominal, "low": low, "high": high}
+        missing = " and ".join(key for key, value in numbers.items() if value is None)
         raise Unusable(f"parameters.{name}: the model states no finite value for {missing}; give it here")
     if not low <= nominal <= high:
         raise Unusable(f"parameters.{name}: nominal {nominal:g} must be within [low {low:g}, high {high:g}]")

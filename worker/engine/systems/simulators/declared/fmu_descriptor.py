@@ -73,12 +73,12 @@ class FmuDescriptor(Basics):
     stop: Finite | None = None
     step: Positive | None = None
     parameters: (
-        dict[Identifier, Annotated[FmuParameter, BeforeValidator(lambda given: {} if given is None else given)]] | None
+        dict[Identifier, Annotated[FmuParameter, BeforeValidator(lambda entry: {} if entry is None else entry)]] | None
     ) = None
     results: Annotated[dict[Identifier, FmuResult], Field(min_length=1)]
     fixed: dict[str, bool | int | Finite | str] = Field(default_factory=dict, alias="set")
     trace: Annotated[
-        dict[Identifier, Annotated[FmuColumn, BeforeValidator(lambda given: {} if given is None else given)]],
+        dict[Identifier, Annotated[FmuColumn, BeforeValidator(lambda entry: {} if entry is None else entry)]],
         Field(max_length=MOST - 1),
     ] = Field(default_factory=dict)
     scene: dict[str, object] | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 
@@ -15,10 +15,14 @@ def files_of(folder: Path) -> list[Path]:
 
 def digest_of(folder: Path) -> str:
     """SHA-256 over all files of a folder, by relative path and content."""
+    return _digest((str(path.relative_to(folder)), path) for path in files_of(folder))
+
+
+def _digest(named: Iterable[tuple[str, Path]]) -> str:
     sink = hashlib.sha256()
-    for path in files_of(folder):
+    for name, path in named:
         content = path.read_bytes()
-        sink.update(f"{path.relative_to(folder)}\0{len(content)}\0".encode())
+        sink.update(f"{name}\0{len(content)}\0".encode())
         sink.update(content)
     return sink.hexdigest()
 
@@ -27,12 +31,7 @@ def digest_of_place(place: Mapping[str, str]) -> str:
     """SHA-256 over the file of a function and the other Python files of its folder, or over its package."""
     folder = _folder_of(place)
     if folder is not None:
-        sink = hashlib.sha256()
-        for name, path in _python_files(folder, ""):
-            content = path.read_bytes()
-            sink.update(f"{name}\0{len(content)}\0".encode())
-            sink.update(content)
-        return sink.hexdigest()
+        return _digest(_python_files(folder, ""))
     return hashlib.sha256(b"".join(path.read_bytes() for path in files_of_place(place))).hexdigest()
 
 

@@ -157,15 +157,15 @@ def simulator(
         if not callable(call):
             raise TypeError(f"@simulator decorates a function, given {type(call).__name__}")
         named = name or getattr(call, "__name__", "")
-        given = {k: _parameter(k, v) for k, v in _mapping("parameters", parameters).items()}
+        inputs = {k: _parameter(k, v) for k, v in _mapping("parameters", parameters).items()}
         returned = {"value": Output()} if results is None else dict(_mapping("results", results))
         text = inspect.getdoc(call) or ""
         traced = {} if trace is None else columns(trace)
-        declaration = Declaration(named, title or named, text, given, returned, settings, traced, scene)
+        declaration = Declaration(named, title or named, text, inputs, returned, settings, traced, scene)
         check(declaration)
-        accepts(call, given)
+        accepts(call, inputs)
         if traced:
-            _accepts_trace(call, given)
+            _accepts_trace(call, inputs)
         if not only_loaded():
             _ = declaration.drawn
         return Function(call, declaration)
@@ -232,18 +232,18 @@ def finite(value: object) -> bool:
         return False
 
 
-def _mapping(what: str, given: object) -> Mapping[Any, Any]:
-    if not isinstance(given, Mapping) or not given:
-        raise TypeError(f"{what} must be a dict with at least one name, given {given!r:.60}")
-    return given
+def _mapping(what: str, value: object) -> Mapping[Any, Any]:
+    if not isinstance(value, Mapping) or not value:
+        raise TypeError(f"{what} must be a dict with at least one name, given {value!r:.60}")
+    return value
 
 
-def _parameter(name: str, given: object) -> Parameter:
-    if isinstance(given, Parameter):
-        return given
-    if isinstance(given, (tuple, list)) and len(given) == 2:
-        return Parameter(*given)
-    raise TypeError(f"parameters: {name} must be a Parameter or a pair (low, high), given {given!r:.60}")
+def _parameter(name: str, value: object) -> Parameter:
+    if isinstance(value, Parameter):
+        return value
+    if isinstance(value, (tuple, list)) and len(value) == 2:
+        return Parameter(*value)
+    raise TypeError(f"parameters: {name} must be a Parameter or a pair (low, high), given {value!r:.60}")
 
 
 def _check_parameter(name: object, p: Parameter) -> None:

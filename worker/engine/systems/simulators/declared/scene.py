@@ -13,12 +13,12 @@ Units = Mapping[str, str]
 """The unit of each column."""
 
 
-def scene_of(given: object, units: Units) -> Scene:
+def scene_of(document: object, units: Units) -> Scene:
     """The declared view; raises ValueError with a sentence for the first thing that cannot be used."""
     if not units:
         raise ValueError("scene: it draws columns of a trace; declare them under trace")
     try:
-        found = Scene.model_validate(given, context=True)
+        found = Scene.model_validate(document, context=True)
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in ("scene", *first["loc"]))
@@ -36,9 +36,9 @@ def _problems(scene: Scene, units: Units) -> Iterator[str]:
         yield from _columns(f"bodies.{k}.position", body.position, units, ("m",))
     placed = {f"bodies.{k}": len(body.position) for k, body in enumerate(scene.bodies)}
     placed |= {f"obstacles.{k}": len(obstacle.position) for k, obstacle in enumerate(scene.obstacles)}
-    for key, given in placed.items():
-        if given != many:
-            yield f"{key}.position: {many} coordinates are expected, as many as the vehicle has, given {given}"
+    for key, count in placed.items():
+        if count != many:
+            yield f"{key}.position: {many} coordinates are expected, as many as the vehicle has, given {count}"
     for k, obstacle in enumerate(scene.obstacles):
         wrong = _shape(obstacle, scene.planar)
         if wrong:
@@ -57,9 +57,9 @@ def _attitude(scene: Scene, units: Units) -> Iterator[str]:
             yield "vehicle.angles: all are in rad, or all in deg"
 
 
-def _columns(key: str, given: Sequence[Any], units: Units, allowed: tuple[str, ...]) -> Iterator[str]:
+def _columns(key: str, coordinates: Sequence[Any], units: Units, allowed: tuple[str, ...]) -> Iterator[str]:
     """What is wrong with columns that must have one of these units; at least one is a column."""
-    names = [name for name in given if isinstance(name, str)]
+    names = [name for name in coordinates if isinstance(name, str)]
     if not names:
         yield f"{key}: at least one column of the trace is expected, given numbers only"
     for name in names:

@@ -50,8 +50,8 @@ evaluate = Evaluate()
 
 def loaded() -> Unit:
     """The FMU of the job, extracted again into the folder of the slot; raises Refused."""
-    given = os.environ[JOB]
-    job: Job = json.loads(given if given.startswith("{") else Path(given).read_text(encoding="utf-8"))
+    setting = os.environ[JOB]
+    job: Job = json.loads(setting if setting.startswith("{") else Path(setting).read_text(encoding="utf-8"))
     file = Path(job["file"])
     try:
         if hashlib.sha256(file.read_bytes()).hexdigest() != job["sha256"]:

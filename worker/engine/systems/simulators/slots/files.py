@@ -41,10 +41,10 @@ def _run(parameters: dict[str, float], trace: str) -> Any:
 
     The program's output goes to that of the slot.
     """
-    given, written = Path(PARAMETERS).resolve(), Path(RESULTS).resolve()
+    inputs, written = Path(PARAMETERS).resolve(), Path(RESULTS).resolve()
     written.unlink(missing_ok=True)
-    given.write_text(json.dumps(parameters), encoding="utf-8")
-    places = {"{parameters}": str(given), "{results}": str(written), "{trace}": trace}
+    inputs.write_text(json.dumps(parameters), encoding="utf-8")
+    places = {"{parameters}": str(inputs), "{results}": str(written), "{trace}": trace}
     command = [_placed(word, places) for word in json.loads(os.environ[COMMAND])]
     done = subprocess.run(command, check=False, stdin=subprocess.DEVNULL)
     if done.returncode != 0:

@@ -10,7 +10,7 @@ BEFORE = f"GIVEN_{THREADS}"
 """What it was before; empty if it was not set. Names with CLEARANCE_ are settings."""
 
 
-def given(environment: Mapping[str, str]) -> dict[str, str]:
+def original(environment: Mapping[str, str]) -> dict[str, str]:
     """The environment of a process of ours as it was before."""
     if BEFORE not in environment:
         return dict(environment)

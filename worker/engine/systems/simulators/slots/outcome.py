@@ -1,10 +1,12 @@
-"""The request, the limits and the outcome of one evaluation in a slot."""
+"""The request, the limits and the outcome of one evaluation in a slot, and the interface of slots."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 Kind = Literal["ok", "error", "timeout", "crash", "not started", "wrong answer"]
 
@@ -46,3 +48,25 @@ class Outcome:
 
 Request = Mapping[str, Any]
 """What a simulator is sent: an object of JSON."""
+
+
+class Slots(ABC):
+    """Slots that evaluate side by side, here or elsewhere; usable from any thread, and as a context manager."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @abstractmethod
+    def submit(self, request: Request) -> Future[Outcome]:
+        """Queue one evaluation; raises RuntimeError once closed."""
+
+    def evaluate(self, requests: Sequence[Request]) -> list[Outcome]:
+        """Evaluate all, in any order; the outcomes in the order of the requests."""
+        return [future.result() for future in [self.submit(request) for request in requests]]
+
+    @abstractmethod
+    def close(self) -> None:
+        """End all slots; what waits or runs is answered with "cancelled"."""

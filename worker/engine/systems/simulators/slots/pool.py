@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 
-from worker.engine.systems.simulators.slots.outcome import Limits, Outcome, Request
+from worker.engine.systems.simulators.slots.outcome import Limits, Outcome, Request, Slots
 from worker.engine.systems.simulators.slots.program import Program, TooLong, misidentified
 from worker.engine.systems.simulators.slots.slot import Slot
 
@@ -41,8 +41,8 @@ class _Job:
     future: Future[Outcome]
 
 
-class SlotPool:
-    """`slots` processes of one program; usable from any thread, and as a context manager."""
+class SlotPool(Slots):
+    """`slots` processes of one program."""
 
     def __init__(self, program: Program, slots: int, limits: Limits | None = None) -> None:
         self.program = program
@@ -73,19 +73,12 @@ class SlotPool:
         self._thread = threading.Thread(target=self._loop, name="slots", daemon=True)
         self._thread.start()
 
-    def __enter__(self) -> SlotPool:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     @property
     def idle(self) -> list[int]:
         """Numbers of the slots without a process, which start when there is work."""
         return list(self._vacant)
 
     def submit(self, request: Request) -> Future[Outcome]:
-        """Queue one evaluation; raises RuntimeError once closed."""
         future: Future[Outcome] = Future()
         with self._lock:
             if self._stop:
@@ -96,12 +89,7 @@ class SlotPool:
             self._wake()
         return future
 
-    def evaluate(self, requests: Sequence[Request]) -> list[Outcome]:
-        """Evaluate all, in any order; the outcomes in the order of the requests."""
-        return [future.result() for future in [self.submit(r) for r in requests]]
-
     def close(self) -> None:
-        """Kill all processes; what waits or runs is answered with "cancelled"."""
         with self._lock:
             self._stop = True
             self._wake()
@@ -227,8 +215,9 @@ class SlotPool:
             return self._unasked
         if len(messages) <= len(slot.waiting):
             return ""
-        asked = len(slot.waiting)
-        return f"it wrote {len(messages)} JSON objects in answer to {asked} {'request' if asked == 1 else 'requests'}"
+        expected = len(slot.waiting)
+        requests = "request" if expected == 1 else "requests"
+        return f"it wrote {len(messages)} JSON objects in answer to {expected} {requests}"
 
     def _fail_next(self) -> None:
         """A surplus answer is noticed only while no request waits: the next request fails, so that it is reported."""
@@ -334,7 +323,6 @@ class SlotPool:
 
 
 def _is_answer(message: object) -> bool:
-    """Whether an object has what an answer has."""
     return isinstance(message, dict) and ("results" in message or "error" in message)
 
 

@@ -65,11 +65,11 @@ def identified(message: Request, number: int) -> Request:
 
 def misidentified(answer: object, number: int) -> str:
     """Why an answer is not that of the request with this id; empty if it is."""
-    given = answer.get("id") if isinstance(answer, dict) else None
-    if given is None:
+    found = answer.get("id") if isinstance(answer, dict) else None
+    if found is None:
         return f"its answer has no id; its descriptor states ids, so the id of the request, {number}, is expected in it"
-    if isinstance(given, bool) or given != number:
-        shown = f"{json.dumps(given):.40}" if isinstance(given, (str, int, float)) else "[...] or {...}"
+    if isinstance(found, bool) or found != number:
+        shown = f"{json.dumps(found):.40}" if isinstance(found, (str, int, float)) else "[...] or {...}"
         how = "it answered twice, too late or in another order"
         return f"its answer has the id {shown}, and the request has {number}: {how}"
     return ""

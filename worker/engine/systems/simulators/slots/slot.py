@@ -17,7 +17,7 @@ import time
 from collections import deque
 from pathlib import Path
 
-from worker.engine.systems.simulators.slots.given import given
+from worker.engine.systems.simulators.slots.given import original
 from worker.engine.systems.simulators.slots.outcome import Limits, Request
 from worker.engine.systems.simulators.slots.program import Program, framed, identified, line, unframed, unlined
 
@@ -58,7 +58,7 @@ class Slot:
         self.reads, child_writes = os.pipe()
         self.logs, child_logs = os.pipe()
         self._begun: mmap.mmap | None = None
-        environment = {**given(os.environ), **program.environment, TAG: self.tag, "PYTHONUNBUFFERED": "1"}
+        environment = {**original(os.environ), **program.environment, TAG: self.tag, "PYTHONUNBUFFERED": "1"}
         Path(program.folder).mkdir(parents=True, exist_ok=True)
         prefix = [sys.executable, "-S", "-E", str(LAUNCH), str(self.limits.memory), str(os.getpid())]
         opened = [child_reads, child_writes, child_logs]
@@ -160,12 +160,12 @@ class Slot:
         code = self.process.wait()
         self.read_output()
         _sweep(self.tag)
-        held = {os.readlink(f"/proc/self/fd/{pipe}") for pipe in (self.reads, self.logs) if not self._at_end(pipe)}
+        pipes = {os.readlink(f"/proc/self/fd/{pipe}") for pipe in (self.reads, self.logs) if not self._at_end(pipe)}
         for descriptor in (self.reads, self.writes, self.logs, self.death):
             os.close(descriptor)
         self.ended.update((self.reads, self.logs))
-        if held:
-            _kill_writers(held)
+        if pipes:
+            _kill_writers(pipes)
         return code
 
     def _at_end(self, pipe: int) -> bool:
@@ -224,10 +224,10 @@ def _writes(entry: str, number: str, pipes: set[str]) -> bool:
     try:
         if os.readlink(f"/proc/{entry}/fd/{number}") not in pipes:
             return False
-        told = Path(f"/proc/{entry}/fdinfo/{number}").read_text(encoding="ascii")
+        information = Path(f"/proc/{entry}/fdinfo/{number}").read_text(encoding="ascii")
     except OSError:
         return False
-    flags = next((line.split()[1] for line in told.splitlines() if line.startswith("flags:")), "0")
+    flags = next((line.split()[1] for line in information.splitlines() if line.startswith("flags:")), "0")
     return int(flags, 8) & os.O_ACCMODE != os.O_RDONLY
 
 

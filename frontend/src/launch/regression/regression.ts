@@ -22,14 +22,14 @@ export function labelsOf(texts: readonly string[]): { labels: Record<string, str
 
 /** Why a text names no baseline; empty if it does, or if there is none. */
 export function baselineProblem(text: string): string {
-  const given = text.trim()
-  if (given === '' || RUN.test(given)) return ''
-  if (!given.startsWith('label:')) return `“${given}” is not a baseline: give a run such as R-0001, or label:branch=main.`
-  const found = labelsOf([given.slice('label:'.length)])
+  const reference = text.trim()
+  if (reference === '' || RUN.test(reference)) return ''
+  if (!reference.startsWith('label:')) return `“${reference}” is not a baseline: give a run such as R-0001, or label:branch=main.`
+  const found = labelsOf([reference.slice('label:'.length)])
   return 'problem' in found ? found.problem : ''
 }
 
-export interface Given {
+export interface RegressionRequest {
   labels: Record<string, string>
   baseline: string | null
 }
@@ -42,7 +42,7 @@ export interface Regression {
   /** Why they cannot be used, as a sentence; empty if they can. */
   problem: { labels: string; baseline: string }
   /** As the request has them. */
-  given: Given
+  request: RegressionRequest
 }
 
 /** As texts, for the fields. */
@@ -59,6 +59,6 @@ export function useRegression(start: { labels?: readonly string[]; baseline?: st
     setLabels,
     setBaseline,
     problem: { labels: 'problem' in found ? found.problem : '', baseline: baselineProblem(baseline) },
-    given: { labels: 'labels' in found ? found.labels : {}, baseline: baseline.trim() || null },
+    request: { labels: 'labels' in found ? found.labels : {}, baseline: baseline.trim() || null },
   }
 }

@@ -1,6 +1,6 @@
 // Looks up the path of a field in a JSON schema. Source: JSON Schema 2020-12, the subset used by campaigns.
 import type { Json } from '../../api/campaign'
-import type { At } from '../text/tree'
+import type { At } from './tree'
 
 export interface Rule {
   $ref?: string
@@ -9,6 +9,8 @@ export interface Rule {
   oneOf?: Rule[]
   properties?: Record<string, Rule>
   patternProperties?: Record<string, Rule>
+  additionalProperties?: Rule | boolean
+  required?: string[]
   items?: Rule
   type?: string
   enum?: Json[]

@@ -1,4 +1,4 @@
-"""The reference integrator in plain Python with SciPy's DOP853, to validate the compiled one against.
+"""The reference integrator in plain Python with SciPy's DOP853, which the compiled one is validated against.
 
 Both share only the components' plain functions, the stretches, the tolerances and the format of the output.
 """
@@ -6,11 +6,14 @@ Both share only the components' plain functions, the stretches, the tolerances a
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from worker.engine.kernels.bind import plain
+from worker.engine.reference import Reference
 from worker.engine.reference.flight import (
     ABSOLUTE,
     COARSE,
@@ -29,7 +32,21 @@ from worker.engine.reference.flight import (
 from worker.engine.reference.instants import Stretches
 from worker.engine.reference.reading import READINGS
 from worker.engine.systems.base import Floats
+from worker.engine.systems.closed_loop.assemble import LIBRARY, Loop
 from worker.engine.systems.closed_loop.flights import Flights
+
+
+class PlainReference(Reference):
+    """The reference integrator with SciPy's DOP853 in place of the compiled one."""
+
+    def _fly(self, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
+        fly(self.flights, p, stretches, found)
+
+
+@cache
+def part(loop: Loop, name: str) -> Any:
+    """A function of the loop in plain Python with the platform's elementary functions."""
+    return plain(loop.kernel(name), LIBRARY)
 
 
 class _Ended(Exception):
@@ -61,15 +78,14 @@ class _Plain:
     """One simulation: its functions and its current state."""
 
     def __init__(self, flights: Flights, p: tuple[float, ...], stretches: Stretches) -> None:
-        part = flights.loop.part
         self.p, self.stretches = p, stretches
-        self.guide, self.closed_loop = part("guide", library=True), part("closed_loop", library=True)
-        self.envelope = part("envelope", library=True)
+        self.guide, self.closed_loop = part(flights.loop, "guide"), part(flights.loop, "closed_loop")
+        self.envelope = part(flights.loop, "envelope")
         self.deciding = slice(*flights.loop.channels.of["criterion"])
         self.horizon = float(stretches.instants[-1])
         self.headway = _Headway(self.horizon, stretches.patience)
-        self.g = part("initial_guidance", library=True)(p)
-        self.x = part("initial", library=True)(p)
+        self.g = part(flights.loop, "initial_guidance")(p)
+        self.x = part(flights.loop, "initial")(p)
         self.lowest = np.full(flights.loop.channels.total, np.inf)
 
     def seen(self, t: float, x: Any) -> Any:
@@ -119,7 +135,7 @@ def fly(flights: Flights, p: tuple[float, ...], stretches: Stretches, found: Flo
         with np.errstate(all="ignore"):
             simulation = _Plain(flights, p, stretches)
             _fly(flights, simulation, found)
-            found[0] = flights.loop.part("cost", library=True)(tuple(simulation.lowest.tolist()), p)
+            found[0] = part(flights.loop, "cost")(tuple(simulation.lowest.tolist()), p)
     except _Ended as ended:
         found[1], found[2] = ended.code, ended.when
     except (ArithmeticError, ValueError):
@@ -136,7 +152,7 @@ def _fly(flights: Flights, simulation: _Plain, found: Floats) -> None:
             simulation.g = simulation.guide(start, simulation.x, simulation.g, simulation.p)
         if start == 0.0:
             simulation.judge(start, simulation.x)
-            if flights.loop.part("excluded", library=True)(simulation.seen(start, simulation.x), simulation.p):
+            if part(flights.loop, "excluded")(simulation.seen(start, simulation.x), simulation.p):
                 raise _Ended(EXCLUDED, start)
         found[2] = start
         try:

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest'
-import { baselineProblem, labelsOf, textsOf } from './given'
+import { baselineProblem, labelsOf, textsOf } from './regression'
 
 test('labels are read as on the command line', () => {
   expect(labelsOf(['branch=main', ' commit = 4f2a91c ', 'note=a=b, c'])).toEqual({

@@ -1,0 +1,63 @@
+"""Sentences on the findings of an earlier run on this model: which were evaluated, and why others were not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from campaigns.claims.numbers import number
+from campaigns.claims.say import Part, count, joined, say
+from campaigns.claims.spans import Spans
+
+
+class Case(NamedTuple):
+    """One finding; reason: why it was not evaluated, or has no value; assumed: its parameters that are nominal."""
+
+    label: str
+    evaluated: bool
+    has_value: bool
+    reason: str
+    assumed: Sequence[str]
+
+
+def evaluated(run: str, cases: Sequence[Case], thresholds: tuple[float, float], unit: str) -> Spans:
+    """thresholds: of that run, and of this one."""
+    known = [case for case in cases if case.has_value]
+    clauses: list[Part] = [
+        say(count(len(known), "known"), " of ", count(len(cases), "cases"), f" findings of {run} evaluated")
+    ]
+    clauses += [
+        f"{case.label} {'has no value' if case.evaluated else 'was not evaluated'}: {case.reason}"
+        for case in cases
+        if not case.has_value
+    ]
+    clauses += [
+        f"{', '.join(case.assumed)} of {case.label} {'is' if len(case.assumed) == 1 else 'are'} nominal: "
+        f"{run} did not vary {'it' if len(case.assumed) == 1 else 'them'}"
+        for case in known
+        if case.assumed
+    ]
+    before, now = thresholds
+    if before != now:
+        clauses.append(f"the threshold of {run} was {number(before)} {unit}, here it is {number(now)} {unit}")
+    return joined("; ", clauses)
+
+
+def no_parameter(path: str) -> str:
+    """The campaign lacks a parameter."""
+    return f"there is no parameter {path}"
+
+
+def certain(path: str, value: float, now: float) -> str:
+    """A parameter has another value, and is not varied."""
+    return f"{path} = {value:.9g} is not uncertain any more, it is {now:.9g}"
+
+
+def outside(path: str, value: float, low: float, high: float) -> str:
+    """A value is outside the bounds."""
+    return f"{path} = {value:.9g} is outside the bounds {number(low)} to {number(high)} of this campaign"
+
+
+def not_random(seed: int) -> str:
+    """A noise seed has no effect."""
+    return f"it drew the noise seed {seed}, and nothing in this campaign is random"

@@ -1,0 +1,145 @@
+"""Sentences on a random sample: its counts, the bound on P(violation), a bound on a quantile, a full grid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from campaigns.claims.say import count, listed, number, percent, say, symbol
+from campaigns.claims.spans import Spans, words
+
+
+@dataclass(frozen=True)
+class Terms:
+    """The noise of the evaluations, in words: after the samples; as what the statement holds for."""
+
+    drawn: str = ""
+    holds: str = ""
+
+
+WITHOUT = Terms()
+DRAWN = Terms(", each with its own noise realisation,")
+CALLED = Terms(
+    ", each by one call of the simulator,", ", over parameters and noise, if the noise of calls is independent"
+)
+
+
+def stated(combine: str, seeds: Sequence[int]) -> Terms:
+    """Of evaluations that all simulate the realisations of the campaign."""
+    named = words(listed([str(seed) for seed in seeds]))
+    which = f"the {combine} of seeds {named}" if len(seeds) > 1 else f"seed {named}"
+    return Terms(holds=f", for the stated noise only ({which})")
+
+
+def combined(combine: str, calls: int) -> Terms:
+    """Of evaluations by several calls of a simulator."""
+    return Terms(holds=f", where each evaluation is the {combine} of {calls} calls")
+
+
+@dataclass(frozen=True)
+class Counts:
+    """The numbers that the sentences on a sample state."""
+
+    violations: int
+    samples: int
+    failed: int
+    excluded: int
+    outside: float
+    confidence: float
+    terms: Terms
+
+    def bound(self, upper: float) -> Spans:
+        """How many violate, and the bound on P(violation)."""
+        drawn = f" samples drawn from the stated distributions{self.terms.drawn}"
+        seen = say(count(self.violations, "violations"), " of ", count(self.samples, "samples"), drawn)
+        return say(
+            *(seen, violate(self.failed), ": P(violation) is at most "),
+            *(percent(upper, name="upper_bound"), " with ", percent(self.confidence, 6, "confidence")),
+            *(" confidence", self._beyond(), self._conditions()),
+        )
+
+    def unclaimed(self, points: str, why: str) -> Spans:
+        """How many violate, and why no bound follows."""
+        estimate = say(" (an estimate of ", percent(self.violations / self.samples), ")") if self.samples else ()
+        return say(
+            *(count(self.violations, "violations"), " of ", count(self.samples, "samples"), f" {points}"),
+            *(violate(self.failed), estimate, f": {why}", self._conditions()),
+        )
+
+    def quantile(
+        self, fraction: float, quantity: str, unit: str, order: int, needed: int | None, value: float | None
+    ) -> Spans:
+        """The bound on a quantile: the value of this order, or why there is none."""
+        most, size, none = percent(fraction, 6, "share"), count(self.samples, "samples"), "no bound on the "
+        if needed is None:
+            return say(none, most, " quantile: ", percent(self.outside), " of the draws may be beyond the bounds")
+        if order == 0:
+            few = " samples are too few for a bound on the "
+            return say(size, few, most, " quantile, which needs ", count(needed, "needed"))
+        if value is None:
+            return say(none, most, f" quantile: the {_ordinal(order)} lowest of the sample is a failed evaluation")
+        counted = ", counted over all draws," if self.outside and self.excluded else ""
+        return say(
+            *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
+            *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence")),
+            *(f" confidence: this is the {_ordinal(order)} lowest of ", size),
+        )
+
+    def _conditions(self) -> Spans:
+        """The conditions under which a statement holds: noise and exclusions."""
+        if not self.excluded:
+            return say(self.terms.holds)
+        draws = self.samples + self.excluded
+        return say(
+            f"{self.terms.holds}; it holds only for starts above the threshold: ",
+            *(count(self.excluded, "draws_excluded"), " of ", count(draws, "draws"), " draws ("),
+            *(percent(self.excluded / draws), ") start at or below it and were excluded"),
+        )
+
+    def _beyond(self) -> Spans:
+        if not self.outside:
+            return ()
+        every = ", relative to all draws, including excluded ones" if self.excluded else ""
+        beyond = f" is the probability beyond the bounds{every}"
+        return say(", of which ", percent(self.outside, name="outside"), beyond)
+
+
+def violate(failed: int) -> Spans:
+    """The verb of violations, which says how many of them failed, if any."""
+    if not failed:
+        return say(" violate the criterion")
+    return say(" violate the criterion or failed (", count(failed, "draws_failed"), " failed)")
+
+
+def interim(statement: Spans, looks: int, level: float) -> Spans:
+    """The statement of a sample that may end early."""
+    return say(
+        statement,
+        "; early stopping spends the error over interim analyses (alpha spending), so all their bounds hold together; "
+        "this is interim analysis ",
+        *(count(looks, "looks"), ", at ", percent(level, 6, "level")),
+    )
+
+
+def certified(drawing: Spans, quantile: Spans, samples: int, requested: int) -> Spans:
+    """The sentence of a sample with its quantile, and how many samples are missing."""
+    short = say("; only ", count(samples), " of ", count(requested), " samples were not excluded")
+    return say(drawing, "; ", quantile, short if samples < requested else ())
+
+
+def grid(points: int, total: int, lowest: tuple[str, float, str] | None, violations: int, failed: int) -> Spans:
+    """A full grid; lowest: the criterion, its value and unit."""
+    found = say("none of them could be evaluated")
+    if lowest is not None:
+        quantity, cost, unit = lowest
+        found = say("lowest ", symbol(quantity), " ", number(cost, unit))
+    return say(
+        *("full grid of ", count(points), " points on every axis, ", count(total), " in all: ", found),
+        *(", ", count(violations), violate(failed)),
+        "; nothing is claimed between these points",
+    )
+
+
+def _ordinal(r: int) -> str:
+    ending = "th" if r % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(r % 10, "th")
+    return f"{r}{ending}"

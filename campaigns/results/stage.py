@@ -1,0 +1,75 @@
+"""What the result of any stage may say to the stages after it, to the verdict and to the pages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from campaigns.results.base import Result, Status, Stop, Values
+from campaigns.results.measured import Measured
+from campaigns.results.slices import Curve
+
+
+class Reevaluated(Result):
+    """One finding of the baseline, evaluated on this model."""
+
+    label: str
+    """Of the baseline."""
+    index: int | None
+    """Of its evaluation in this stage; null if it could not be evaluated."""
+    parameters: Values = {}
+    """As evaluated; of one that was not evaluated, as the baseline has them."""
+    point: list[float] = []
+    """On the unit cube of this campaign; empty if it was not evaluated."""
+    status: Status | None = None
+    cost: float | None = None
+    reason: str = ""
+    """Why it was not evaluated, or has no cost."""
+    assumed: list[str] = []
+    """Parameters that the baseline does not vary; they are nominal."""
+    realisation: int | None = None
+    """The noise seed with which it was evaluated; null for the realisations of the campaign."""
+
+
+class StageResult(Result):
+    """What all results of stages have in common; which types there are is in `campaigns.stages.found`.
+
+    A stage after it, the verdict and the pages read these properties, and do not ask of which kind it is.
+    """
+
+    followed: ClassVar[bool] = False
+    """Whether validation descends from each of its evaluations, not from the lowest ones only."""
+
+    stage: str
+    """The kind of the stage."""
+
+    @property
+    def drawn(self) -> int:
+        """How many of its first evaluations drew their own noise."""
+        return 0
+
+    @property
+    def seeds(self) -> list[int] | None:
+        """The noise seeds of these evaluations, in their order; None if they follow from the campaign's seed."""
+        return None
+
+    @property
+    def reevaluated(self) -> Sequence[Reevaluated]:
+        """The findings of the baseline as it evaluated them, in the order of the campaign: validation looks for them
+        among the findings of this run, and the verdict has the changes."""
+        return ()
+
+    @property
+    def slices(self) -> Sequence[Curve]:
+        """Its slices through the nominal point, which show the influence of each parameter."""
+        return ()
+
+    @property
+    def repeatability(self) -> Measured | None:
+        """Whether the results of the simulator repeat, if it measured that."""
+        return None
+
+    @property
+    def ended(self) -> Stop | None:
+        """How its search ended; None if it has no rule of its own."""
+        return None

@@ -1,0 +1,99 @@
+// Labelled fields of a campaign, and the buttons of its lists: each with its problems next to it.
+import { Select, type SelectProps } from '@mantine/core'
+import { IconPlus, IconTrash } from '@tabler/icons-react'
+import { clsx } from 'clsx'
+import type { ReactNode } from 'react'
+import { NumberCell, type NumberCellProps } from './NumberCell'
+import { FieldErrors, idOf } from './problems'
+import buttons from '../../ui/buttons.module.css'
+import fields from '../../ui/fields.module.css'
+
+interface LabelledProps {
+  field: string
+  label: ReactNode
+  unit?: string
+  /** What it means, below it. */
+  text?: ReactNode
+  /** The field whose problems are shown, with those of everything below it, instead of its own alone. */
+  within?: string
+  className?: string
+  children: ReactNode
+}
+
+export function Labelled({ field, label, unit, text, within, className, children }: LabelledProps) {
+  return (
+    <div className={className}>
+      <label className={fields.lbl} htmlFor={idOf(field)}>
+        {label}
+        {unit && <span className="mut">, {unit}</span>}
+      </label>
+      {children}
+      {text && <small>{text}</small>}
+      <FieldErrors field={within ?? field} deep={within !== undefined} />
+    </div>
+  )
+}
+
+interface NumberFieldProps extends NumberCellProps, Pick<LabelledProps, 'unit' | 'text' | 'within'> {
+  /** The visible label, if it differs from the name. */
+  title?: ReactNode
+}
+
+export function NumberField({ title, unit, text, within, ...cell }: NumberFieldProps) {
+  return (
+    <Labelled field={cell.field} label={title ?? cell.label} unit={unit} text={text} within={within}>
+      <NumberCell {...cell} />
+    </Labelled>
+  )
+}
+
+interface ChoiceProps extends Omit<SelectProps, 'onChange' | 'id'> {
+  field?: string
+  onChange: (value: string) => void
+}
+
+/** One of several values, never none. */
+export function Choice({ field, onChange, ...select }: ChoiceProps) {
+  return (
+    <Select
+      id={field && idOf(field)}
+      labelProps={{ className: fields.lbl }}
+      size="xs"
+      allowDeselect={false}
+      onChange={(value) => value !== null && onChange(value)}
+      {...select}
+    />
+  )
+}
+
+/** Chooses what is added to a list; `key` it by the length of the list, so that it is empty afterwards. */
+export function Adder({ what, wide, position, ...choice }: ChoiceProps & { what: string; wide: number; position: 'bottom-start' | 'bottom-end' }) {
+  return (
+    <Choice
+      aria-label={`Add ${what}`}
+      placeholder={`Add ${what}`}
+      nothingFoundMessage={`No such ${what}`}
+      value={null}
+      searchable
+      w={190}
+      comboboxProps={{ width: wide, position }}
+      {...choice}
+    />
+  )
+}
+
+export function AddButton({ children, label, ...button }: { children: ReactNode; label?: string; disabled?: boolean; onClick: () => void }) {
+  return (
+    <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={label} {...button}>
+      <IconPlus className="i s" aria-hidden /> {children}
+    </button>
+  )
+}
+
+export function RemoveButton({ label, title, onClick }: { label: string; title?: string; onClick: () => void }) {
+  return (
+    <button type="button" className={buttons.iconbtn} aria-label={label} title={title} onClick={onClick}>
+      <IconTrash className="i s" aria-hidden />
+    </button>
+  )
+}

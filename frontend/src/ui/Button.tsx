@@ -1,0 +1,30 @@
+// A button with words, and an icon before them. What bars the user from it is its tooltip.
+import type { IconLink } from '@tabler/icons-react'
+import { clsx } from 'clsx'
+import type { ButtonHTMLAttributes } from 'react'
+import buttons from './buttons.module.css'
+
+interface ButtonProps extends ButtonHTMLAttributes<HTMLButtonElement> {
+  icon?: typeof IconLink
+  small?: boolean
+  /** The main action of its place. */
+  main?: boolean
+  danger?: boolean
+  /** Why this user may not press it. */
+  barred?: string | undefined
+}
+
+export function Button({ icon: Icon, small, main, danger, barred, disabled, title, className, type = 'button', children, ...rest }: ButtonProps) {
+  return (
+    <button
+      {...rest}
+      type={type}
+      className={clsx(buttons.btn, small && buttons.s, danger && buttons.danger, main && buttons.p, className)}
+      disabled={disabled || barred !== undefined}
+      title={barred ?? title}
+    >
+      {Icon && <Icon className="i s" aria-hidden />}
+      {children}
+    </button>
+  )
+}

@@ -71,8 +71,6 @@ SECURITY = {
 
 
 def install(app: FastAPI) -> None:
-    """Make the application serve the complete document."""
-
     def document() -> JsonObject:
         if app.openapi_schema is None:
             app.openapi_schema = _document(app)

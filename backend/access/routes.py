@@ -30,8 +30,6 @@ class _Matched(NamedTuple):
 
 
 class Rules:
-    """The rules of an application's routes."""
-
     def __init__(self, routes: Iterable[BaseRoute], rules: Mapping[Key, Rule] = RULES) -> None:
         """Raises `MissingRuleError` unless every route has a rule and every rule a route."""
         found = list(listed(routes))
@@ -62,7 +60,6 @@ class Rules:
 
 
 def of_app(app: FastAPI) -> Rules:
-    """The rules of a complete application."""
     return Rules(app.router.routes)
 
 

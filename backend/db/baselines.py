@@ -25,8 +25,6 @@ LOOKED_AT = 500
 
 
 class Resolved(NamedTuple):
-    """A campaign with its baseline."""
-
     campaign: Campaign
     run_id: int | None
     """None if no run has the label; the campaign has no baseline then."""
@@ -57,12 +55,10 @@ def of_run(reader: sa.Connection, run_id: int) -> tuple[str, int | None] | None:
 
 
 def store(writer: sa.Connection, run_id: int, asked: str, baseline: int | None) -> None:
-    """Store what a new run was launched with."""
     writer.execute(sa.insert(RunBaseline).values(run_id=run_id, asked=asked[:LONGEST], baseline=baseline))
 
 
 def none_found(given: str) -> str:
-    """The sentence of a label that no run has."""
     return (
         f"No baseline: no run of this campaign that has ended with findings has the label "
         f"{given.removeprefix(LABEL)}. Nothing was compared; the verdict alone decides."

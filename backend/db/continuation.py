@@ -48,13 +48,11 @@ def is_removed(connection: sa.Connection, run_id: int) -> bool:
 
 
 def stages(connection: sa.Connection, run_id: int) -> list[StageRecord]:
-    """The stages of a run in their current state, in order."""
     rows = connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position))
     return [StageRecord(StagePlan(r.kind, r.method, r.planned), r.state, r.seconds, as_result(r.result)) for r in rows]
 
 
 def evaluations(connection: sa.Connection, run_id: int) -> dict[int, Columns]:
-    """All evaluations of a run by the position of their stage."""
     of = sa.select(EvaluationChunk).where(EvaluationChunk.run_id == run_id)
     held: dict[int, list[Columns]] = {}
     for row in connection.execute(of.order_by(EvaluationChunk.position, EvaluationChunk.first)):
@@ -69,7 +67,6 @@ def findings(connection: sa.Connection, run_id: int) -> list[Finding]:
 
 
 def traces(connection: sa.Connection, run_id: int) -> list[Trace]:
-    """The traces of a run."""
     rows = connection.execute(sa.select(TraceRow).where(TraceRow.run_id == run_id).order_by(TraceRow.name))
     return [
         Trace(

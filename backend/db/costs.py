@@ -84,7 +84,6 @@ def _of_checks(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measur
 
 
 def _cost(measured: Measured, run: str | None, at: float | None, host: str = "") -> Cost | None:
-    """The cost of an evaluation as measured; None if the measurement has no time of a call."""
     if not (measured.call_seconds and measured.slots):
         return None
     return Cost(

@@ -66,7 +66,6 @@ def default_url(data: Path) -> str:
 
 
 def is_sqlite(bind: sa.Engine | sa.Connection) -> bool:
-    """True on SQLite, false on PostgreSQL."""
     return bind.dialect.name == "sqlite"
 
 

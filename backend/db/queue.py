@@ -187,7 +187,6 @@ class Queue:
             self._end(connection, claim, RunState.FAILED, why)
 
     def cancelled(self, claim: Claim) -> None:
-        """End the run as cancelled after its worker has stopped."""
         with self.engine.begin() as connection:
             self._end(connection, claim, RunState.CANCELLED)
 
@@ -254,7 +253,6 @@ def waiting_order(at: float) -> sa.Select[int]:
 
 
 def _order(at: float) -> tuple[Any, ...]:
-    """Priority, then the owner with the fewest active runs, then age."""
     held = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
     share = held.group_by(Run.owner).subquery()
     fewest = sa.func.coalesce(sa.select(share.c.held).where(share.c.owner == Run.owner).scalar_subquery(), 0)

@@ -10,7 +10,6 @@ from campaigns.asked.spec import Campaign
 
 
 def store(writer: sa.Connection, run_id: int, campaign: Campaign) -> None:
-    """Store the requirements that the campaign of a new run states."""
     stated = campaign.criterion.requirements
     if stated:
         asked = question(campaign.document())

@@ -17,7 +17,6 @@ from campaigns.stored.records import Columns, Trace
 
 
 def as_columns(row: Any) -> Columns:
-    """A row of the chunk table as arrays."""
     points, costs, seconds = (
         np.frombuffer(data, dtype="<f8").astype(np.float64).reshape(row.count, -1)
         for data in (row.points, row.costs, row.seconds)
@@ -27,12 +26,10 @@ def as_columns(row: Any) -> Columns:
 
 
 def as_finding(row: sa.RowMapping) -> Finding:
-    """A row of the findings table as a record."""
     return Finding.model_validate(dict(row))
 
 
 def as_result(stored: Any) -> StageResult | None:
-    """The stored result of a stage; None if there is none yet."""
     return None if stored is None else stage_result(stored)
 
 
@@ -50,8 +47,6 @@ def plain(value: Any) -> Any:
 
 
 class ChunkRow(TypedDict):
-    """A row of the chunk table without its position."""
-
     points: bytes
     costs: bytes
     status: bytes
@@ -60,7 +55,6 @@ class ChunkRow(TypedDict):
 
 
 def blobs(columns: Columns) -> ChunkRow:
-    """The columns as a row of the chunk table."""
     return {
         "points": _bytes(columns.points),
         "costs": _bytes(columns.costs),
@@ -88,8 +82,6 @@ def finding_row(finding: Finding) -> dict[str, object]:
 
 
 class TraceRow(TypedDict):
-    """A row of the traces table without its run."""
-
     name: str
     columns: list[Any]
     rows: int

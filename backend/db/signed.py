@@ -14,7 +14,6 @@ from campaigns.runs import run_name
 
 
 def is_signed(reader: sa.Connection, run_id: int) -> bool:
-    """Whether the run was ever signed off."""
     return reader.scalar(sa.select(Signoff.id).where(Signoff.run_id == run_id).limit(1)) is not None
 
 

@@ -74,8 +74,6 @@ class RunStore:
         self._write(lambda connection: self._check_code(connection, versions, code))
 
     def record_sources(self, files: Sources, texts: Mapping[str, bytes]) -> None:
-        """Store the sources of the run's components that are not shipped, with their texts by module."""
-
         def work(connection: sa.Connection) -> None:
             fenced(connection, self.claim, state=Run.state)
             sources.store(connection, self._run, files, texts)
@@ -83,8 +81,6 @@ class RunStore:
         self._write(work)
 
     def begin(self, position: int) -> None:
-        """Mark a stage as running."""
-
         def work(connection: sa.Connection) -> None:
             fenced(connection, self.claim, state=Run.state)
             started = sa.func.coalesce(Stage.started, now(connection))
@@ -146,7 +142,6 @@ class RunStore:
         return [as_finding(row) for row in rows]
 
     def conclude(self, verdict: Verdict) -> None:
-        """Store the verdict and mark the run done."""
         values = {
             "state": RunState.DONE,
             "verdict": verdict.verdict,

@@ -71,7 +71,6 @@ def published(connection: sa.Connection) -> float | None:
 
 
 def arrive(connection: sa.Connection, name: str) -> None:
-    """Register a worker that has started under this name."""
     at = now(connection)
     gone = sa.or_(Worker.name == name, Worker.beat < at - FORGOTTEN)
     connection.execute(sa.delete(Worker).where(gone))
@@ -106,7 +105,6 @@ def beat(
     simulators: Sequence[str] = (),
     installation: str = "",
 ) -> None:
-    """Record a heartbeat of the worker, the run that it executes, and the simulators and code that it has."""
     values = {"beat": now(connection), "run_id": run_id, "simulators": list(simulators), "installation": installation}
     connection.execute(sa.update(Worker).where(Worker.name == name).values(**values))
 

@@ -32,8 +32,6 @@ HEADERS = {"X-Accel-Buffering": "no", "Connection": "close"}
 
 
 class EventStream(StreamingResponse):
-    """A stream of server-sent events."""
-
     media_type = "text/event-stream"
 
 

@@ -47,7 +47,6 @@ class _Listener:
         self._put("".join(told) or f"{identified(self.mark)}\n")
 
     def send(self, events: list[Event], at: float = 0.0) -> None:
-        """Send the events to which this listener subscribed."""
         wanted = [e for e in events if e.run_id is None or self._asked(e)]
         for event in wanted[:-1]:
             self._put(event.text(self.mark))
@@ -82,7 +81,6 @@ class Hub:
 
     @property
     def listeners(self) -> int:
-        """How many streams are open."""
         return len(self._listeners)
 
     async def listen(self, run_id: int | None, since: float | None = None) -> AsyncGenerator[str]:
@@ -110,7 +108,6 @@ class Hub:
             listener.end()
 
     async def close(self) -> None:
-        """Stop and wait for the poller."""
         self.stop()
         if self._poller is not None:
             self._poller.cancel()

@@ -52,8 +52,6 @@ def identified(mark: str) -> str:
 
 @dataclass
 class _Watched:
-    """A run with its own listeners."""
-
     paths: list[str]
     bounds: Bounds
     stages: list[StageProgress] = field(default_factory=list)
@@ -75,8 +73,6 @@ class _Watched:
 
 
 class Watch:
-    """Stores the state of the last poll."""
-
     def __init__(self, engine: sa.Engine) -> None:
         self._engine = engine
         self._raw: Any = None
@@ -88,7 +84,6 @@ class Watch:
         """Time by the queue's clock up to which everything has been reported: that of the last poll that read."""
 
     def close(self) -> None:
-        """Close the connection."""
         if self._raw is not None:
             self._raw.close()
             self._raw = None

@@ -89,7 +89,6 @@ class Sheet:
 
 
 def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
-    """The sheet of a run in its current state."""
     catalogue = described(reader, run_id)
     limits = bounds(asked, catalogue)
     units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(asked, catalogue).items()}

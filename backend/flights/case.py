@@ -62,7 +62,6 @@ def case(
 
 
 def response(wanted: Case, answer: FlightReply, drawn: str | None, rows: int) -> FlightAnswer:
-    """The response of the API."""
     meta, deciding = answer["meta"], wanted.criteria[0]
     values = [FlightValue(**one.model_dump(), value=meta["values"].get(one.name)) for one in wanted.criteria]
     return FlightAnswer(

@@ -55,7 +55,6 @@ async def simulate_flight(
 def _work(
     request: Request, engine: Engine, run: str, given: FlightRequest, viewer: Viewer | None, turn: Turn
 ) -> FlightAnswer:
-    """Read, simulate and draw a flight; runs in a thread."""
     with read(engine) as reader:
         wanted = service.asked(reader, run, given)
     answer = service.simulated(request.app.state.live, wanted, given.rows)

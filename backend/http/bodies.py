@@ -48,7 +48,6 @@ class Readers:
 
 
 async def apart(request: Request, work: Callable[[], Value]) -> Value:
-    """Parse a body on the application's `Readers`."""
     readers: Readers = request.app.state.readers
     return await readers.read(work)
 
@@ -63,7 +62,6 @@ def content_type(request: Request) -> str:
 
 
 def is_yaml(request: Request) -> bool:
-    """Whether the body is YAML; otherwise it is JSON."""
     return content_type(request) in YAML_TYPES
 
 
@@ -108,12 +106,10 @@ def yaml_campaign(body: bytes) -> Campaign:
 
 
 def unreadable(problem: Problem) -> RefusedError:
-    """422 for a body that cannot be parsed."""
     return RefusedError(422, "unreadable", str(problem), [problem])
 
 
 def invalid(error: CampaignError) -> RefusedError:
-    """422 for a campaign that can be parsed but not run."""
     return RefusedError(422, "invalid-campaign", "; ".join(map(str, error.problems)), error.problems)
 
 

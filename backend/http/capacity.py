@@ -97,8 +97,6 @@ class BoundedStream(StreamingResponse):
 
 
 class Capacities:
-    """All capacities of the service."""
-
     def __init__(self) -> None:
         self.pdf = Capacity("reports are being printed", 2, 4, 60.0, 30)
         self.recordings = Capacity("recordings are being made", 2, 6, 20.0, 5)

@@ -61,8 +61,6 @@ PROBLEMS: Responses = {
 
 
 class Kind(NamedTuple):
-    """A problem type: its HTTP status and meaning."""
-
     status: int
     when: str
 
@@ -181,12 +179,10 @@ class RefusedError(Exception):
 
 
 def not_found(what: str, given: str) -> RefusedError:
-    """404 for an object that does not exist."""
     return RefusedError(404, "not-found", f"there is no {what} {given[:LONGEST]!r}")
 
 
 def respond(refused: RefusedError, path: str) -> JSONResponse:
-    """The problem document of an error."""
     errors = [
         ProblemError(field=_text(e.field), given=_text(e.given), message=_text(e.message)) for e in refused.errors
     ]

@@ -89,7 +89,6 @@ def _through(provider: str, back: str) -> str:
 
 
 def invitation(status: int, user: str, code: str, wrong: str = "", shortest: int = 12) -> HTMLResponse:
-    """The page of an invitation: choose a password."""
     body = (
         f"<p>You are invited as <b>{html.escape(user)}</b>. Choose a password of at least {shortest} characters; "
         "several words make a good one.</p>"
@@ -104,7 +103,6 @@ def invitation(status: int, user: str, code: str, wrong: str = "", shortest: int
 
 
 def no_invitation(status: int = 403) -> HTMLResponse:
-    """The page of an invitation that is not valid."""
     body = (
         "<p>Each invitation is single-use, expires after three days, and is replaced by a newer one. Ask an "
         f'administrator for a new link. If you have a password already, <a href="{at("/login")}">sign in</a>.</p>'

@@ -35,7 +35,6 @@ TAGGED: Responses = {
 
 
 def tag(*parts: Any) -> str:
-    """The entity tag of plain JSON values."""
     text = json.dumps(parts, sort_keys=True, ensure_ascii=True)
     return f'"{hashlib.sha256(text.encode()).hexdigest()[:32]}"'
 

@@ -93,7 +93,6 @@ def unbuilt(folder: Path) -> str:
 
 
 def _not_built(folder: Path) -> HTMLResponse:
-    """The sentence that the pages are not built, as a page."""
     sentence = html.escape(unbuilt(folder))
     sentence = re.sub("`(.+?)`|(CLEARANCE_PAGES|frontend/dist)", r"<code>\1\2</code>", sentence)
     return plain("The pages are not built", f"<p>{sentence[:1].upper()}{sentence[1:]}.</p>", 503)
@@ -121,7 +120,6 @@ def _asset(file: Path, headers: Headers) -> Response:
 
 
 def _inside(folder: Path, path: str) -> Path | None:
-    """The file at that path, if it is inside the folder."""
     if "\0" in path:
         return None
     root = folder.resolve()

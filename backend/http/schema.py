@@ -47,7 +47,6 @@ class Given(Schema):
 
 
 def _unstorable(value: Any) -> Iterator[str]:
-    """The reasons why a JSON value cannot be stored, as sentences."""
     waiting: list[tuple[Place, Any]] = [(None, value)]
     while waiting:
         place, value = waiting.pop()

@@ -157,7 +157,6 @@ class BoundedSocketProtocol(WebSocketsSansIOProtocol):
 
 
 def _cancelled(timer: asyncio.TimerHandle | None) -> asyncio.TimerHandle | None:
-    """Cancel a timer; returns None."""
     if timer is not None:
         timer.cancel()
     return None

@@ -119,7 +119,6 @@ class Frame:
 
 
 def headers(encrypted: bool) -> dict[str, str]:
-    """The headers of every response."""
     return HEADERS | (HSTS if encrypted else {})
 
 

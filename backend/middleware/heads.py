@@ -14,8 +14,6 @@ OWN = frozenset({"/login"})
 
 
 class Heads:
-    """Forwards HEAD as GET and drops the body."""
-
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
 

@@ -29,7 +29,6 @@ class Hosts:
         self._bound = bound.lower()
 
     def allows(self, host: str) -> bool:
-        """Whether a request with this header Host is answered."""
         name = _name(host)
         return self.every or name in self.names or name == self._bound or _is_this_machine(name)
 

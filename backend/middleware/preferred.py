@@ -51,8 +51,6 @@ class Preferred:
 
 
 class _Answer:
-    """Sends an answer, rewritten if it is JSON that is described."""
-
     def __init__(self, owner: Preferred, scope: Scope, send: Send, wanted: frozenset[str]) -> None:
         self.owner, self.scope, self.send, self.wanted = owner, scope, send, wanted
         self.start: Message | None = None

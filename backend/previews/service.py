@@ -88,7 +88,6 @@ def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:
 
 
 def response(campaign: Campaign, criterion: ComponentEntry, answer: FlightReply, seconds: float) -> Preview:
-    """The response of the API."""
     data, meta = answer["data"], answer["meta"]
     moving = [i for i, obstacle in enumerate(meta["obstacles"]) if obstacle["moving"]]
     intruders = [PreviewIntruder(obstacle=i, **{a: data[f"obstacle.{i}.{a}"] for a in "xyz"}) for i in moving]

@@ -93,7 +93,6 @@ def safe_address(address: str) -> bool:
 
 
 def is_loopback(host: str) -> bool:
-    """Whether a host is this machine, by name or address."""
     if host == "localhost":
         return True
     try:

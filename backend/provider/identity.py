@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Identity:
-    """Who signed in, as the provider states."""
-
     issuer: str
     subject: str
     name: str

@@ -20,7 +20,6 @@ class Noted:
         self._left, self._at = float(BURST), clock()
 
     def due(self) -> bool:
-        """Whether this failure is recorded."""
         at = self._clock()
         self._left, self._at = min(float(BURST), self._left + (at - self._at) / PERIOD), at
         if self._left < 1:

@@ -68,7 +68,6 @@ def _series(held: Held) -> list[tuple[str, str, list[plot.Point]]]:
 
 
 def _colour(held: Held, method: str | None) -> str:
-    """The colour of a method; grey if it declares none."""
     look = held.looks.method(method or "")
     return plot.NOMINAL if look is None else look.colour
 

@@ -40,20 +40,16 @@ class Case:
 
     @property
     def closest(self) -> Closest | None:
-        """The stored closest approach; None if the criterion has none."""
         return self.head.closest
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """The criterion's value: symbol, unit, threshold."""
-
     symbol: str
     unit: str
     threshold: float | None
 
     def formatted(self, value: float | None, decimals: int) -> str:
-        """The value with its unit."""
         return f"{numbers.fixed(value, decimals)} {self.unit}".strip()
 
 

@@ -17,7 +17,6 @@ _ENDS = {
 
 
 def conditions(held: Held) -> list[str]:
-    """The conditions under which the evidence holds, as sentences."""
     return [text for text in (_measured(held), _horizon(held), _excluded(held), _failed(held), *_noise(held)) if text]
 
 
@@ -39,7 +38,6 @@ def _measured(held: Held) -> str:
 
 
 def _result(held: Held, simulator: str) -> str:
-    """The deciding result of a simulator, and what is unknown about it."""
     entry = held.catalogue.simulator(simulator) if held.catalogue else None
     result = None if entry is None else entry.result(held.campaign.criterion.result)
     if entry is None or result is None:

@@ -44,7 +44,6 @@ def picture(reader: sa.Connection, run_id: int) -> bytes:
 
 
 def _drawn(held: Held) -> tuple[Markup, str, float] | None:
-    """Figure, caption and height."""
     if not held.cases:
         return None
     plan = plan_view.plan_view(held.cases, held.of)

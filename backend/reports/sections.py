@@ -26,7 +26,6 @@ Row = dict[str, object]
 
 
 def uncertain(held: Held) -> list[Row]:
-    """The uncertain parameters: bounds, distribution, worst case."""
     worst = held.findings[0].parameters if held.findings else {}
     rows = []
     for path, asked in held.campaign.uncertain.items():
@@ -58,7 +57,6 @@ def _distribution(asked: Uncertain) -> str:
 
 
 def correlations(held: Held) -> list[str]:
-    """The correlations of the random samples, as sentences."""
     return [f"{' and '.join(c.between)}: {numbers.plain(c.value)}" for c in held.campaign.correlations]
 
 
@@ -128,7 +126,6 @@ def _bare(part: Part | Simulator) -> list[Row]:
 
 
 def methods(held: Held) -> list[Row]:
-    """The requested searches: settings, budget and, once started, what each found and how it ended."""
     validated, ended = held.result(ValidateResult), {s.position: r for s, r in held.results(SearchResult)}
     compared = {} if validated is None else {row.position: row for row in validated.comparison}
     begun = [stage for stage in held.stages if stage.kind == "search"]
@@ -203,7 +200,6 @@ def _symbol(held: Held, path: str) -> Markup:
 
 
 def findings(held: Held) -> list[Row]:
-    """The distinct worst cases."""
     decimals = numbers.decimals_apart([f.cost for f in held.findings], 4, 7)
     titles = _titles(held)
     return [
@@ -223,7 +219,6 @@ def findings(held: Held) -> list[Row]:
 
 
 def _seed(seed: int | None) -> str:
-    """The noise realisation of a finding."""
     return "" if seed is None else f"noise seed {seed}"
 
 

@@ -115,7 +115,6 @@ def _context(held: Held, at: float) -> dict[str, object]:
 
 
 def _flights(held: Held) -> list[str]:
-    """A sentence about each drawn flight, with its noise realisation."""
     approaches = [(case, case.closest) for case in held.cases]
     known = [(case, closest) for case, closest in approaches if closest is not None]
     decimals = numbers.decimals_for([closest.value for _, closest in known])
@@ -172,7 +171,6 @@ def _elsewhere(evaluator: str) -> str:
 
 
 def _components(held: Held) -> str:
-    """Whether the component descriptions were stored."""
     digest = held.run.components_digest
     return f"sha256 {digest}" if digest else "not stored: descriptions are those of the current installation"
 

@@ -82,7 +82,6 @@ def _questions(reader: sa.Connection, digests: Sequence[str]) -> dict[str, str]:
 
 
 def models(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, Model]:
-    """What ran these runs."""
     found: dict[int, Model] = {}
     for first in range(0, len(run_ids), CHUNK):
         of = sa.select(Run.id, Run.flown).where(Run.id.in_(run_ids[first : first + CHUNK]))
@@ -92,8 +91,6 @@ def models(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, Model]:
 
 @dataclass(frozen=True)
 class Ignored:
-    """Runs of a requirement that do not count."""
-
     removed: int = 0
     sweeps: int = 0
     violated: tuple[int, ...] = ()
@@ -101,7 +98,6 @@ class Ignored:
 
 
 def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
-    """The runs of each requirement that are removed or of sweeps."""
     gone = sa.or_(Run.removed.is_not(None), Run.purged.is_not(None))
     columns = (RunRequirement.requirement, Run.id, gone.label("gone"), Run.verdict)
     of = sa.select(*columns).join(Run, Run.id == RunRequirement.run_id)

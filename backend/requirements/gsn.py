@@ -32,7 +32,6 @@ class _Text(Dumper):
     """Writes lists on one line, and no aliases."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """Write no aliases, which gsn2x does not need."""
         return True
 
 

@@ -32,8 +32,6 @@ _UNKNOWN = Model(None)
 
 @dataclass(frozen=True)
 class Known:
-    """A run that is read in full."""
-
     outcome: Outcome
     signoffs: list[EdgeSignoff]
     changes: tuple[str, ...]
@@ -41,7 +39,6 @@ class Known:
 
     @property
     def signed(self) -> bool:
-        """Whether a sign-off covers its results."""
         return any(one.current for one in self.signoffs)
 
 
@@ -74,7 +71,6 @@ def every(reader: sa.Connection, runs: int, size: int = 200) -> Iterator[Require
 
 
 def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[RequirementRow]:
-    """The rows of these requirements."""
     edges = _edges(reader, ids)
     others = against.against(reader, edges)
     registered = {row.id: row for row in reader.execute(_registered(ids))}

@@ -39,12 +39,10 @@ def counted() -> tuple[sa.ColumnElement[bool], ...]:
 
 
 def in_sweep() -> sa.ColumnElement[bool]:
-    """Runs of sweeps."""
     return sa.exists().where(SweepRun.run_id == Run.id)
 
 
 def present(reader: sa.Connection, names: Collection[str]) -> Present:
-    """What is current, for the campaigns of these names."""
     newest: dict[str, tuple[int, str]] = {}
     ordered = sorted(names)
     for first in range(0, len(ordered), CHUNK):
@@ -57,7 +55,6 @@ def present(reader: sa.Connection, names: Collection[str]) -> Present:
 
 
 def model(flown: Any) -> Model:
-    """What ran a run, from the versions stored with it."""
     versions = Versions.of(flown)
     return Model(versions.code, tuple(sorted(versions.components.items())), versions.simulator, versions.model)
 

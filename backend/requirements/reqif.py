@@ -64,7 +64,6 @@ class _Builder(Xml.TreeBuilder):
         raise CannotRead("the file has a document type declaration (<!DOCTYPE), which ReqIF does not allow: remove it")
 
     def start(self, tag: str, attrs: dict[str, str]) -> Xml.Element:
-        """Count, and drop the namespace."""
         self.depth += 1
         self.elements += 1
         if self.depth > DEEPEST:
@@ -74,7 +73,6 @@ class _Builder(Xml.TreeBuilder):
         return super().start(tag.rpartition("}")[2], attrs)
 
     def end(self, tag: str) -> Xml.Element:
-        """Close an element, whose name is without its namespace."""
         self.depth -= 1
         return super().end(tag.rpartition("}")[2])
 

@@ -143,7 +143,6 @@ def _stored(writer: sa.Connection, name: str, stored: dict[str, object]) -> int:
 
 
 def files(reader: sa.Connection) -> list[RequirementFileOut]:
-    """The imported files, by name."""
     columns = [getattr(RequirementFile, key) for key in ("id", "name", "kind", "digest", "imported", "imported_by")]
     size = sa.func.length(RequirementFile.content).label("size")
     count = sa.select(sa.func.count()).where(Requirement.file_id == RequirementFile.id).scalar_subquery()
@@ -243,7 +242,6 @@ def _forget(writer: sa.Connection, ids: Sequence[str]) -> None:
 
 
 def _some(ids: Sequence[str]) -> dict[str, object]:
-    """How many there are, and the first of them."""
     return {"count": len(ids), "ids": list(ids[:NAMED])}
 
 

@@ -61,8 +61,6 @@ class Edge:
 
 @dataclass(frozen=True)
 class Standing:
-    """The status of a requirement, why, and the runs that it rests on."""
-
     status: Status
     sentence: str
     evidence: frozenset[int] = frozenset()
@@ -100,7 +98,6 @@ def _names(edges: Sequence[Edge]) -> list[str]:
 
 
 def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> Standing:
-    """The standing of the runs of one campaign."""
     judged = sorted((e for e in edges if e.verdict is not None), key=lambda e: -e.run_id)
     if not judged:
         text = f"{name}: no run has a verdict."

@@ -74,12 +74,10 @@ def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData
 
 
 def stored(reader: sa.Connection, run_id: int, name: str) -> Any:
-    """The row of a flight, or None."""
     return reader.execute(sa.select(Trace).where(Trace.run_id == run_id, Trace.name == name)).one_or_none()
 
 
 def table(row: Any) -> NDArray[np.float64]:
-    """A flight's data, (rows, columns)."""
     return np.frombuffer(row.data, dtype="<f8").reshape(row.rows, len(row.columns))
 
 

@@ -17,8 +17,6 @@ from campaigns.labels import MOST, parsed
 
 
 class Parts(TypedDict, total=False):
-    """Fields of a submission."""
-
     labels: dict[str, str]
     baseline: str
     reuse: bool

@@ -44,7 +44,6 @@ class Filters:
     """Keys and values: alternatives of the same key, every key required."""
 
     def conditions(self) -> list[sa.ColumnElement[bool]]:
-        """All conditions."""
         found = self.found()
         if self.state:
             found.append(Run.state.in_(self.state))

@@ -97,7 +97,6 @@ def _units(reader: sa.Connection) -> Units:
 
 
 def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
-    """The running stage of each run."""
     if not ids:
         return {}
     columns = [getattr(Stage, field) for field in StageProgress.model_fields]

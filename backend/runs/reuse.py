@@ -44,7 +44,6 @@ def reusable(reader: sa.Connection, campaign: Campaign) -> int | None:
 
 
 def sentence(reader: sa.Connection, run_id: int) -> str:
-    """Why a run is the answer."""
     name = run_name(run_id)
     campaign, flown = reader.execute(sa.select(Run.campaign_digest, Run.flown).where(Run.id == run_id)).one()
     code = Versions.of(flown).code or ""

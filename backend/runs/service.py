@@ -81,7 +81,6 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
 
 
 def baseline(reader: sa.Connection, run_id: int) -> RunBaseline | None:
-    """The baseline that a run was launched with; None without one."""
     launched = baselines.of_run(reader, run_id)
     if launched is None:
         return None

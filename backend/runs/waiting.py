@@ -68,7 +68,6 @@ def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing
 
 
 def told(known: Doing) -> RunDoing:
-    """What a worker does, as a sentence."""
     about = "" if known.seconds is None else f", about {max(1, math.ceil(known.seconds))} s"
     return RunDoing(sentence=_COMPILING.format(about=about), since=known.since, seconds=known.seconds)
 

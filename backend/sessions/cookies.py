@@ -29,7 +29,6 @@ def secure(request: Request) -> bool:
 
 
 def browser_of(request: Request) -> Browser:
-    """The browser's description of itself, and its address."""
     agent = "".join(c for c in request.headers.get("user-agent", "") if c.isprintable())
     return Browser(agent[:200], "" if request.client is None else request.client.host)
 

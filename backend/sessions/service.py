@@ -60,7 +60,6 @@ def note_failure(engine: sa.Engine, name: str, failures: int, address: str) -> N
 
 
 def close(engine: sa.Engine, secret: str, visitor: Visitor) -> None:
-    """Sign a browser out."""
     with engine.begin() as writer:
         user = access.close_session(writer, secret)
         if user is not None:

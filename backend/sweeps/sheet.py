@@ -11,7 +11,6 @@ PURGED = "purged"
 
 
 def csv_of(sweep: SweepDetail) -> str:
-    """The file of a sweep."""
     known = [point.outcome for point in sweep.points if point.outcome is not None]
     quantity = next((found.quantity for found in known if found.quantity), "value")
     unit = next((found.unit for found in known if found.quantity), "")

@@ -20,7 +20,6 @@ PROVIDER = "the sign-in provider"
 
 
 def listed(reader: sa.Connection) -> list[User]:
-    """All users, by name."""
     return [_user(row) for row in users.users(reader)]
 
 
@@ -83,12 +82,10 @@ def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor, ma
 
 
 def settings(reader: sa.Connection) -> AccessSettings:
-    """The settings, with their defaults."""
     return AccessSettings(own_sign_offs=users.own_sign_offs(reader))
 
 
 def etag(found: AccessSettings) -> str:
-    """The entity tag of the settings."""
     return tag(found.own_sign_offs)
 
 

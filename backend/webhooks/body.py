@@ -17,7 +17,6 @@ ENDED, TEST = "run.ended", "test"
 
 
 def ended(reader: sa.Connection, run_id: int, public_url: str) -> str:
-    """The message about a run that has ended."""
     (run,) = outcomes(reader, [Run.id == run_id])
     before = earlier(reader, run)
     address = f"{public_url.rstrip('/')}/runs/{run.id}" if public_url else None

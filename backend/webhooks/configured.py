@@ -31,14 +31,11 @@ class Target:
 
     @property
     def origin(self) -> str:
-        """Scheme, host and port."""
         return _origin(urllib.parse.urlsplit(self.url))
 
 
 @dataclass(frozen=True)
 class Configured:
-    """All targets, and the key that signs their messages."""
-
     targets: tuple[Target, ...] = ()
     key: bytes = field(default=b"", repr=False)
 

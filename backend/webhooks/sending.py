@@ -51,7 +51,6 @@ def signature(key: bytes, message: Message, at: int) -> str:
 
 
 def headers(key: bytes, message: Message, at: int) -> dict[str, str]:
-    """The headers of a message."""
     return {
         "content-type": "application/json",
         "user-agent": f"Clearance/{VERSION}",

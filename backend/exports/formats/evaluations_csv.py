@@ -14,7 +14,6 @@ from backend.runs import service as runs
 
 
 def evaluations_csv(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
-    """One row for each evaluation of every stage."""
     with read(engine) as reader:
         found = sheet(reader, run_id, runs.campaign(reader, run_id))
     return _evaluations_csv(engine, found)

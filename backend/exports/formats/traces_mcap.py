@@ -134,7 +134,6 @@ def _fixed(name: str, flight: Flight, head: TraceHead) -> Iterator[dict[str, obj
 
 
 def _radius(head: TraceHead, number: int) -> float:
-    """The radius of a moving obstacle or body [m]; 0 if it has none."""
     if head.scene is not None:
         body = number - len(head.scene.obstacles)
         return head.scene.bodies[body].radius if 0 <= body < len(head.scene.bodies) else 0.0

@@ -34,7 +34,6 @@ class Motion:
 
 
 def axes_in(scene: Scene) -> Axes:
-    """The axes of its positions."""
     return Axes("ned" if scene.frame == "z_down" else "enu")
 
 
@@ -70,7 +69,6 @@ def values(scene: Scene) -> dict[str, float]:
 
 
 def looks(scene: Scene) -> tuple[ObstacleLook, ...]:
-    """How the obstacles and bodies are drawn."""
     return (*map(_look, scene.obstacles), *(ObstacleLook(shape="sphere", radius="radius") for _ in scene.bodies))
 
 

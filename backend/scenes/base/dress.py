@@ -46,7 +46,6 @@ def dressed(page: str, font: str | None) -> str:
 
 @cache
 def font_file(pages: Path) -> Path | None:
-    """The font file of the built pages; None if they are not built."""
     return next(iter(sorted((pages / "assets").glob(LATIN))), None)
 
 

@@ -90,7 +90,6 @@ class Flight:
         return self.axes.attitude(self._angles) if self.turns is None else _unit(self.turns)
 
     def obstacle(self, number: int, time: float) -> Floats:
-        """The centre of a moving obstacle at a time."""
         return _between(time, self.time, self.tracks[number])
 
     def velocity(self, time: float) -> Floats:
@@ -103,7 +102,6 @@ class Flight:
 
     @property
     def typical_speed(self) -> float:
-        """The median of the speed over the stored rows [m/s]."""
         return float(np.median(np.linalg.norm(self._velocity, axis=1)))
 
     @cached_property

@@ -36,7 +36,6 @@ class Progress:
         return [*self.findings, NOMINAL]
 
     def show(self, label: str, reader: sa.Connection) -> None:
-        """Select another flight to be shown with the nominal one."""
         if self.shown != NOMINAL:
             self.flights.pop(self.shown, None)
             self._seen.pop(self.shown, None)

@@ -36,8 +36,6 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Uncertain:
-    """One uncertain parameter in its unit."""
-
     path: str
     symbol: str
     unit: str
@@ -99,7 +97,6 @@ class Setting:
 
     @property
     def one(self) -> str:
-        """The word for what is drawn."""
         return "flight" if self.clears else "case"
 
     @property
@@ -109,7 +106,6 @@ class Setting:
         return 4 if size == 0 else max(0, min(8, 3 - math.floor(math.log10(size) + 1e-12)))
 
     def look(self, number: int) -> ObstacleLook | None:
-        """The look of an obstacle; None if it declares none."""
         if self.scene is not None:
             return declared.looks(self.scene)[number]
         return self.drawn.obstacle(self.obstacles[number]) if number < len(self.obstacles) else None

@@ -34,7 +34,6 @@ class Pace:
         self._left, self._at = burst, time.monotonic()
 
     async def wait(self) -> None:
-        """Return when one more message is allowed."""
         now = time.monotonic()
         self._left, self._at = min(self._burst, self._left + (now - self._at) * self._rate) - 1, now
         if self._left < 0:

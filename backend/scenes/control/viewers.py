@@ -50,7 +50,6 @@ class Viewers:
         return True
 
     def leave(self, visitor: Visitor) -> None:
-        """Release a viewer of this visitor."""
         self.open -= 1
         self._of[visitor.key] -= 1
         if not self._of[visitor.key]:
@@ -65,7 +64,6 @@ class Viewers:
         return ""
 
     def stop(self) -> None:
-        """End all viewers, and accept no new ones."""
         self.most = 0
         self.stopping.set()
         self._tell()

@@ -38,7 +38,6 @@ class Body:
     """For a moving obstacle, the flight that contains its track."""
 
     def at(self, time: float) -> Floats:
-        """The centre of the obstacle at a time [s]."""
         return self.place if self.flight is None else self.flight.obstacle(self.number, time)
 
     def heading(self, time: float) -> Floats:
@@ -64,7 +63,6 @@ class Body:
 
     @property
     def extent(self) -> float:
-        """Maximum extent from its centre [m]."""
         if self.kind == "round":
             return self.size[0]
         if self.kind == "cylinder":
@@ -132,7 +130,6 @@ def bodies_of(looks: Sequence[ObstacleLook | None], values: Mapping[str, float],
 
 
 def nearest(bodies: list[Body], place: Floats, time: float) -> Body | None:
-    """The body whose centre is nearest to a position at a time [s]."""
     return min(bodies, key=lambda body: float(np.linalg.norm(body.at(time) - place)), default=None)
 
 

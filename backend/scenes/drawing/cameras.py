@@ -44,8 +44,6 @@ class Scene:
 
 @dataclass(frozen=True)
 class Sight:
-    """The observed flight at one time."""
-
     vehicle: Floats
     forward: Floats
     """The direction in which its nose points."""

@@ -78,12 +78,10 @@ class Drawn:
         self.move(time)
 
     def clear(self) -> None:
-        """Show no flight until the next one is drawn."""
         self.flight, self.bodies = None, []
         self._root.visible = False
 
     def restyle(self, time: float, title: str | None = None, colour: str | None = None) -> None:
-        """Change the title or the colour of the flight."""
         self.style = replace(self.style, title=title or self.style.title, colour=colour or self.style.colour)
         if colour is not None:
             self._vehicle = None
@@ -103,11 +101,9 @@ class Drawn:
 
     @property
     def seen(self) -> bool:
-        """Whether there is a flight and it is visible."""
         return self.visible and self.flight is not None
 
     def move(self, time: float) -> None:
-        """Move the vehicle to its position at that time [s]."""
         if self.flight is not None:
             position, turn, _ = self.flight.at(time)
             self._vehicle.position = position + self._lift
@@ -115,7 +111,6 @@ class Drawn:
             self.trail.move(time, position + self._lift)
 
     def show(self, visible: bool) -> None:
-        """Show or hide it."""
         self.visible = visible
         self._root.visible = visible and self.flight is not None
 

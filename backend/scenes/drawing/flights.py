@@ -66,7 +66,6 @@ class Flights(Part):
             self.obstacles.update(self.every, self.time)
 
     def show_what_if(self, flight: Flight | None) -> None:
-        """Show this what-if flight, or none."""
         if flight is None:
             self.what_if.clear()
         else:
@@ -79,14 +78,12 @@ class Flights(Part):
             drawn.trail.show(so_far, self.time, None if drawn.flight is None else drawn.place(self.time))
 
     def moved(self, time: float) -> None:
-        """Move vehicles and obstacles to their positions at that time [s]."""
         self.time = time
         for drawn in self.every:
             drawn.move(time)
         self.obstacles.move(time)
 
     def paint(self, palette: Palette) -> None:
-        """Draw the flights in other colours."""
         colours = (palette.nominal, palette.worst, palette.what_if)
         for drawn, colour in zip(self.every, colours, strict=True):
             drawn.restyle(self.time, colour=colour)
@@ -99,7 +96,6 @@ class Flights(Part):
 
     @property
     def alone(self) -> bool:
-        """Whether the nominal flight is shown without a finding."""
         return self._progress.shown == NOMINAL
 
     @property
@@ -129,5 +125,4 @@ class Flights(Part):
 
 
 def called(shown: str) -> str:
-    """The title of a selected flight."""
     return "Worst" if shown == WORST else shown

@@ -75,20 +75,17 @@ class Following(Part):
         initial.near, initial.far = min(0.005 * span, 0.5), 100 * span
 
     def set(self, camera: Camera | None) -> None:
-        """Set the camera, and follow it if it moves."""
         with self._lock:
             self.camera, self._place, self._heard, self._due, self._next = camera, None, False, camera is not None, 0.0
         self._wake()
 
     def place(self, eye: Pose) -> None:
-        """Move to an unnamed position and stay there."""
         with self._lock:
             self.camera, self._place, self._heard, self._due, self._next = None, eye, False, True, 0.0
         self._wake()
 
     @property
     def eye(self) -> Pose | None:
-        """The unnamed camera position; None if unknown."""
         return self._place or self._at
 
     @property
@@ -98,21 +95,18 @@ class Following(Part):
         return View(*found, *self._size)
 
     def moved(self, time: float) -> None:
-        """Follow the time as soon as allowed."""
         self._time = time
         if self.camera in MOVING:
             self._due = True
             self._wake()
 
     def changed(self) -> None:
-        """Follow the closest approach of the current flight."""
         if self.camera in (*MOVING, "encounter"):
             self._due = True
             self._wake()
 
     @property
     def due(self) -> bool:
-        """Whether the camera must be moved."""
         return self._due
 
     def work(self, now: float) -> None:

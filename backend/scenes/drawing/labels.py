@@ -51,8 +51,6 @@ ANCHORS: tuple[Anchor, ...] = (
 
 @dataclass(frozen=True)
 class View:
-    """A camera and the size of its window [px]."""
-
     eye: Floats
     target: Floats
     width: float = ASPECT * HEIGHT
@@ -119,8 +117,6 @@ class Tag:
 
 @dataclass(frozen=True, eq=False)
 class Spot:
-    """Where a label is."""
-
     place: Floats
     anchor: Anchor
     wanted: Floats
@@ -199,12 +195,10 @@ class Labels(Part):
         self._seen_from: View | None = None
 
     def moved(self, time: float) -> None:
-        """Place the labels of things that have moved [s]."""
         self._time = time
         self.arrange()
 
     def changed(self) -> None:
-        """Place the labels of the current flights."""
         self.arrange()
 
     @property

@@ -71,15 +71,12 @@ class _Group:
 
 
 class Obstacles:
-    """All obstacles of a scene."""
-
     def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette, world: World) -> None:
         self._scene, self._setting, self._palette, self._world = server.scene, setting, palette, world
         self._solids = Solids(server)
         self._groups: list[_Group] = []
 
     def update(self, drawn: Sequence[Drawn], time: float) -> None:
-        """Redraw the obstacles of the current flights at that time [s]."""
         before = {group.name: group for group in self._groups}
         self._groups = self._grouped([one for one in drawn if one.flight is not None])
         new = [group for group in self._groups if not group.takes_over(before, self._world.frame.span)]
@@ -92,18 +89,15 @@ class Obstacles:
         self.move(time)
 
     def move(self, time: float) -> None:
-        """Move the moving obstacles to their positions at that time [s]."""
         for group in self._groups:
             group.move(time)
 
     def show(self) -> None:
-        """Show the obstacles of visible flights."""
         for group in self._groups:
             for node in group.nodes:
                 node.visible = group.visible
 
     def tags(self, time: float) -> Iterator[Tag]:
-        """The labels of visible obstacles at a time [s]."""
         for group in self._groups:
             if group.visible and group.wanted is not None:
                 centre = group.body.at(time)
@@ -116,7 +110,6 @@ class Obstacles:
                 yield group.body, shade(self._colour(group), 0.8)
 
     def paint(self, palette: Palette, time: float) -> None:
-        """Apply the colours of another theme."""
         self._palette = palette
         for group in self._groups:
             for node in group.nodes:
@@ -260,7 +253,6 @@ class Obstacles:
 
 
 def _longer(one: Body, other: Body) -> bool:
-    """Whether the track of one lasts longer than that of the other."""
     if one.flight is None or other.flight is None:
         return False
     return bool(one.flight.time[-1] > other.flight.time[-1])

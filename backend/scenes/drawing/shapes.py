@@ -116,7 +116,6 @@ def _wheel(centre: Floats, radius: float = 0.18) -> Mesh:
 
 
 def join(meshes: list[Mesh]) -> Mesh:
-    """Merge several meshes."""
     offsets = np.cumsum([0, *(len(m.vertices) for m in meshes[:-1])])
     faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
     return Mesh(np.vstack([m.vertices for m in meshes]), np.vstack(faces))

@@ -70,7 +70,6 @@ class Trail:
 
     @property
     def _length(self) -> int:
-        """Number of rows per piece."""
         return max(1, -(-len(self._points) // PIECES))
 
     def _redraw_pieces(self) -> None:

@@ -44,7 +44,6 @@ class Speeds:
 
 
 def speeds(drawn: Drawn, time: float) -> Speeds:
-    """The speeds of a drawn flight at a time [s]."""
     assert drawn.flight is not None
     relative = relative_velocity(drawn, time)
     ground = float(np.linalg.norm(drawn.flight.velocity(time)))
@@ -59,8 +58,6 @@ def relative_velocity(drawn: Drawn, time: float) -> Floats | None:
 
 
 class Vectors(Part):
-    """The arrows of all visible flights."""
-
     def __init__(
         self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, flights: Flights
     ) -> None:
@@ -81,13 +78,11 @@ class Vectors(Part):
         return shapes.even_step(LENGTH * self._world.frame.unit, typical) if typical > 0 else None
 
     def show(self, *, velocity: bool | None = None, relative: bool | None = None) -> None:
-        """Show or hide the arrows of one kind."""
         self.velocity = self.velocity if velocity is None else velocity
         self.relative = self.relative if relative is None else relative
         self.moved(self._time)
 
     def moved(self, time: float) -> None:
-        """Draw the arrows at that time [s]."""
         self._time = time
         ahead = self.ahead
         self._arrows("velocity", self._velocities(time, ahead) if self.velocity and ahead else [])
@@ -103,11 +98,9 @@ class Vectors(Part):
         self._label(end, f"v rel {np.linalg.norm(relative):.{self.decimals}f} m/s")
 
     def changed(self) -> None:
-        """Draw the arrows for the current flights."""
         self.moved(self._time)
 
     def paint(self, palette: Palette) -> None:
-        """Draw the arrows in other colours."""
         self._palette = palette
         self._remove(*self._nodes)
         self.moved(self._time)

@@ -48,8 +48,6 @@ class Frame:
 
 
 class World:
-    """The fixed part of a scene."""
-
     def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette) -> None:
         self._scene, self._setting, self.palette = server.scene, setting, palette
         self._scale: list[Any] = []
@@ -60,7 +58,6 @@ class World:
         self.fit([])
 
     def paint(self, palette: Palette) -> None:
-        """Draw the world in other colours."""
         self.palette = palette
         self._background()
         self._draw()

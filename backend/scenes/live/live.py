@@ -140,7 +140,6 @@ class Live:
 
 
 def _noise(seed: int | None) -> dict[str, int]:
-    """The field of the request to the simulation process."""
     return {} if seed is None else {"seed": seed}
 
 
@@ -170,7 +169,6 @@ class _Child:
         self._started.wait()
 
     def ask(self, request: Mapping[str, Any], asked: _Asked) -> _Asked:
-        """Send a request."""
         number = next(self._numbers)
         line = json.dumps({"id": number, **request}, allow_nan=False).encode() + b"\n"
         with self._lock:

@@ -55,13 +55,11 @@ class ConvergenceTab(Part):
         )
 
     def changed(self) -> None:
-        """Update the plot."""
         data = columns(self._curves)
         if any(not np.array_equal(new, old, equal_nan=True) for new, old in zip(data, self._plot.data, strict=True)):
             self._plot.data = data
 
     def paint(self, palette: Palette) -> None:
-        """Draw the chart in other colours."""
         self._plot.series = self._series(palette)
 
     def _series(self, palette: Palette) -> tuple[uplot.Series, ...]:

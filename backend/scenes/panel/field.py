@@ -68,21 +68,17 @@ class FieldSlice(Part):
         self._latest: Latest[_Asked] = Latest(self._work)
 
     def moved(self, time: float) -> None:
-        """Request the field at that time if it is visible."""
         self._time = time
         self._ask()
 
     def changed(self) -> None:
-        """Request the field of the current flight."""
         self._ask()
 
     def paint(self, palette: Palette) -> None:
-        """Draw the field in other colours."""
         self._palette = palette
         self._ask()
 
     def stop(self) -> None:
-        """Stop requesting and drawing."""
         self._latest.stop()
         with self._driver.drawing():
             self._stopped = True

@@ -43,7 +43,6 @@ class Grid:
 
     @classmethod
     def over(cls, frame: Frame) -> Grid:
-        """A grid over the scene's box with a margin."""
         wide, deep = (float(side) for side in frame.sides[:2])
         longest = max(wide, deep, 1e-3) * (1 + 2 * MARGIN)
         wide, deep = (max(side + 2 * MARGIN * longest, NARROWEST * longest) for side in (wide, deep))
@@ -167,5 +166,4 @@ def _scale(found: Slice, dark: bool) -> str:
 
 
 def _number(value: float) -> str:
-    """The number with three digits."""
     return f"{float(f'{value:.3g}'):g}".replace("-", "−")

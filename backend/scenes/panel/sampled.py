@@ -59,12 +59,10 @@ class Sampled(Part):
         self._latest: Latest[None] = Latest(lambda _: self._fly())
 
     def paint(self, palette: Palette) -> None:
-        """Draw the sample in other colours."""
         self._palette = palette
         self._nodes = [self._line(n, lines) for n, lines in enumerate(self._lines)]
 
     def stop(self) -> None:
-        """Stop simulating."""
         self._stopped = True
         self._latest.stop()
 

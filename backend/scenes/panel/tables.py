@@ -59,7 +59,6 @@ def speeds(drawn: Sequence[Drawn], time: float, decimals: int) -> str:
 
 
 def note(text: str, strong: bool = False) -> str:
-    """A sentence below a table."""
     weight = "font-weight:600;" if strong else ""
     return f'<p style="{weight}margin:6px 10px;font-size:0.85em">{html.escape(text)}</p>'
 

@@ -135,7 +135,6 @@ def _absent(run: str, label: str, stored: bool) -> RefusedError:
 
 
 def _costs(reader: sa.Connection, run_id: int, nominal: float | None) -> dict[str, float | None]:
-    """What the run stored of the nominal case and each finding."""
     asked = sa.select(Finding.label, Finding.cost).where(Finding.run_id == run_id).order_by(Finding.label)
     found = reader.execute(asked).all()
     return {setting.NOMINAL: nominal} | {row.label: row.cost for row in found}

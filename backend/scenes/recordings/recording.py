@@ -46,7 +46,6 @@ class Cast:
 
     @property
     def flights(self) -> dict[str, Flight]:
-        """The flights by name."""
         return ({NOMINAL: self.nominal} if self.nominal else {}) | {self.label: self.shown}
 
 
@@ -75,8 +74,6 @@ def record(setting: Setting, cast: Cast, dark: bool) -> Recording:
 
 
 class _Stage:
-    """The drawn scene, updated frame by frame."""
-
     def __init__(self, server: viser.ViserServer, setting: Setting, cast: Cast, palette: Palette) -> None:
         self._server, self._setting = server, setting
         stored = Progress(setting, 0, cast.label)
@@ -94,7 +91,6 @@ class _Stage:
 
     @property
     def statement(self) -> str:
-        """The legend of dots and arrows."""
         ahead = self._vectors.ahead
         arrows = f" The length of an arrow is the distance travelled in {ahead:g} s." if ahead else ""
         of = "flight time" if self._setting.clears else "the time of the trace"
@@ -115,7 +111,6 @@ class _Stage:
         yield from self._world.tags()
 
     def move(self, time: float) -> None:
-        """Show this time [s]."""
         self._flights.moved(time)
         self._vectors.moved(time)
         for drawn, told in list(self._told.items()):
@@ -136,7 +131,6 @@ class _Stage:
         return f": {number(separation, self._setting.decimals)} {self._setting.unit} now"
 
     def _camera(self) -> None:
-        """Set the initial camera, which shows the whole scene."""
         initial: Any = self._server.initial_camera
         initial.fov = FIELD_OF_VIEW
         initial.position, initial.look_at = self._view.eye, self._view.target

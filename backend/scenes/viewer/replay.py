@@ -25,7 +25,6 @@ class Replay:
 
     @property
     def layers(self) -> dict[str, Any]:
-        """The visible layers of the flights."""
         shown = {name: drawn.visible for name, drawn in self._roles.items()}
         arrows = {"velocity": self._vectors.velocity, "relative": self._vectors.relative}
         return {**shown, **arrows, "trail": self.trail}
@@ -62,7 +61,6 @@ class Replay:
             self._flights.trail(self.trail == "so_far")
 
     def play(self, on: bool) -> None:
-        """Start or pause playback."""
         self.playing = on
         self._driver.wake()
 

@@ -131,7 +131,6 @@ class Viewer:
 
     @contextlib.contextmanager
     def drawing(self) -> Iterator[None]:
-        """Group changes of scene and panel: exclusive, and shown in one frame."""
         with self._lock:
             with self._server.atomic():
                 self._depth += 1
@@ -143,17 +142,14 @@ class Viewer:
                 self._note()
 
     def wake(self) -> None:
-        """Wake the viewer's own thread."""
         self._wake.set()
 
     def moved(self, time: float) -> None:
-        """Update all parts to this time [s]."""
         with self.drawing():
             for part in self._parts:
                 part.moved(time)
 
     def shown(self) -> None:
-        """Handle a change of the visible layers."""
         with self.drawing():
             self._flights.obstacles.show()
             self.changed()
@@ -289,7 +285,6 @@ class Viewer:
                 self._report()
 
     def _report(self) -> None:
-        """Show every browser of the view that it has ended."""
         for client in self._server.get_clients().values():
             client.add_notification("3D view ended", f"{FAILED}.", color="red")
             client.flush()
@@ -329,6 +324,5 @@ class Viewer:
             self.changed()
 
     def changed(self) -> None:
-        """Handle a change of flights, findings or evaluations, or of the selection."""
         for part in self._parts:
             part.changed()

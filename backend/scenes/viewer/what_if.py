@@ -51,7 +51,6 @@ class WhatIf(Part):
 
     @property
     def shown(self) -> dict[str, Any]:
-        """The what-if fields of `ViewState`."""
         return {"what_if": self.parameters, "what_if_seed": self.seed}
 
     def draw(self, flight: Flight | None, seed: int | None, order: int = 0) -> None:
@@ -86,7 +85,6 @@ class WhatIf(Part):
         self._latest.ask(_Asked(self._number, nominal | dict(parameters), seed))
 
     def stop(self) -> None:
-        """Stop simulating."""
         self._latest.stop()
 
     def _simulate(self, asked: _Asked) -> None:

@@ -1,8 +1,4 @@
-"""results as types: a finding holds all its own evidence, every stage's result names its stage
-
-Revision ID: 0010
-Revises: 0009
-"""
+"""results as types: a finding holds all its own evidence, every stage's result names its stage"""
 
 from __future__ import annotations
 
@@ -14,8 +10,6 @@ from campaigns.results import earlier
 
 revision = "0010"
 down_revision = "0009"
-branch_labels = None
-depends_on = None
 
 _STAGES = sa.table(
     "stages", sa.column("run_id", sa.Integer), sa.column("position", sa.Integer), sa.column("kind", sa.String),
@@ -71,8 +65,3 @@ def _findings(connection: sa.Connection, run_id: int, validate: dict[str, object
         values["validation"] = validation or evidence["validation"]
         of = (_FINDINGS.c.run_id == run_id, _FINDINGS.c.label == label)
         connection.execute(sa.update(_FINDINGS).where(*of).values(**values))
-
-
-def downgrade() -> None:
-    for name in ("closest", "boundary", "slices"):
-        op.drop_column("findings", name)

@@ -17,7 +17,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from backend.access.rules import RULES, Rule
-from backend.events.schemas import NewImprovements
+from backend.events.watch import NewImprovements
 from backend.http.errors import ProblemDocument, declare
 from backend.runs.requests import RunSubmit
 from backend.sweeps.schemas import SweepSubmit

@@ -16,8 +16,8 @@ import sqlalchemy as sa
 from backend.catalog.service import bounds, described
 from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import Run
-from backend.events.schemas import NewImprovements
 from backend.http.errors import RefusedError
+from backend.http.schema import Schema
 from backend.results.evaluations import Bounds, in_units
 from backend.results.improvements import Improvements
 from backend.runs import listing, service
@@ -187,3 +187,20 @@ def _stage_event(run_id: int, stages: list[StageProgress]) -> Event:
 
 def _event(run_id: int, name: str, data: str) -> Event:
     return Event(run_id, name, data)
+
+
+class NewImprovements(Schema):
+    """Improvements of one stage, as columns of equal length, to be appended by index to those already received.
+
+    The first event after connecting has all of them, later ones only the new ones.
+    """
+
+    index: list[int]
+    seconds: list[float]
+    cost: list[float]
+    evaluations: int
+    """The total number of evaluations of the stage."""
+    elapsed: float
+    """Working time of the stage at the last of them [s]."""
+    parameters: dict[str, float]
+    """The parameters of the last of these improvements, {path: value} in their units; empty if there is none."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from fastapi import APIRouter, Request
 
-from backend.health.schemas import Health
+from backend.http.schema import Schema
 
 router = APIRouter(tags=["service"])
 
@@ -14,3 +16,9 @@ async def health(request: Request) -> Health:
     """Whether the service and its database are available."""
     await request.app.state.door.healthy()
     return Health(status="ok")
+
+
+class Health(Schema):
+    """Minimal, because no authentication is required."""
+
+    status: Literal["ok"]

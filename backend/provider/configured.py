@@ -99,3 +99,12 @@ def is_loopback(host: str) -> bool:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return False
+
+
+@dataclass(frozen=True)
+class Identity:
+    issuer: str
+    subject: str
+    name: str
+    """What the provider calls the user; a wish only, never an identification."""
+    groups: tuple[str, ...]

@@ -15,10 +15,9 @@ from authlib.oidc.core import CodeIDToken
 from joserfc import jwt
 from joserfc.errors import InvalidKeyIdError, JoseError
 
-from backend.provider.configured import Configured, safe_address
+from backend.provider.configured import Configured, Identity, safe_address
 from backend.provider.documents import Documents, fetch
 from backend.provider.errors import SignInError, invalid
-from backend.provider.identity import Identity
 from backend.provider.pending import Pending, Started
 
 ALGORITHMS = ["RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA"]

@@ -8,8 +8,8 @@ from backend.db import access, audit, identities
 from backend.db.access import PROVIDER_SESSION_LIFETIME
 from backend.db.identities import SignedIn
 from backend.db.roles import Role
+from backend.provider.configured import Identity
 from backend.provider.errors import SignInError
-from backend.provider.identity import Identity
 from backend.sessions.failures import UNKNOWN
 from backend.sessions.service import Browser
 

@@ -14,7 +14,7 @@ import sqlalchemy as sa
 
 from backend.db.engine import insert, now, read
 from backend.db.tables import Run, WebhookDelivery, WebhookTarget
-from backend.db.tables_webhooks import DeliveryState
+from backend.db.tables_installed import DeliveryState
 from backend.webhooks import body
 from backend.webhooks.sending import Message, Sent
 from campaigns.runs import ENDED

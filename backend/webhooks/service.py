@@ -11,7 +11,7 @@ from backend.db.access import Visitor
 from backend.db.engine import insert, now
 from backend.db.tables import WebhookDelivery as Row
 from backend.db.tables import WebhookTarget as TargetRow
-from backend.db.tables_webhooks import DeliveryState
+from backend.db.tables_installed import DeliveryState
 from backend.http.errors import RefusedError
 from backend.webhooks import outbox
 from backend.webhooks.configured import Configured, Target

@@ -96,3 +96,10 @@ def _colours(tokens: dict[str, str]) -> dict[str, str]:
 
 def _properties(values: dict[str, str]) -> str:
     return "".join(f"--{name}:{value}!important;" for name, value in values.items())
+
+
+SANDBOX = "sandbox allow-scripts"
+"""A directive of the content security policy."""
+
+OPENED_ALONE = {"Cross-Origin-Opener-Policy": "unsafe-none"}
+"""A window whose document is sandboxed is not shown with another policy (HTML, 7.4.5, navigation)."""

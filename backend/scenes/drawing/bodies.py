@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from backend.scenes.base.axes import Axes, rotated
 from backend.scenes.base.flight import Flight
-from backend.scenes.base.looks import ObstacleLook, undeclared
+from campaigns.looks import ObstacleLook
 
 Floats = NDArray[np.float64]
 
@@ -160,3 +160,16 @@ def body_of(
     if look.shape == "cylinder":
         return Body(number, "cylinder", (value(look.radius), value(look.height)), place, turn, follows)
     return Body(number, "round", (value(look.radius),), place, turn, follows)
+
+
+def undeclared(names: Mapping[str, float]) -> ObstacleLook:
+    """The look of an obstacle that declares none, as in snapshots of earlier versions.
+
+    Its shape depends on which of the parameters length, width, height and radius it has.
+    """
+    angle = "angle" if "angle" in names else ""
+    height = "height" if "height" in names else ""
+    if "length" in names:
+        return ObstacleLook(shape="box", height=height, sides=("length", "width"), angle=angle)
+    radius = "radius" if "radius" in names else ""
+    return ObstacleLook(shape="cylinder" if height else "sphere", radius=radius, height=height, angle=angle)

@@ -28,9 +28,8 @@ from backend.results import service as results
 from backend.runs.service import number, summary
 from backend.scenes.base import setting
 from backend.scenes.base.address import parse
-from backend.scenes.base.dress import font_inside
+from backend.scenes.base.dress import OPENED_ALONE, SANDBOX, font_inside
 from backend.scenes.base.flight import from_stored
-from backend.scenes.base.sandbox import OPENED_ALONE, SANDBOX
 from backend.scenes.recordings.caption import POLICY, Caption, with_caption
 from backend.scenes.recordings.recording import Cast, record
 from campaigns.version import VERSION

@@ -9,11 +9,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from backend.results import service as results
 from backend.runs.versions import readable
-from backend.scenes.base.axes import Axes, axes_of
+from backend.scenes.base.axes import Axes, Floats, axes_of
 from backend.scenes.base.declared import axes_in, motion
 from campaigns import thin
 from campaigns.results import TraceHead
@@ -21,8 +20,6 @@ from campaigns.results.scene import Scene
 from campaigns.results.trace import Closest as StoredClosest
 from campaigns.results.trace import TraceColumn
 from campaigns.stored.replies import FlightReply
-
-Floats = NDArray[np.float64]
 
 ROWS = 800
 """Maximum number of points of a drawn flight."""

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import sqlalchemy as sa
-from numpy.typing import NDArray
 
 from backend.catalog.looks import Looks, looks
 from backend.catalog.service import described
@@ -18,7 +17,7 @@ from backend.results import service as results
 from backend.runs.service import campaign
 from backend.runs.versions import readable
 from backend.scenes.base import declared
-from backend.scenes.base.axes import Axes, axes_of
+from backend.scenes.base.axes import Axes, Floats, axes_of
 from backend.scenes.base.flight import from_stored
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ComponentEntry, ParameterEntry
@@ -29,9 +28,6 @@ from campaigns.results.scene import Scene
 from campaigns.runs import run_name
 
 NOMINAL, WORST = "nominal", "F1"
-
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from backend.scenes.base.axes import Axes, rotated
+from backend.scenes.base.axes import Axes, Floats, rotated
 from backend.scenes.base.flight import Flight
 from campaigns.looks import ObstacleLook
-
-Floats = NDArray[np.float64]
 
 ALIKE = 2e-3
 """Tracks that differ by less than this fraction of the scene cannot be distinguished."""

@@ -18,8 +18,9 @@ import viser
 from viser._messages import ViewerCameraMessage
 
 from backend.scenes.base.address import Camera
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.part import Part
-from backend.scenes.drawing.cameras import ASPECT, FIELD_OF_VIEW, MOVING, Floats, Pose, pose
+from backend.scenes.drawing.cameras import ASPECT, MOVING, Pose, begin_at, pose
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.labels import HEIGHT, View
 from backend.scenes.drawing.world import World
@@ -67,12 +68,7 @@ class Following(Part):
     def first(self, time: float) -> None:
         """Set the initial camera, also used by "Reset View"."""
         self._time = time
-        span = self._world.frame.span
-        initial: Any = self._server.initial_camera
-        initial.fov = FIELD_OF_VIEW
-        initial.position, initial.look_at = self._remembered(self._pose(self.camera or "overview"))
-        # viser draws the background at one metre; a farther near plane would clip it.
-        initial.near, initial.far = min(0.005 * span, 0.5), 100 * span
+        begin_at(self._server, self._remembered(self._pose(self.camera or "overview")), self._world.frame.span)
 
     def set(self, camera: Camera | None) -> None:
         with self._lock:

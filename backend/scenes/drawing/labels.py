@@ -13,12 +13,11 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.part import Part
 from backend.scenes.drawing.cameras import ASPECT, FIELD_OF_VIEW
 
-Floats = NDArray[np.float64]
 Anchor = Literal[
     "top-left",
     "top-center",

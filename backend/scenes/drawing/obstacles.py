@@ -246,10 +246,8 @@ class Obstacles:
         off = off if second or not setting.clears else -off
         away = np.array([0.0, off, 0.0] if setting.planar else [0.0, 0.0, off])
         anchor = anchor_of(group.members, "bottom" if second else "top")
-        group.wanted = wanted = Label(f"{group.name}/label", ", ".join(words), away, anchor, 0.8)
-        group.label = self._scene.add_label(
-            wanted.name, wanted.text, position=away, anchor=anchor, font_screen_scale=wanted.size
-        )
+        group.wanted = Label(f"{group.name}/label", ", ".join(words), away, anchor, 0.8)
+        group.label = self._solids.label(group.wanted)
 
 
 def _longer(one: Body, other: Body) -> bool:

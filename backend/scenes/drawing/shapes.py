@@ -8,9 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.scenes.base.axes import rotated
-
-Floats = NDArray[np.float64]
+from backend.scenes.base.axes import Floats, rotated
 
 
 class Mesh(NamedTuple):

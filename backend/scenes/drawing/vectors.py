@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.palette import Palette, Rgb, linear, rgb, shade
 from backend.scenes.base.part import Part
 from backend.scenes.base.setting import Setting
@@ -22,9 +22,8 @@ from backend.scenes.drawing.bodies import nearest
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.labels import Label, Tag
+from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.world import World
-
-Floats = NDArray[np.float64]
 
 LENGTH = 2.5
 """Approximate length of the arrow of a typical velocity [vehicle lengths]."""
@@ -61,7 +60,7 @@ class Vectors(Part):
     def __init__(
         self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, flights: Flights
     ) -> None:
-        self._scene, self._setting, self._world, self._flights = server.scene, setting, world, flights
+        self._solids, self._setting, self._world, self._flights = Solids(server), setting, world, flights
         self._palette = palette
         self.velocity, self.relative = True, False
         self._nodes: dict[str, Any] = {}
@@ -144,9 +143,7 @@ class Vectors(Part):
             return
         self._colours[kind] = colours
         both = np.repeat(np.array([linear(colour) for colour in colours], dtype=np.uint8)[:, None], 2, axis=1)
-        self._nodes[kind] = self._scene.add_line_segments(
-            f"/vectors/{kind}", points, both, thickness=WIDTH, thickness_units="screen"
-        )
+        self._nodes[kind] = self._solids.line(f"/vectors/{kind}", points, both, WIDTH)
 
     def _label(self, place: Floats | None, text: str) -> None:
         self.tag = None
@@ -158,9 +155,7 @@ class Vectors(Part):
         if node is not None:
             node.position, node.text = place, text
         else:
-            node = self._nodes["label"] = self._scene.add_label(
-                label.name, text, position=place, anchor=label.anchor, font_screen_scale=label.size
-            )
+            node = self._nodes["label"] = self._solids.label(label)
         self.tag = Tag(label, node, np.zeros(3))
 
     def _remove(self, *kinds: str) -> None:

@@ -7,15 +7,13 @@ from typing import Any
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 from viser import uplot
 
 from backend.results.improvements import Improvements
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.palette import Palette
 from backend.scenes.base.part import Part
 from backend.scenes.base.setting import Setting
-
-Floats = NDArray[np.float64]
 
 HAIR = 1e-4
 """A step that is invisible in a number with three decimals."""

@@ -14,18 +14,18 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.palette import DARK, Palette, Rgb, rgb
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.flights import Flights
+from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.world import World
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import field_slice, tables
 from backend.scenes.panel.field_slice import Grid, Slice
-
-Floats = NDArray[np.float64]
 
 HEAD = 0.9
 """Length of an arrow's head, in cells."""
@@ -56,7 +56,7 @@ class FieldSlice(Part):
         driver: Driver,
     ) -> None:
         self._scene, self._setting, self._world, self._flights = server.scene, setting, world, flights
-        self._live, self._driver, self._palette = live, driver, palette
+        self._live, self._driver, self._palette, self._solids = live, driver, palette, Solids(server)
         self._time, self._stopped = 0.0, False
         self._root: Any = self._scene.add_frame("/field/slice", show_axes=False, visible=False)
         self.on = False
@@ -142,9 +142,7 @@ class FieldSlice(Part):
                 cast_shadow=False,
                 receive_shadow=False,
             )
-            self._lines = self._scene.add_line_segments(
-                "/field/slice/arrows", np.zeros((1, 2, 3), np.float32), ink, thickness=WIDTH, thickness_units="screen"
-            )
+            self._lines = self._solids.line("/field/slice/arrows", np.zeros((1, 2, 3)), ink, WIDTH)
         else:
             self._plane.image = picture
         self._plane.position = (*grid.middle, found.height + lift)

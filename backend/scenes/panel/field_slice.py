@@ -8,14 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.scenes.base.axes import Axes
+from backend.scenes.base.axes import Axes, Floats
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing.colours import colours, gradient
 from backend.scenes.drawing.world import Frame
 from backend.scenes.panel import tables
 from campaigns.stored.replies import FieldReply
-
-Floats = NDArray[np.float64]
 
 PLACES = 1600
 """Approximate number of grid positions."""

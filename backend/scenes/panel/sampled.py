@@ -19,11 +19,13 @@ from backend.db.engine import read
 from backend.db.tables import Stage
 from backend.results import evaluations
 from backend.runs.service import number
-from backend.scenes.base.flight import Floats, from_live
+from backend.scenes.base.axes import Floats
+from backend.scenes.base.flight import from_live
 from backend.scenes.base.palette import Palette, rgb
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
+from backend.scenes.drawing.solids import Solids
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import tables
@@ -46,7 +48,7 @@ class Sampled(Part):
         palette: Palette,
         driver: Driver,
     ) -> None:
-        self._scene, self._engine, self._live, self._setting = server.scene, engine, live, setting
+        self._solids, self._engine, self._live, self._setting = Solids(server), engine, live, setting
         self._palette, self._driver = palette, driver
         self._lines: list[Floats] = []
         """One node per batch of flights (n, 2, 3)."""
@@ -117,13 +119,7 @@ class Sampled(Part):
                 self._nodes.append(self._line(len(self._nodes), self._lines[-1]))
 
     def _line(self, n: int, segments: Floats) -> Any:
-        return self._scene.add_line_segments(
-            f"{ROOT}/{n}",
-            segments.astype(np.float32),
-            rgb(self._palette.sampled),
-            thickness=1.0,
-            thickness_units="screen",
-        )
+        return self._solids.line(f"{ROOT}/{n}", segments, rgb(self._palette.sampled), 1.0)
 
 
 def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[evaluations.Evaluated]]:

@@ -10,7 +10,6 @@ import secrets
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import viser
@@ -20,10 +19,11 @@ from backend.scenes.base.palette import DARK, LIGHT, Palette
 from backend.scenes.base.progress import Progress
 from backend.scenes.base.setting import NOMINAL, Setting
 from backend.scenes.control.relay import open_server
-from backend.scenes.drawing.cameras import FIELD_OF_VIEW, pose
+from backend.scenes.drawing.cameras import begin_at, pose
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.labels import Anchor, Label, Labels, Tag, View
+from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
 from backend.scenes.panel.tables import number
@@ -100,8 +100,7 @@ class _Stage:
         """The label at a vehicle with its current separation from the nearest obstacle."""
         anchor: Anchor = "bottom-center" if drawn.style.layer else "top-center"
         label = Label(f"/flights/{drawn.style.key}/now", drawn.style.title, np.zeros(3), anchor, 0.75)
-        node = self._server.scene.add_label(label.name, label.text, anchor=anchor, font_screen_scale=label.size)
-        return Tag(label, node, np.zeros(3))
+        return Tag(label, Solids(self._server).label(label), np.zeros(3))
 
     def _tags(self, time: float) -> Iterator[Tag]:
         """The labels of the scene at a time [s]; the first ones have precedence."""
@@ -131,8 +130,4 @@ class _Stage:
         return f": {number(separation, self._setting.decimals)} {self._setting.unit} now"
 
     def _camera(self) -> None:
-        initial: Any = self._server.initial_camera
-        initial.fov = FIELD_OF_VIEW
-        initial.position, initial.look_at = self._view.eye, self._view.target
-        span = self._world.frame.span
-        initial.near, initial.far = min(0.005 * span, 0.5), 100 * span
+        begin_at(self._server, (self._view.eye, self._view.target), self._world.frame.span)

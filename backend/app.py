@@ -27,7 +27,7 @@ from backend.exports import endpoints as exports
 from backend.flights import endpoints as flights
 from backend.flights.turns import Turns
 from backend.health import endpoints as health
-from backend.http import bodies, errors, pages
+from backend.http import errors, pages
 from backend.http.capacity import Capacities
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
@@ -54,7 +54,6 @@ from backend.sessions import endpoints as sessions
 from backend.sessions import entrance
 from backend.sessions.attempts import Attempts
 from backend.sessions.failures import Failures
-from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout
 from backend.settings import Settings
 from backend.signoffs import endpoints as signoffs
@@ -120,13 +119,12 @@ def create(settings: Settings) -> FastAPI:
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.frames, app.state.failures = frames, Failures(door)
-    app.state.lockout, app.state.hashing = Lockout(), Hashing()
+    app.state.lockout = Lockout()
     app.state.provider = provider.of(settings.provider)
     app.state.provider_noted = Noted()
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     most = (settings.max_active_runs_each, settings.max_evaluations_each, settings.max_bytes_each)
     app.state.quota = Quota(*most)
-    app.state.readers = bodies.Readers()
     app.state.turns = Turns()
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)
     errors.install(app)

@@ -58,10 +58,7 @@ def get_campaign(name: LibraryName, reader: Reader) -> LibraryCampaign:
 )
 async def check_campaign(request: Request, engine: Engine) -> Checked:
     """Check a campaign, given as `{"campaign": ...}` or as YAML: its parsed form, or its errors. Stores nothing."""
-    yaml = bodies.is_yaml(request)
-    body = await request.body()
-
-    campaign = await bodies.apart(request, lambda: given(body, yaml))
+    campaign = await campaign_of(request)
 
     def work() -> Checked:
         with read(engine) as reader:
@@ -70,8 +67,13 @@ async def check_campaign(request: Request, engine: Engine) -> Checked:
     return await capacities(request).checks.run(work)
 
 
-def given(body: bytes, yaml: bool) -> Campaign | CampaignError:
+async def campaign_of(request: Request) -> Campaign | CampaignError:
     """The campaign of a request's body, or all its errors."""
+    yaml, body = bodies.is_yaml(request), await request.body()
+    return await capacities(request).bodies.run(lambda: _campaign(body, yaml))
+
+
+def _campaign(body: bytes, yaml: bool) -> Campaign | CampaignError:
     try:
         if yaml:
             return bodies.yaml_campaign(body)

@@ -11,14 +11,14 @@ from backend.http.schema import Schema
 router = APIRouter(tags=["service"])
 
 
+class Health(Schema):
+    """Minimal, because no authentication is required."""
+
+    status: Literal["ok"]
+
+
 @router.get("/health")
 async def health(request: Request) -> Health:
     """Whether the service and its database are available."""
     await request.app.state.door.healthy()
     return Health(status="ok")
-
-
-class Health(Schema):
-    """Minimal, because no authentication is required."""
-
-    status: Literal["ok"]

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any, TypeVar
 
-from anyio import CapacityLimiter, to_thread
 from fastapi import Request
 from pydantic import BaseModel, ValidationError
 
@@ -15,41 +13,12 @@ from campaigns import Campaign, CampaignError, Problem, load_text
 from campaigns.asked.problem import MOST
 from campaigns.asked.reading import LONGEST_KEY, repeated
 
-READERS = 2
-"""Number of campaigns parsed at a time: the largest takes seconds, and threads share one interpreter."""
-
-WAITING = 32
-
 MOST_CONTAINERS = 100_000
 """Lists and objects of a body in JSON; each costs half a microsecond, and a campaign has some hundred."""
 
-Value = TypeVar("Value")
 Described = TypeVar("Described", bound=BaseModel)
 JSON_TYPES = frozenset({"application/json"})
 YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml"})
-
-
-class Readers:
-    """A small thread pool for parsing bodies: large ones must not block other requests. Used on one event loop."""
-
-    def __init__(self) -> None:
-        self._turns, self.inside = CapacityLimiter(READERS), 0
-
-    async def read(self, work: Callable[[], Value]) -> Value:
-        """The result of `work`; 503 if the queue is full."""
-        if self.inside >= READERS + WAITING:
-            detail = "other campaigns are being read and the queue is full: try again in a few seconds"
-            raise RefusedError(503, "busy", detail, headers={"Retry-After": "2"})
-        self.inside += 1
-        try:
-            return await to_thread.run_sync(work, limiter=self._turns)
-        finally:
-            self.inside -= 1
-
-
-async def apart(request: Request, work: Callable[[], Value]) -> Value:
-    readers: Readers = request.app.state.readers
-    return await readers.read(work)
 
 
 def content_type(request: Request) -> str:

@@ -14,7 +14,6 @@ from backend.access.once import OnceOnly
 from backend.db import codes
 from backend.db.engine import now, read
 from backend.db.tables import Run
-from backend.http import bodies
 from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import Responses, problems
 from backend.http.matches import TAGGED, IfMatch
@@ -110,7 +109,9 @@ async def import_requirements(
 ) -> Imported:
     """Import a CSV or ReqIF file, the body; all of it or nothing."""
     body = await request.body()
-    found, skipped = await bodies.apart(request, lambda: service.read(kind, body, id_attribute, text_attribute))
+    found, skipped = await capacities(request).bodies.run(
+        lambda: service.read(kind, body, id_attribute, text_attribute)
+    )
 
     def work(writer: sa.Connection) -> Imported:
         return service.import_file(writer, service.Upload(name, kind, body, found, skipped), visitor)

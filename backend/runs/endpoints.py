@@ -12,7 +12,7 @@ from pydantic import Field
 from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.http import bodies
-from backend.http.deps import Engine, Reader
+from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import Responses, problems
 from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
@@ -89,7 +89,7 @@ async def submit_run(
     """Queue a run of a campaign, given as JSON or as YAML; labels, baseline and reuse in the address or in the JSON."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
-    given = await bodies.apart(request, lambda: _submission(body, yaml, asked))
+    given = await capacities(request).bodies.run(lambda: _submission(body, yaml, asked))
     run = await run_in_threadpool(submission.submit, engine, given, visitor, key, request.app.state.quota)
     response.headers["Location"] = at(f"{request.url.path}/{run.id}")
     return run

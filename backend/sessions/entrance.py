@@ -12,11 +12,10 @@ from fastapi.responses import RedirectResponse
 from backend.access.door import Door
 from backend.db import access, passwords, users
 from backend.http import forms
-from backend.http.deps import Engine
+from backend.http.deps import Engine, capacities
 from backend.sessions import service
 from backend.sessions.cookies import browser_of, put_session
 from backend.sessions.failures import INVITATION, LINK
-from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout, seconds
 
 router = APIRouter(include_in_schema=False)
@@ -52,9 +51,8 @@ async def sign_in(request: Request, engine: Engine) -> Response:
     given = await forms.fields(request)
     name, back, browser = _name(given.get("name", "")), given.get("next", ""), browser_of(request)
     lockout: Lockout = request.app.state.lockout
-    hashing: Hashing = request.app.state.hashing
-    if hashing.full is not None:
-        raise hashing.full
+    hashing = capacities(request).passwords
+    hashing.refuse_full()
     wait = lockout.enter(name, browser.address)
     if wait:
         again = f"Too many failed attempts. Try again in {seconds(wait)} s."
@@ -95,7 +93,7 @@ async def accept_invitation(request: Request, engine: Engine) -> Response:
         wrong = "the two passwords differ"
     if wrong is not None:
         return forms.invitation(422, user, code, wrong[0].upper() + wrong[1:] + ".")
-    hashing: Hashing = request.app.state.hashing
+    hashing = capacities(request).passwords
     secret = await hashing.run(lambda: service.accept(engine, code, password, browser_of(request)))
     return forms.no_invitation() if secret is None else _signed_in(request, secret, "")
 

@@ -15,7 +15,7 @@ from backend.access import routes
 from backend.access.auth import Guard
 from backend.access.door import Door
 from backend.access.frames import Frames
-from backend.access.rates import Rates
+from backend.access.rates import Bucket, Rates
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
@@ -39,7 +39,6 @@ from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.proposals import endpoints as proposals
 from backend.provider import endpoints as provider
-from backend.provider.noted import Noted
 from backend.reports import endpoints as reports
 from backend.requirements import endpoints as requirements
 from backend.results import endpoints as results
@@ -121,7 +120,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.frames, app.state.failures = frames, Failures(door)
     app.state.lockout = Lockout()
     app.state.provider = provider.of(settings.provider)
-    app.state.provider_noted = Noted()
+    app.state.provider_noted = Bucket(provider.BURST, provider.PERIOD)
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     most = (settings.max_active_runs_each, settings.max_evaluations_each, settings.max_bytes_each)
     app.state.quota = Quota(*most)

@@ -38,8 +38,8 @@ class Rules:
         if missing or unused:
             raise MissingRuleError(
                 "the table of backend.access.rules is not that of the routes: "
-                + "; ".join([*(f"no rule for {_named(k)}" for k in sorted(missing)),
-                             *(f"no route for {_named(k)}" for k in sorted(unused))])
+                + "; ".join([*(f"no rule for {' '.join(k)}" for k in sorted(missing)),
+                             *(f"no route for {' '.join(k)}" for k in sorted(unused))])
             )  # fmt: skip
         self._routes = [
             _Matched(compile_path(path)[0], {method: rules[method, path] for method in methods}, path)
@@ -51,7 +51,8 @@ class Rules:
         method, path = "SOCKET" if scope["type"] == "websocket" else _method(scope["method"]), scope["path"]
         for route in self._routes:
             if method in route.methods and route.pattern.match(path):
-                return OPEN if route.path == PAGES and _is_static(path) else route.methods[method]
+                static = route.path == PAGES and (path in STATIC or path.startswith(STATIC_FOLDER))
+                return OPEN if static else route.methods[method]
         return READ
 
     def path_of(self, method: Method, path: str) -> str | None:
@@ -82,11 +83,3 @@ def listed(routes: Iterable[BaseRoute], prefix: str = "") -> Iterator[tuple[str,
 def _method(name: str) -> str:
     """HEAD is answered as GET."""
     return "GET" if name == "HEAD" else name
-
-
-def _is_static(path: str) -> bool:
-    return path in STATIC or path.startswith(STATIC_FOLDER)
-
-
-def _named(key: Key) -> str:
-    return " ".join(key)

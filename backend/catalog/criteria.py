@@ -21,7 +21,7 @@ def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[C
     if document.get("simulator"):
         return [_result(document, catalogue)]
     found: list[CriterionOut] = []
-    components = _components(document)
+    components = [str(part["component"]) for part in (document["criterion"], *document.get("objectives", []))]
     for name, component in zip(named(components), components, strict=True):
         entry = None if catalogue is None else catalogue.component("criterion", component)
         found.append(
@@ -52,7 +52,3 @@ def _result(document: Mapping[str, Any], catalogue: Catalogue | None) -> Criteri
         worse=entry.worse if entry else "low",
         measured_to="",
     )
-
-
-def _components(document: Mapping[str, Any]) -> list[str]:
-    return [str(part["component"]) for part in (document["criterion"], *document.get("objectives", []))]

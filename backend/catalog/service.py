@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any
 
 import sqlalchemy as sa
 
@@ -156,9 +155,10 @@ def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> flo
         return None
     recent = sa.select(Run.id, Run.campaign_digest).where(Run.state == RunState.DONE).order_by(Run.id.desc())
     runs = recent.limit(RECENT_RUNS).subquery()
-    document = CampaignRow.document
+    document, scenario = CampaignRow.document, campaign.given_scenario
     same = [
-        _component(document, role) == _component_of(campaign, role) for role in ("vehicle", "controller", "avoider")
+        document["scenario"][role]["component"].as_string() == getattr(scenario, role).component
+        for role in ("vehicle", "controller", "avoider")
     ]
     steps = document["scenario"]["horizon"].as_float() / document["scenario"]["step"].as_float()
     totals = (
@@ -171,15 +171,4 @@ def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> flo
     evaluated, seconds = reader.execute(totals).one()
     if not evaluated or not seconds:
         return None
-    scenario = campaign.given_scenario
     return float(evaluations * (scenario.horizon / scenario.step) * seconds / evaluated)
-
-
-def _component(document: Any, role: str) -> sa.ColumnElement[str]:
-    column: sa.ColumnElement[str] = document["scenario"][role]["component"].as_string()
-    return column
-
-
-def _component_of(campaign: Campaign, role: str) -> str:
-    part = getattr(campaign.given_scenario, role)
-    return str(part.component)

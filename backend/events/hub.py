@@ -47,14 +47,14 @@ class _Listener:
         self._put("".join(told) or f"{identified(self.mark)}\n")
 
     def send(self, events: list[Event], at: float = 0.0) -> None:
-        wanted = [e for e in events if e.run_id is None or self._asked(e)]
+        wanted = [e for e in events if e.run_id is None or self._subscribes(e)]
         for event in wanted[:-1]:
             self._put(event.text(self.mark))
         for event in wanted[-1:]:
             self.mark = _mark(at)
             self._put(event.text(self.mark))
 
-    def _asked(self, event: Event) -> bool:
+    def _subscribes(self, event: Event) -> bool:
         return event.name == "run" if self.run_id is None else event.run_id == self.run_id
 
     def end(self) -> None:

@@ -109,13 +109,13 @@ class Watch:
     def everything(self, run_id: int | None) -> list[Event]:
         """The first events of a new listener: its run in the last known state, or every active run."""
         if run_id is None:
-            return [_event(i, "run", s.model_dump_json()) for i, s in self._seen.items() if s.state in ACTIVE]
-        events = [_event(run_id, "run", self._seen[run_id].model_dump_json())] if run_id in self._seen else []
+            return [Event(i, "run", s.model_dump_json()) for i, s in self._seen.items() if s.state in ACTIVE]
+        events = [Event(run_id, "run", self._seen[run_id].model_dump_json())] if run_id in self._seen else []
         watched = self._watched.get(run_id)
         if watched is None:
             return events
         steps = {str(position): watched.since(steps, 0).model_dump() for position, steps in watched.steps.items()}
-        return [*events, _stage_event(run_id, watched.stages), _event(run_id, "evaluations", json.dumps(steps))]
+        return [*events, _stage_event(run_id, watched.stages), Event(run_id, "evaluations", json.dumps(steps))]
 
     def ended(self, since: float) -> list[Event]:
         """The newest `MOST_ENDED` runs that ended since then [s since 1970], for a reconnecting listener."""
@@ -123,7 +123,7 @@ class Watch:
         with read(self._engine) as reader:
             ids = reader.scalars(over.order_by(Run.finished.desc(), Run.id.desc()).limit(MOST_ENDED)).all()
             found = listing.summaries(reader, Run.id.in_(ids))
-        return [_event(service.number(s.id), "run", s.model_dump_json()) for s in found]
+        return [Event(service.number(s.id), "run", s.model_dump_json()) for s in found]
 
     def _committed(self) -> bool:
         """Whether anything may have been committed since the last call."""
@@ -144,7 +144,7 @@ class Watch:
         changing = sa.select(Run.id).where(sa.or_(Run.state.in_(ACTIVE), Run.id.in_(ids), Run.id > self._newest))
         found = {service.number(s.id): s for s in listing.summaries(reader, Run.id.in_(changing))}
         events = [
-            _event(run_id, "run", summary.model_dump_json())
+            Event(run_id, "run", summary.model_dump_json())
             for run_id, summary in found.items()
             if self._seen.get(run_id) != summary
         ]
@@ -178,15 +178,11 @@ def _improvements(reader: sa.Connection, run_id: int, watched: _Watched) -> list
         known = len(steps.index)
         steps.catch_up(reader, run_id, stage.position)
         added[str(stage.position)] = watched.since(steps, known).model_dump()
-    return [_event(run_id, "evaluations", json.dumps(added))] if added else []
+    return [Event(run_id, "evaluations", json.dumps(added))] if added else []
 
 
 def _stage_event(run_id: int, stages: list[StageProgress]) -> Event:
-    return _event(run_id, "stages", json.dumps([stage.model_dump() for stage in stages]))
-
-
-def _event(run_id: int, name: str, data: str) -> Event:
-    return Event(run_id, name, data)
+    return Event(run_id, "stages", json.dumps([stage.model_dump() for stage in stages]))
 
 
 class NewImprovements(Schema):

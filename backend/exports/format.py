@@ -12,6 +12,7 @@ import re
 from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -20,6 +21,7 @@ from fastapi import Request
 from fastapi.responses import Response
 
 from backend.db.engine import read
+from backend.http.errors import RefusedError
 
 LABEL = "{label}"
 """Stands for the finding or the flight in the name of a file."""
@@ -90,6 +92,17 @@ class Format:
                 "finding and no nominal case" if stored.simulated else "stored flight and no finding"
             )
         return self.missing()
+
+
+def missing(package: str, extra: str) -> str | None:
+    """Why a file that this package writes cannot be written here; None if it can."""
+    return f"needs the package {package}: pip install 'clearance[{extra}]'" if find_spec(package) is None else None
+
+
+def require(missing: Callable[[], str | None]) -> None:
+    """Raise 503 if a package is missing."""
+    if reason := missing():
+        raise RefusedError(503, "no-package", f"the service {reason}")
 
 
 @cache

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import starmap
 from typing import Any
 
 import sqlalchemy as sa
@@ -18,6 +19,7 @@ from backend.catalog.service import bounds, described
 from backend.db.engine import read
 from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
+from backend.http.written import headed
 from backend.results.evaluations import Bounds, in_units
 from campaigns import Campaign
 from campaigns.checked.check import parameters
@@ -57,7 +59,7 @@ class Sheet:
     @property
     def columns(self) -> list[str]:
         """The headers of `rows`; `index` counts from 0 within the stage."""
-        return ["index", "status", "reason", "seconds [s]", *map(_headed, [*self.criteria, *self.parameters])]
+        return ["index", "status", "reason", "seconds [s]", *starmap(headed, [*self.criteria, *self.parameters])]
 
     def rows(self, engine: sa.Engine, stage: Evaluated) -> Iterator[list[list[Any]]]:
         """The evaluations of one stage as blocks of rows; missing values are None."""
@@ -129,8 +131,3 @@ def _chunks(reader: sa.Connection, run_id: int, position: int, done: int) -> lis
 
 def _known(values: list[float], ok: list[bool]) -> list[float | None]:
     return [v if fine and math.isfinite(v) else None for v, fine in zip(values, ok, strict=True)]
-
-
-def _headed(column: tuple[str, str]) -> str:
-    name, unit = column
-    return f"{name} [{unit}]" if unit else name

@@ -8,9 +8,10 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 
+from backend.http.written import lines as written
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import RequirementRow, RequirementRun
-from campaigns.cells import Writer, plain
+from campaigns.cells import plain
 
 IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
 TEXTS = ("text", "description", "statement", "object text", "reqif.text")
@@ -91,22 +92,22 @@ def requirements(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
     used = Counter(name for row in listed for name in row.attributes if name not in fixed)
     more = sorted(name for name, _ in used.most_common(MOST_COLUMNS))
     rest = set(used) - set(more)
-    yield _line([*fixed, *more, *(["other attributes"] if rest else [])])
+    yield written([[*fixed, *more, *(["other attributes"] if rest else [])]])
     for row in listed:
         values = (row.id, row.text, row.status, row.sentence, row.file or "")
         told = "; ".join(f"{name}: {value}" for name, value in row.attributes.items() if name in rest)
-        yield _line([*values, *(row.attributes.get(name, "") for name in more), *([told] if rest else [])])
+        yield written([[*values, *(row.attributes.get(name, "") for name in more), *([told] if rest else [])]])
 
 
 def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
     """A line for each requirement and run, the runs that count first; one line for a requirement without a run."""
-    yield _line(_MATRIX)
+    yield written([_MATRIX])
     for row in rows:
         before = [row.id, row.text, row.status, row.sentence]
         if not row.runs:
-            yield _line([*before, *[""] * (len(_MATRIX) - len(before))])
+            yield written([[*before, *[""] * (len(_MATRIX) - len(before))]])
         for run in row.runs:
-            yield _line([*before, *_run(run)])
+            yield written([[*before, *_run(run)]])
 
 
 def _run(run: RequirementRun) -> list[object]:
@@ -126,9 +127,3 @@ def _statement(current: bool, own: bool) -> str:
 
 def _date(at: float) -> str:
     return datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-
-
-def _line(cells: Iterable[object]) -> bytes:
-    out = io.StringIO(newline="")
-    Writer(out).writerow(cells)
-    return out.getvalue().encode()

@@ -13,6 +13,7 @@ from collections.abc import Callable
 import sqlalchemy as sa
 
 from backend.access.door import Door
+from backend.access.rates import Bucket
 from backend.db import audit
 
 BURST = 10
@@ -32,19 +33,15 @@ class Failures:
     """Counts wrong codes, and records them; used on one event loop."""
 
     def __init__(self, door: Door, clock: Callable[[], float] = time.monotonic) -> None:
-        self._door, self._clock = door, clock
-        self._rows, self._since = float(BURST), clock()
+        self._door, self._rows = door, Bucket(BURST, PERIOD, clock)
         self._counts: Counter[str] = Counter()
         self._address = ""
 
     def wrong(self, action: str, address: str) -> None:
         """Count an attempt; recorded now, or together with a later one."""
-        at = self._clock()
-        self._rows, self._since = min(float(BURST), self._rows + (at - self._since) / PERIOD), at
         self._counts[action] += 1
         self._address = address
-        if self._rows >= 1.0:
-            self._rows -= 1.0
+        if self._rows.take():
             self._door.later(*self._due())
 
     async def flush(self) -> None:

@@ -9,7 +9,7 @@ import sqlalchemy as sa
 from backend.db.engine import read
 from backend.exports.format import Format, words
 from backend.exports.sheet import Sheet, sheet
-from backend.exports.written import lines
+from backend.http.written import lines
 from backend.runs import service as runs
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import starmap
 
 import sqlalchemy as sa
 
 from backend.exports.format import Format, whole, words
 from backend.exports.sheet import headings, sheet
-from backend.exports.written import lines
+from backend.http.written import headed, lines
 from backend.results import service as results
 from backend.runs import service as runs
 from campaigns.results import NominalResult
@@ -26,7 +27,7 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     flies = asked.campaign.get("scenario") is not None
     flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)} if flies else {}
     paths = list(asked.campaign["uncertain"])
-    heads = [f"{name} [{unit}]" if unit else name for name, unit in headings(asked.criteria)]
+    heads = list(starmap(headed, headings(asked.criteria)))
     columns = ["margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths, "units"]
     yield lines([["flight", *heads, *columns]])
     parameters = sheet(reader, run_id, runs.campaign(reader, run_id)).parameters

@@ -12,7 +12,7 @@ from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.exports.format import Format, words
 from backend.exports.sheet import Evaluated, Sheet, sheet
-from backend.exports.written import compact
+from backend.http.written import compact
 from backend.results import service as results
 from backend.runs import service as runs
 from backend.runs.components import components

@@ -9,7 +9,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.exports.format import Format, whole, words
-from backend.exports.written import compact
+from backend.http.written import compact
 from backend.results import service as results
 from backend.runs import service as runs
 

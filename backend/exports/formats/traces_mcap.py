@@ -11,15 +11,15 @@ import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from importlib.util import find_spec
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sqlalchemy as sa
 
-from backend.exports.format import Format, whole, words
+from backend.exports.format import Format, missing, require, whole, words
 from backend.exports.messages import SCHEMAS, VALUES, entity, pose, stamped
-from backend.http.errors import RefusedError
+from backend.http.written import finite
 from backend.results import service as results
 from backend.runs import service as runs
 from backend.scenes.base.flight import Flight, from_stored
@@ -34,18 +34,12 @@ if TYPE_CHECKING:
 PATH = 2000
 """Maximum number of poses in the message of a trajectory."""
 
-MISSING = "needs the package mcap: pip install 'clearance[logs]'"
-
-
-def missing() -> str | None:
-    """Why the file cannot be written here; None if it can."""
-    return MISSING if find_spec("mcap") is None else None
+MISSING = partial(missing, "mcap", "logs")
 
 
 def traces_mcap(reader: sa.Connection, run_id: int) -> bytes:
     """All stored flights of a run. Raises 503 if the package is not installed."""
-    if missing():
-        raise RefusedError(503, "no-package", f"the service {MISSING}")
+    require(MISSING)
     from mcap.writer import Writer
 
     run, buffer = runs.summary(reader, run_id), io.BytesIO()
@@ -116,7 +110,7 @@ class _Output:
                 if not math.isfinite(time):
                     continue
                 values = [
-                    {"name": columns[k].name, "unit": columns[k].unit, "value": _finite(float(row[k]))} for k in chosen
+                    {"name": columns[k].name, "unit": columns[k].unit, "value": finite(float(row[k]))} for k in chosen
                 ]
                 self.send(f"/{name}/{topic}", VALUES, time, stamped(time, values=values))
 
@@ -140,10 +134,6 @@ def _radius(head: TraceHead, number: int) -> float:
     return head.obstacles[number].radius if number < len(head.obstacles) else 0.0
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
 export = Format(
     file="traces.mcap",
     order=7,
@@ -155,5 +145,5 @@ export = Format(
     ),
     made=lambda engine, run_id: whole(engine, run_id, traces_mcap),
     needs="flights",
-    missing=lambda: missing(),
+    missing=MISSING,
 )

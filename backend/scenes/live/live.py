@@ -87,8 +87,8 @@ class Live:
         digest: of the campaign, to recognise its first simulation. seed: of one noise realisation; None for those of
         the campaign.
         """
-        request = {"campaign": campaign, "parameters": parameters, "rows": rows} | _noise(seed)
-        found: FlightReply = self._answered(digest, request)
+        request = {"campaign": campaign, "parameters": parameters, "rows": rows, "seed": seed}
+        found: FlightReply = self.ask(digest, request)
         return found
 
     def field(
@@ -104,15 +104,12 @@ class Live:
 
         All in the flight's axes; the response is described in `worker/running/processes/live.py`. Raises `LiveError`.
         """
-        asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
-        found: FieldReply = self._answered(digest, asked | _noise(seed))
+        request = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "seed": seed}
+        found: FieldReply = self.ask(digest, request | {"places": list(places)})
         return found
 
     def ask(self, digest: str, request: Mapping[str, Any]) -> Any:
-        """The response to another request of the command, on the campaign of that digest. Raises `LiveError`."""
-        return self._answered(digest, request)
-
-    def _answered(self, digest: str, request: Mapping[str, Any]) -> Any:
+        """The response to a request of the command, on the campaign of that digest. Raises `LiveError`."""
         for _ in range(MOST_STARTS):
             try:
                 return self._asked_once(digest, request)
@@ -137,10 +134,6 @@ class Live:
             self._closed = True
             if self._child is not None:
                 self._child.end("the service is stopping")
-
-
-def _noise(seed: int | None) -> dict[str, int]:
-    return {} if seed is None else {"seed": seed}
 
 
 class _Child:

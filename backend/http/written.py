@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Iterable
 from typing import Any
 
 from campaigns.cells import Writer
 
 
-def lines(rows: list[list[Any]]) -> bytes:
+def lines(rows: Iterable[Iterable[object]]) -> bytes:
     text = io.StringIO()
     Writer(text).writerows(rows)
     return text.getvalue().encode()
@@ -17,6 +18,11 @@ def lines(rows: list[list[Any]]) -> bytes:
 
 def finite(value: float | None) -> float | None:
     return value if value is not None and abs(value) != float("inf") and value == value else None
+
+
+def headed(name: str, unit: str) -> str:
+    """The header of a column."""
+    return f"{name} [{unit}]" if unit else name
 
 
 def compact(value: Any) -> str:

@@ -150,6 +150,6 @@ def create(settings: Settings) -> FastAPI:
     app.include_router(recordings.router)  # before the viewer, whose routes match any suffix
     app.include_router(scenes.router)
     pages.serve(app, settings.pages)
-    app.state.rules = routes.of_app(app)  # refuses to start with a route that the table of rules lacks
+    app.state.rules = routes.Rules(app.router.routes)  # refuses to start with a route that the table of rules lacks
     openapi.install(app)
     return app

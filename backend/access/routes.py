@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple, cast
 
-from fastapi import FastAPI, routing
+from fastapi import routing
 from starlette.routing import BaseRoute, Route, WebSocketRoute, compile_path
 from starlette.types import Scope
 
@@ -58,10 +58,6 @@ class Rules:
     def path_of(self, method: Method, path: str) -> str | None:
         """The route that is selected for a path."""
         return next((r.path for r in self._routes if method in r.methods and r.pattern.match(path)), None)
-
-
-def of_app(app: FastAPI) -> Rules:
-    return Rules(app.router.routes)
 
 
 def listed(routes: Iterable[BaseRoute], prefix: str = "") -> Iterator[tuple[str, tuple[Method, ...]]]:

@@ -10,8 +10,8 @@ from backend.access.auth import CurrentVisitor
 from backend.cases import service
 from backend.cases.schemas import CaseAnswer, CaseInstalled, CaseRequest
 from backend.db.engine import read
-from backend.flights.drawing import drew, viewer_of
-from backend.flights.turns import Turn, Turns
+from backend.flights.drawing import WHAT_IF, drew, in_turn
+from backend.flights.turns import Turn
 from backend.http.deps import Engine, capacities
 from backend.http.errors import problems
 from backend.http.schema import RunName
@@ -35,21 +35,7 @@ async def case_installed(run: RunName, request: Request, engine: Engine) -> Case
     return await capacities(request).cases.run(looked, request.is_disconnected)
 
 
-@router.post(
-    "/runs/{run}/cases",
-    responses=problems(
-        "not-found",
-        "flight-overtaken",
-        "other-version",
-        "purged",
-        "unknown-finding",
-        "unknown-parameter",
-        "outside-limits",
-        "not-flyable",
-        "busy",
-        "case-failed",
-    ),
-)
+@router.post("/runs/{run}/cases", responses=problems(*WHAT_IF, "case-failed"))
 async def evaluate_case(
     run: RunName, given: CaseRequest, request: Request, engine: Engine, visitor: CurrentVisitor
 ) -> CaseAnswer:
@@ -59,11 +45,8 @@ async def evaluate_case(
     which must have the run's simulator. Of one client's pending requests only the newest is processed; older ones
     return 409. An evaluation that takes too long is ended with 503.
     """
-    turns: Turns = request.app.state.turns
-    viewer = await viewer_of(request, visitor, run, given.view)
-    client = (visitor.key, run, given.client or given.view)
-    work = partial(_work, request, engine, run, given, viewer)
-    return await turns.run(client, capacities(request).cases, work, request.is_disconnected)
+    work = partial(_work, request, engine, run, given)
+    return await in_turn(request, visitor, run, given, capacities(request).cases, work)
 
 
 def _work(

@@ -18,13 +18,7 @@ from campaigns.asked.load import load_document
 router = APIRouter(tags=["catalog"])
 LibraryName = Annotated[str, Path(description="The identifier of a shipped campaign, such as `unicycle_static`.")]
 
-CHECK_BODY = {
-    "required": True,
-    "content": {
-        "application/json": {"schema": {"$ref": "#/components/schemas/CampaignBody"}},
-        "application/yaml": {"schema": {"type": "string"}},
-    },
-}
+CHECK_BODY = bodies.of("CampaignBody")
 
 
 @router.get("/components", responses=problems("no-catalogue"))
@@ -53,7 +47,7 @@ def get_campaign(name: LibraryName, reader: Reader) -> LibraryCampaign:
 
 @router.post(
     "/campaigns/check",
-    openapi_extra={"requestBody": CHECK_BODY},
+    openapi_extra=CHECK_BODY,
     responses=problems("unsupported-media-type", "unreadable", "no-catalogue", "busy"),
 )
 async def check_campaign(request: Request, engine: Engine) -> Checked:

@@ -10,10 +10,11 @@ import numpy as np
 import sqlalchemy as sa
 from pydantic import BaseModel
 
+from backend.db.tables import EvaluationChunk
 from campaigns.results import Finding, StageResult
-from campaigns.results.base import OK
+from campaigns.results.base import FAILED, OK, TIMEOUT
 from campaigns.stages.found import stage_result
-from campaigns.stored.records import Columns, Trace
+from campaigns.stored.records import Columns, Trace, join
 
 
 def as_columns(row: Any) -> Columns:
@@ -66,6 +67,18 @@ def blobs(columns: Columns) -> ChunkRow:
 
 def _bytes(array: Any) -> bytes:
     return np.ascontiguousarray(array, dtype="<f8").tobytes()
+
+
+def failed(columns: Columns) -> int:
+    """How many evaluations failed, timeouts included."""
+    return int(np.isin(columns.status, (FAILED, TIMEOUT)).sum())
+
+
+def stored_columns(reader: sa.Connection, run_id: int, position: int) -> Columns | None:
+    """All stored evaluations of a stage, in order; None if there are none."""
+    of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
+    rows = reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
+    return join([as_columns(row) for row in rows])
 
 
 def lowest(columns: Columns) -> tuple[float, int | None]:

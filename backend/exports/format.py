@@ -51,10 +51,6 @@ def words(title: str, text: str, simulated: tuple[str, str] | None = None) -> Ca
     return lambda stored: Words(*simulated) if simulated and stored.simulated else Words(title, text)
 
 
-def always(stored: Stored) -> str | None:
-    return ""
-
-
 @dataclass(frozen=True)
 class Format:
     """One kind of file.
@@ -75,7 +71,7 @@ class Format:
     streamed: Callable[[sa.Engine, int], Iterator[bytes]] | None = None
     answer: Callable[[Request, str, str, bool], Awaitable[Response]] | None = None
     address: str = ""
-    offered: Callable[[Stored], str | None] = always
+    offered: Callable[[Stored], str | None] = lambda _: ""
     needs: Literal["", "flights", "findings"] = ""
     missing: Callable[[], str | None] = lambda: None
 

@@ -5,12 +5,12 @@ Each block of chunks is read in its own transaction, so that a slow download doe
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import starmap
 from typing import Any
 
+import numpy as np
 import sqlalchemy as sa
 
 from backend.catalog.criteria import criteria
@@ -19,7 +19,7 @@ from backend.catalog.service import bounds, described
 from backend.db.engine import read
 from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
-from backend.http.written import headed
+from backend.http.written import finite_all, headed
 from backend.results.evaluations import Bounds, in_units
 from campaigns import Campaign
 from campaigns.checked.check import parameters
@@ -76,12 +76,11 @@ class Sheet:
 
     def _block(self, chunk: Any) -> list[list[Any]]:
         columns = as_columns(chunk)
-        ok = columns.status == OK
         units = in_units(columns.points, [path for path, _ in self.parameters], self.limits)
         shares = {path: columns.points[:, k].tolist() for k, (path, _) in enumerate(self.parameters)}
         values = [units.get(path, shares[path]) for path, _ in self.parameters]
-        told = [0.0 - c if turn else c for c, turn in zip(columns.costs.T, self.turned, strict=False)]
-        costs = [_known(column.tolist(), ok.tolist()) for column in told]
+        turned = [0.0 - c if turn else c for c, turn in zip(columns.costs.T, self.turned, strict=False)]
+        costs = [finite_all(np.where(columns.status == OK, column, np.nan)) for column in turned]
         index = range(chunk.first, chunk.first + chunk.count)
         status = [STATUS[code] for code in columns.status.tolist()]
         reasons = [columns.reasons.get(i) for i in index]
@@ -127,7 +126,3 @@ def _width(reader: sa.Connection, run_id: int) -> int:
 def _chunks(reader: sa.Connection, run_id: int, position: int, done: int) -> list[Any]:
     of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position, EvaluationChunk.first >= done)
     return list(reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first).limit(BLOCK)))
-
-
-def _known(values: list[float], ok: list[bool]) -> list[float | None]:
-    return [v if fine and math.isfinite(v) else None for v, fine in zip(values, ok, strict=True)]

@@ -10,9 +10,9 @@ from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.flights import service
 from backend.flights.case import response
-from backend.flights.drawing import drew, viewer_of
+from backend.flights.drawing import WHAT_IF, drew, in_turn
 from backend.flights.schemas import FlightAnswer, FlightRequest
-from backend.flights.turns import Turn, Turns
+from backend.flights.turns import Turn
 from backend.http.deps import Engine, capacities
 from backend.http.errors import problems
 from backend.http.schema import RunName
@@ -21,21 +21,7 @@ from backend.scenes.viewer.viewer import Viewer
 router = APIRouter(tags=["results"])
 
 
-@router.post(
-    "/runs/{run}/flights",
-    responses=problems(
-        "not-found",
-        "flight-overtaken",
-        "other-version",
-        "purged",
-        "unknown-finding",
-        "unknown-parameter",
-        "outside-limits",
-        "not-flyable",
-        "busy",
-        "flight-failed",
-    ),
-)
+@router.post("/runs/{run}/flights", responses=problems(*WHAT_IF, "flight-failed"))
 async def simulate_flight(
     run: RunName, given: FlightRequest, request: Request, engine: Engine, visitor: CurrentVisitor
 ) -> FlightAnswer:
@@ -45,11 +31,8 @@ async def simulate_flight(
     seed of a finding the cost is bit-identical to the finding's if the run's version is installed. Of one client's
     pending requests only the newest is processed; older ones return 409.
     """
-    turns: Turns = request.app.state.turns
-    viewer = await viewer_of(request, visitor, run, given.view)
-    client = (visitor.key, run, given.client or given.view)
-    work = partial(_work, request, engine, run, given, viewer)
-    return await turns.run(client, capacities(request).flights, work, request.is_disconnected)
+    work = partial(_work, request, engine, run, given)
+    return await in_turn(request, visitor, run, given, capacities(request).flights, work)
 
 
 def _work(

@@ -51,6 +51,19 @@ class ProblemDocument(Schema):
 Responses = dict[int | str, dict[str, Any]]
 """The `responses=` of a route: parts of an OpenAPI document."""
 
+
+def answers(description: str, media: str, binary: bool = False) -> Responses:
+    """For `responses=` of a route: its answer is not JSON, but a text or a binary file of this media type."""
+    schema = {"type": "string", "format": "binary"} if binary else {"type": "string"}
+    return {200: {"description": description, "content": {media: {"schema": schema}}}}
+
+
+def located(description: str, noun: str) -> Responses:
+    """For `responses=` of a route that makes something: its answer names the address."""
+    location = {"description": f"The address of the {noun}.", "schema": {"type": "string"}}
+    return {201: {"description": description, "headers": {"Location": location}}}
+
+
 PROBLEMS: Responses = {
     "default": {
         "description": "What went wrong, as a problem document (RFC 9457).",

@@ -102,12 +102,12 @@ def invitation(status: int, user: str, code: str, wrong: str = "", shortest: int
     return plain("Welcome to Clearance", body, status)
 
 
-def no_invitation(status: int = 403) -> HTMLResponse:
+def no_invitation() -> HTMLResponse:
     body = (
         "<p>Each invitation is single-use, expires after three days, and is replaced by a newer one. Ask an "
         f'administrator for a new link. If you have a password already, <a href="{at("/login")}">sign in</a>.</p>'
     )
-    return plain("This invitation is invalid or expired", body, status)
+    return plain("This invitation is invalid or expired", body, 403)
 
 
 def _form(back: str, wrong: str, name: str) -> str:

@@ -7,6 +7,9 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from campaigns.cells import Writer
 
 
@@ -18,6 +21,11 @@ def lines(rows: Iterable[Iterable[object]]) -> bytes:
 
 def finite(value: float | None) -> float | None:
     return value if value is not None and abs(value) != float("inf") and value == value else None
+
+
+def finite_all(values: NDArray[np.float64]) -> list[float | None]:
+    """The values (m,); None for those that are not finite."""
+    return list(map(finite, values.tolist()))
 
 
 def headed(name: str, unit: str) -> str:

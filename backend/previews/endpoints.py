@@ -17,7 +17,7 @@ router = APIRouter(tags=["catalog"])
 
 @router.post(
     "/campaigns/preview",
-    openapi_extra={"requestBody": CHECK_BODY},
+    openapi_extra=CHECK_BODY,
     responses=problems(
         "unsupported-media-type",
         "unreadable",

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 from markupsafe import Markup
 
-from backend.reports import figures, words
+from backend.reports import figures, validated, words
 from backend.reports.held import Held
 from backend.signoffs.schemas import Signoff
 from campaigns.asked.distributions import Uncertain
@@ -154,7 +153,7 @@ def methods(held: Held) -> list[Row]:
             "stop": result.stop.statement if result and result.stop else say("not ended"),
             "findings": (", ".join(comparison.findings) or "none") if comparison else NONE,
             "basin": (comparison.basin or "no listed finding") if comparison else NONE,
-            "options": _options(asked.options),
+            "options": ", ".join(f"{name} = {value}" for name, value in asked.options.items()) or "as published",
             "starts": len(asked.starts),
         })  # fmt: skip
     return rows
@@ -165,10 +164,6 @@ def _near(other: Compared | None) -> str:
     if other is None:
         return NONE
     return numbers.count(other.to_near_best) if other.to_near_best else "not reached"
-
-
-def _options(options: Mapping[str, object]) -> str:
-    return ", ".join(f"{name} = {value}" for name, value in options.items()) or "as published"
 
 
 def stages(held: Held) -> list[Row]:
@@ -211,15 +206,11 @@ def findings(held: Held) -> list[Row]:
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
             "bounds": [(_symbol(held, path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
-            "seed": _seed(None if f.validation is None else f.validation.realisation),
+            "seed": validated.seed(f.validation),
             "boundary": () if f.boundary is None else f.boundary.statement,
         }
         for f in held.findings
     ]
-
-
-def _seed(seed: int | None) -> str:
-    return "" if seed is None else f"noise seed {seed}"
 
 
 def criteria(held: Held) -> list[Row]:

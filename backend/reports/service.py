@@ -29,6 +29,7 @@ FONTS = (
 )
 """Font family, prefix of its file name among the built pages, Unicode range."""
 
+ELSEWHERE = " on other machines, whose processors are not recorded"
 _VERDICTS = {
     "cleared": ("ok", "Cleared", "M20 6 9 17l-5-5"),
     "violated": ("bad", "Violated", "M18 6 6 18M6 6l12 12"),
@@ -155,7 +156,7 @@ def _origin(held: Held) -> list[tuple[str, str]]:
             "Machine",
             ", ".join(v for v in (known.system, cpu.model, cpu.target) if v) or unknown,
         ),
-        *([("Evaluated by", _elsewhere(known.evaluator))] if known.evaluator else []),
+        *([("Evaluated by", known.evaluator + ELSEWHERE)] if known.evaluator else []),
         *([("Command", f"{known.command} (from the campaign file)")] if known.command else []),
         ("Lanes", str(known.lanes or unknown)),
         ("Worker, attempts", f"{held.run.worker or 'none'}, {held.run.attempts}"),
@@ -164,10 +165,6 @@ def _origin(held: Held) -> list[tuple[str, str]]:
         ("Finished", words.moment(held.run.finished)),
         ("Extends", held.run.continues or "no earlier run"),
     ]
-
-
-def _elsewhere(evaluator: str) -> str:
-    return f"{evaluator} on other machines, whose processors are not recorded"
 
 
 def _components(held: Held) -> str:

@@ -34,12 +34,17 @@ def cases(held: Held) -> list[Row]:
     return [_case(case) for case in found if case is not None]
 
 
+def seed(case: Validation | None) -> str:
+    """The noise realisation of a case."""
+    return "" if case is None or case.realisation is None else f"noise seed {case.realisation}"
+
+
 def _case(case: Validation) -> Row:
     decimals = numbers.decimals_for([case.cost], 7)
     half, other, neighbours = case.half_step, case.integrator or case.again, case.neighbours
     return {
         "name": case.name,
-        "seed": "" if case.realisation is None else f"noise seed {case.realisation}",
+        "seed": seed(case),
         "cost": numbers.fixed(case.cost, decimals),
         "half": numbers.fixed(None if half is None else half.cost, decimals),
         "half_by": numbers.plain(None if half is None else half.difference, 2),

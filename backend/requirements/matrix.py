@@ -20,7 +20,7 @@ from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement,
 from backend.http.errors import RefusedError
 from backend.http.matches import tag
 from backend.requirements import against, present
-from backend.requirements.present import CHUNK
+from backend.requirements.present import chunks
 from backend.requirements.schemas import EdgeSignoff, RequirementPage, RequirementRow, RequirementRun
 from backend.requirements.standing import Edge, Model, Standing, standing
 from backend.runs.outcomes import Outcome, outcomes
@@ -73,7 +73,9 @@ def every(reader: sa.Connection, runs: int, size: int = 200) -> Iterator[Require
 def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[RequirementRow]:
     edges = _edges(reader, ids)
     others = against.against(reader, edges)
-    registered = {row.id: row for row in reader.execute(_registered(ids))}
+    stored = sa.select(Requirement.__table__, RequirementFile.name.label("file"))
+    stored = stored.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id)
+    registered = {row.id: row for row in reader.execute(stored.where(Requirement.id.in_(ids)))}
     now = present.present(reader, {e.campaign for found in edges.values() for e in found})
     shown = {key: _shown(standing(found, others), found, most) for key, found in edges.items()}
     known = _known(reader, {n for found in shown.values() for n in found}, now)
@@ -128,7 +130,7 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
             compared.add(run_id)
         if verdict is not None:
             newest.add((key, name))
-    models = against.models(reader, sorted(compared))
+    models = against.models(reader, compared)
     return {
         key: [replace(e, model=models[e.run_id]) if e.run_id in models else e for e in edges]
         for key, edges in found.items()
@@ -145,9 +147,7 @@ def _shown(now: Standing, edges: Sequence[Edge], most: int) -> list[int]:
 def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present) -> dict[int, Known]:
     """The runs in full: outcome, sign-offs against their results, and what has changed."""
     known: dict[int, Known] = {}
-    ordered = sorted(run_ids)
-    for first in range(0, len(ordered), CHUNK):
-        some = ordered[first : first + CHUNK]
+    for some in chunks(run_ids):
         signed = _signoffs(reader, some)
         of = sa.select(Run.id, Run.flown, Run.created, CampaignRow.name, CampaignRow.document)
         of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(some))
@@ -179,11 +179,6 @@ def _signoffs(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, list[E
         )
         found[row.run_id].append(one)
     return found
-
-
-def _registered(ids: Sequence[str]) -> sa.Select[Any]:
-    of = sa.select(Requirement.__table__, RequirementFile.name.label("file"))
-    return of.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id).where(Requirement.id.in_(ids))
 
 
 def _texts(reader: sa.Connection, ids: Sequence[str]) -> dict[str, dict[int, str]]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import sqlalchemy as sa
 
@@ -20,8 +20,15 @@ from campaigns.identity.code import code_of
 from campaigns.runs import run_name
 from campaigns.versions import CodeParts, Versions, short
 
+Value = TypeVar("Value", int, str)
 CHUNK = 500
 """Values that are read in one statement."""
+
+
+def chunks(values: Iterable[Value]) -> Iterator[list[Value]]:
+    """The values in order, as many at a time as one statement reads."""
+    ordered = sorted(values)
+    return (ordered[first : first + CHUNK] for first in range(0, len(ordered), CHUNK))
 
 
 @dataclass(frozen=True)
@@ -44,10 +51,9 @@ def in_sweep() -> sa.ColumnElement[bool]:
 
 def present(reader: sa.Connection, names: Collection[str]) -> Present:
     newest: dict[str, tuple[int, str]] = {}
-    ordered = sorted(names)
-    for first in range(0, len(ordered), CHUNK):
+    for some in chunks(names):
         of = sa.select(sa.func.max(Run.id)).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-        last = of.where(CampaignRow.name.in_(ordered[first : first + CHUNK]), *counted()).group_by(CampaignRow.name)
+        last = of.where(CampaignRow.name.in_(some), *counted()).group_by(CampaignRow.name)
         found = sa.select(Run.id, CampaignRow.name, CampaignRow.document)
         found = found.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(last))
         newest |= {row.name: (int(row.id), definition(row.document)) for row in reader.execute(found)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +18,7 @@ from backend.db.tables import Requirement, RequirementFile
 from backend.http.errors import RefusedError, not_found
 from backend.http.matches import require_match, tag
 from backend.requirements import matrix, reqif, sheet
-from backend.requirements.present import CHUNK
+from backend.requirements.present import chunks
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import FileKind, Imported, RequirementFileOut, RequirementGiven, RequirementRow
 from campaigns import Problem
@@ -210,11 +210,6 @@ def delete(engine: sa.Engine, key: str, visitor: Visitor, match: str | None = No
         audit.note(writer, visitor, "requirement.deleted", key[:80], {"id": key, "text": old.text})
 
 
-def whole(reader: sa.Connection, runs: int = 0) -> Iterator[RequirementRow]:
-    """All rows for an export."""
-    return matrix.every(reader, runs)
-
-
 def _one(reader: sa.Connection, key: str, hold: bool = False) -> Any:
     """A registered requirement; None if there is none. hold: other writers wait until this transaction ends."""
     if hold:
@@ -236,8 +231,7 @@ def _cut(attributes: dict[str, str]) -> dict[str, str]:
 
 
 def _forget(writer: sa.Connection, ids: Sequence[str]) -> None:
-    for first in range(0, len(ids), CHUNK):
-        some = ids[first : first + CHUNK]
+    for some in chunks(ids):
         writer.execute(sa.delete(Requirement).where(Requirement.id.in_(some)))
 
 

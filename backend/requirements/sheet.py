@@ -16,8 +16,6 @@ from campaigns.cells import plain
 IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
 TEXTS = ("text", "description", "statement", "object text", "reqif.text")
 """Headers of the columns, in any case."""
-LONGEST_FIELD = 131_072
-"""Characters; the limit of Python's reader."""
 MOST_COLUMNS = 200
 """Attributes with a column of their own."""
 

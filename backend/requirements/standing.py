@@ -79,7 +79,7 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = ()) -> Standing:
         return Standing("no evidence", "No run states this requirement.")
     found = [
         _of_campaign(name, [e for e in edges if e.campaign == name], [e for e in others if e.campaign == name])
-        for name in _names(edges)
+        for name in dict.fromkeys(e.campaign for e in edges)
     ]
     worst = min((one.status for one in found), key=ORDER.index)
     sentences = [one.sentence for one in found if one.status == worst]
@@ -91,10 +91,6 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = ()) -> Standing:
         frozenset().union(*(one.evidence for one in found)),
         frozenset().union(*(one.violations for one in found)),
     )
-
-
-def _names(edges: Sequence[Edge]) -> list[str]:
-    return list(dict.fromkeys(e.campaign for e in edges))
 
 
 def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> Standing:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple, cast
 
@@ -13,14 +12,15 @@ from numpy.typing import NDArray
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
-from backend.db.rows import as_columns
+from backend.db.rows import as_columns, stored_columns
 from backend.db.tables import EvaluationChunk, Stage
+from backend.http.written import finite_all
 from backend.results import noise
 from backend.results.schemas import EvaluationFailure, Evaluations, EvaluationSeries
 from backend.runs.service import campaign
 from campaigns import cube, thin
 from campaigns.results.base import EXCLUDED, OK, STATUS, TIMEOUT
-from campaigns.stored.records import Columns, join
+from campaigns.stored.records import Columns
 
 MOST_FAILURES = 200
 
@@ -41,7 +41,7 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
         query = query.where(Stage.position == position)
     found = Evaluations(criteria=told, stages=[], failures=[])
     for stage in reader.execute(query).all():
-        columns = _columns(reader, run_id, stage.position)
+        columns = stored_columns(reader, run_id, stage.position)
         if columns is not None:
             found.stages.append(_series(stage, columns, most, paths, limits, told, drawn.get(stage.position, [])))
             found.failures += _failures(stage.position, columns, paths, limits)[: MOST_FAILURES - len(found.failures)]
@@ -72,16 +72,10 @@ def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) ->
         rows = [dict(zip(values, one, strict=True)) for one in zip(*values.values(), strict=True)]
         costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)[evaluated]
         index = row.first + evaluated
-        found += map(Evaluated, index.tolist(), rows, _known(costs), _seeds(drawn, index))
+        found += map(Evaluated, index.tolist(), rows, finite_all(costs), _seeds(drawn, index))
         if len(found) >= most:
             break
     return found
-
-
-def _columns(reader: sa.Connection, run_id: int, position: int) -> Columns | None:
-    of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
-    rows = reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
-    return join([as_columns(row) for row in rows])
 
 
 def _series(
@@ -106,7 +100,7 @@ def _series(
         excluded=stage.excluded,
         index=chosen.tolist(),
         seconds=columns.seconds[chosen].tolist(),
-        cost=_known(costs[chosen]),
+        cost=finite_all(costs[chosen]),
         further=_further(columns, chosen, told),
         status=[STATUS[code] for code in columns.status[chosen].tolist()],
         parameters=in_units(columns.points[chosen], paths, limits),
@@ -120,17 +114,13 @@ def _further(columns: Columns, chosen: thin.Indices, told: list[CriterionOut]) -
     found = {}
     for k, criterion in enumerate(told[1 : columns.costs.shape[1]], 1):
         costs = np.where(columns.status[chosen] == OK, columns.costs[chosen, k], np.nan)
-        found[criterion.name] = _known(0.0 - costs if criterion.worse == "high" else costs)
+        found[criterion.name] = finite_all(0.0 - costs if criterion.worse == "high" else costs)
     return found
 
 
 def _seeds(drawn: list[int], index: thin.Indices) -> list[int | None]:
     """The noise seeds of these evaluations of a stage whose first ones drew `drawn`."""
     return [drawn[at] if at < len(drawn) else None for at in index.tolist()]
-
-
-def _known(values: thin.Floats) -> list[float | None]:
-    return [value if math.isfinite(value) else None for value in values.tolist()]
 
 
 def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> dict[str, list[float]]:

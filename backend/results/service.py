@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from backend.catalog.service import bounds, described
 from backend.db.tables import Finding, Trace
 from backend.http.errors import not_found
+from backend.http.written import finite_all
 from backend.results.schemas import FindingDetail, TraceData, TraceInfo
 from backend.runs.earlier import Terms, terms_of
 from backend.runs.service import campaign, require
@@ -69,7 +69,7 @@ def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData
         rows=row.rows,
         columns=columns,
         meta=head,
-        data={column.name: _numbers(data[chosen, k]) for k, column in enumerate(columns)},
+        data={column.name: finite_all(data[chosen, k]) for k, column in enumerate(columns)},
     )
 
 
@@ -89,7 +89,3 @@ def closest_row(head: TraceHead, columns: list[TraceColumn], data: NDArray[np.fl
     if "separation" in groups and not np.isnan(data[:, groups.index("separation")]).all():
         return int(np.nanargmin(data[:, groups.index("separation")]))
     return 0
-
-
-def _numbers(column: NDArray[np.float64]) -> list[float | None]:
-    return [value if math.isfinite(value) else None for value in column.tolist()]

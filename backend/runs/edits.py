@@ -10,7 +10,6 @@ import sqlalchemy as sa
 from backend.access.own import require_own
 from backend.db import audit, queue
 from backend.db.access import Visitor
-from backend.db.engine import read
 from backend.db.tables import Run
 from backend.http.errors import RefusedError, not_found
 from backend.http.matches import require_match, tag
@@ -89,6 +88,4 @@ def cancel(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[
             states.append((run_id, queue.request_cancel(writer, run_id)))
         for run_id, state in states:
             audit.note(writer, visitor, "run.cancelled", run_name(run_id), {"state": state})
-    with read(engine) as reader:
-        found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}
-    return [found[run_name(run_id)] for run_id in dict.fromkeys(run_ids)]
+    return listing.named(engine, run_ids)

@@ -13,7 +13,7 @@ from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.http import bodies
 from backend.http.deps import Engine, Reader, capacities
-from backend.http.errors import Responses, problems
+from backend.http.errors import answers, located, problems
 from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
@@ -44,25 +44,8 @@ from campaigns.runs import RunState, run_name
 
 router = APIRouter(tags=["runs"])
 
-SUBMIT_BODY = {
-    "required": True,
-    "content": {
-        "application/json": {"schema": {"$ref": "#/components/schemas/RunSubmit"}},
-        "application/yaml": {"schema": {"type": "string"}},
-    },
-}
-LOCATION: Responses = {
-    201: {
-        "description": "The run that was queued, now or earlier with the same key, or the one that is reused.",
-        "headers": {"Location": {"description": "The address of the run.", "schema": {"type": "string"}}},
-    }
-}
-CAMPAIGN_FILE: Responses = {
-    200: {
-        "description": "YAML, or JSON if it was submitted as JSON.",
-        "content": {"application/yaml": {"schema": {"type": "string"}}},
-    }
-}
+LOCATION = located("The run that was queued, now or earlier with the same key, or the one that is reused.", "run")
+CAMPAIGN_FILE = answers("YAML, or JSON if it was submitted as JSON.", "application/yaml")
 MOST = 50
 """Alternative values of one filter."""
 Word = Annotated[str, Field(max_length=200)]
@@ -71,7 +54,7 @@ Word = Annotated[str, Field(max_length=200)]
 @router.post(
     "/runs",
     status_code=status.HTTP_201_CREATED,
-    openapi_extra={"requestBody": SUBMIT_BODY},
+    openapi_extra=bodies.of("RunSubmit"),
     responses=LOCATION
     | problems(
         "unsupported-media-type",

@@ -72,7 +72,11 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         criteria=stated,
         components_digest=snapshot,
         flown=None if versions is None else Versions.of(versions),
-        plan=_plan(campaign),
+        plan=[
+            StageSummary(kind=stage.kind, title=stage.title, description=stage.description(campaign))
+            for stage in declared().values()
+            if stage.planned(campaign)
+        ],
         stages=stages,
         summary=_verdict(reader, run_id, campaign, parts, base.failed_evaluations),
         rate=rate,
@@ -90,14 +94,6 @@ def baseline(reader: sa.Connection, run_id: int) -> RunBaseline | None:
     name = run_name(found)
     how = "" if asked == name else f", the newest run with the label {asked.removeprefix(baselines.LABEL)} at launch"
     return RunBaseline(asked=asked, run=name, sentence=f"Baseline: {name}{how}.")
-
-
-def _plan(campaign: Campaign) -> list[StageSummary]:
-    return [
-        StageSummary(kind=stage.kind, title=stage.title, description=stage.description(campaign))
-        for stage in declared().values()
-        if stage.planned(campaign)
-    ]
 
 
 def _verdict(

@@ -26,7 +26,7 @@ _COMPILING = "Compiling your closed loop{about}, once: it is stored for later ru
 class Waits(NamedTuple):
     """Why a run waits, a sentence; other_code: what differs from the code that began it, where it waits for that."""
 
-    text: str
+    waits: str | None
     other_code: str | None = None
 
 

@@ -10,7 +10,7 @@ from fastapi.concurrency import run_in_threadpool
 from backend.access.auth import CurrentVisitor
 from backend.http import bodies
 from backend.http.deps import Engine, Reader, capacities
-from backend.http.errors import RefusedError, Responses, problems
+from backend.http.errors import RefusedError, answers, located, problems
 from backend.http.keys import Key
 from backend.http.root import at
 from backend.sweeps import service, sheet
@@ -21,22 +21,13 @@ from campaigns.asked.load import load_document
 router = APIRouter(tags=["sweeps"])
 
 SweepName = Annotated[str, Path(description="The sweep by its name, such as S-0001.")]
-BODY = {"required": True, "content": {"application/json": {"schema": {"$ref": "#/components/schemas/SweepSubmit"}}}}
-LOCATION: Responses = {
-    201: {
-        "description": "The sweep that was launched, now or earlier with the same key.",
-        "headers": {"Location": {"description": "The address of the sweep.", "schema": {"type": "string"}}},
-    }
-}
-TABLE: Responses = {
-    200: {"description": "One row for each run.", "content": {"text/csv": {"schema": {"type": "string"}}}}
-}
+LOCATION = located("The sweep that was launched, now or earlier with the same key.", "sweep")
 
 
 @router.post(
     "/sweeps",
     status_code=status.HTTP_201_CREATED,
-    openapi_extra={"requestBody": BODY},
+    openapi_extra=bodies.of("SweepSubmit", yaml=False),
     responses=LOCATION
     | problems(
         "unsupported-media-type",
@@ -75,7 +66,11 @@ def get_sweep(sweep: SweepName, reader: Reader) -> SweepDetail:
     return service.detail(reader, service.number(sweep))
 
 
-@router.get("/sweeps/{sweep}/table.csv", response_class=Response, responses=TABLE | problems("not-found"))
+@router.get(
+    "/sweeps/{sweep}/table.csv",
+    response_class=Response,
+    responses=answers("One row for each run.", "text/csv") | problems("not-found"),
+)
 def get_sweep_table(sweep: SweepName, reader: Reader) -> Response:
     """The sweep as CSV (RFC 4180); numbers that were not computed are empty."""
     found = service.detail(reader, service.number(sweep))

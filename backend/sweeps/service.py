@@ -96,7 +96,17 @@ def _launch(
     sweep_id = int(writer.execute(sa.insert(Sweep).values(**row).returning(Sweep.id)).scalar_one())
     runs, notes = [], []
     for position, (value, campaign) in enumerate(zip(given.values, campaigns, strict=True)):
-        run_id = _queue(writer, campaign, _named(name, given.path, value, entry.unit), given, visitor, catalogue)
+        run_id = queue.submit(
+            writer,
+            campaign,
+            name=_named(name, given.path, value, entry.unit),
+            tags=campaign.tags if given.tags is None else list(dict.fromkeys(given.tags)),
+            owner=visitor.user,
+            priority=given.priority,
+            planned=sum(stage.planned for stage in plan(campaign)),
+            catalogue=catalogue,
+            given=given.labels,
+        )
         runs.append({"sweep_id": sweep_id, "position": position, "value": value, "run_id": run_id})
         noted = {"campaign": campaign.digest, "name": name, "sweep": sweep_name(sweep_id), given.path: value}
         notes.append((run_id, noted))
@@ -104,22 +114,6 @@ def _launch(
     for run_id, noted in notes:
         audit.note(writer, visitor, "run.submitted", run_name(run_id), noted)
     return sweep_id
-
-
-def _queue(
-    writer: sa.Connection, campaign: Campaign, name: str, given: SweepSubmit, visitor: Visitor, catalogue: Catalogue
-) -> int:
-    return queue.submit(
-        writer,
-        campaign,
-        name=name,
-        tags=campaign.tags if given.tags is None else list(dict.fromkeys(given.tags)),
-        owner=visitor.user,
-        priority=given.priority,
-        planned=sum(stage.planned for stage in plan(campaign)),
-        catalogue=catalogue,
-        given=given.labels,
-    )
 
 
 def _named(name: str, path: str, value: float, unit: str) -> str:

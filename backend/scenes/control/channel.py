@@ -78,7 +78,9 @@ async def _answer(
     if viewer is None:
         await capacities(request).views.run(lambda: _without_view(request, handle))
         full = viewers.full(handle.visitor)
-        raise _full(full) if full and not viewers.stopping.is_set() else _gone(handle)
+        if full and not viewers.stopping.is_set():
+            raise RefusedError(503, "busy", f"{full}: close one that is not needed, then try again")
+        raise _gone(handle)
     try:
         return await capacities(request).views.run(lambda: ask(viewer))
     except FailedError:
@@ -96,10 +98,6 @@ def _without_view(request: Request, handle: Handle) -> None:
     with read(request.app.state.engine) as reader:
         refuse_purged(reader, handle.run_id)
         drawable(reader, handle.run_id)
-
-
-def _full(why: str) -> RefusedError:
-    return RefusedError(503, "busy", f"{why}: close one that is not needed, then try again")
 
 
 def _gone(handle: Handle) -> RefusedError:

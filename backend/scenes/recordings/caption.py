@@ -80,7 +80,11 @@ def _card(statement: str, setting: Setting, cast: Cast, caption: Caption, dark: 
     rows.append(_row("Criterion", f"{quantity} > {setting.threshold:g} {setting.unit}"))
     rows.append(_row("Verdict of the run", caption.state))
     units = {one.path: one.unit for one in setting.uncertain}
-    asked = {path: cast.shown.parameters[path] for path in _uncertain(setting) if path in cast.shown.parameters}
+    asked = {
+        path: cast.shown.parameters[path]
+        for path in setting.document.get("uncertain") or {}
+        if path in cast.shown.parameters
+    }
     given = [_row(path, f"{value!r} {units.get(path, '')}") for path, value in asked.items()]
     marks = [_row("Campaign", caption.campaign, kind="digest"), _row("Results", caption.results, kind="digest")]
     notes = " ".join([statement, *_of_simulator(setting, cast, caption), "Vehicles are not to scale."])
@@ -103,10 +107,6 @@ def _of_simulator(setting: Setting, cast: Cast, caption: Caption) -> Iterator[st
         if stored is not None and stored != flight.cost:
             of = "the nominal case" if label == NOMINAL else label
             yield f"The trace of {of} is one more call with its own value; the run stored {_cost(stored, setting)}."
-
-
-def _uncertain(setting: Setting) -> Sequence[str]:
-    return list(setting.document.get("uncertain") or {})
 
 
 def _cost(cost: float | None, setting: Setting) -> str:

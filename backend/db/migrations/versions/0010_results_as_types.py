@@ -6,6 +6,7 @@ import sqlalchemy as sa
 from alembic import op
 
 from backend.db import signed
+from backend.db.digest import results_digest
 from campaigns.results import earlier
 
 revision = "0010"
@@ -31,9 +32,10 @@ def upgrade() -> None:
         if not signed.is_signed(connection, run_id):
             _upgrade(connection, run_id)
             continue
-        before = signed.digest_of_0010(connection, run_id)
+        before = results_digest(connection, run_id, evidence=False)
         _upgrade(connection, run_id)
-        signed.bind_again(connection, run_id, before, signed.digest_of_0010(connection, run_id), "migration 0010")
+        after = results_digest(connection, run_id, evidence=False)
+        signed.bind_again(connection, run_id, before, after, "migration 0010")
 
 
 def _upgrade(connection: sa.Connection, run_id: int) -> None:

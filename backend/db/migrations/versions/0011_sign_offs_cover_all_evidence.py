@@ -10,6 +10,7 @@ import sqlalchemy as sa
 from alembic import op
 
 from backend.db import signed
+from backend.db.digest import results_digest
 from backend.db.tables import Signoff
 
 revision = "0011"
@@ -20,5 +21,5 @@ def upgrade() -> None:
     connection = op.get_bind()
     runs = sa.select(Signoff.run_id).distinct()
     for run_id in connection.scalars(runs).all():
-        before = signed.digest_of_0010(connection, run_id)
-        signed.bind_again(connection, run_id, before, signed.digest(connection, run_id), "migration 0011")
+        before = results_digest(connection, run_id, evidence=False)
+        signed.bind_again(connection, run_id, before, results_digest(connection, run_id), "migration 0011")

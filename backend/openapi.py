@@ -116,7 +116,6 @@ def _declare(operation: JsonObject, method: str, rule: Rule) -> None:
 
 
 def text() -> str:
-    """The document as stored with the front end."""
     from backend.app import create
     from backend.settings import Settings
 

@@ -37,9 +37,8 @@ class Voucher:
 class Frames:
     """The keys for which pages wait; used on one event loop."""
 
-    def __init__(self, patience: float = PATIENCE) -> None:
-        """patience: how long a socket may wait for its page [s]."""
-        self.waiting, self._patience = 0, patience
+    def __init__(self) -> None:
+        self.waiting = 0
         self._vouchers: dict[tuple[str, str], list[Voucher]] = {}
         self._changed, self._most = asyncio.Event(), MOST_WAITING
 
@@ -82,7 +81,7 @@ class Frames:
             return None
         self.waiting += 1
         try:
-            async with asyncio.timeout(self._patience):
+            async with asyncio.timeout(PATIENCE):
                 while (found := self._held(named)) is None and self._most:
                     await self._changed.wait()
             return found

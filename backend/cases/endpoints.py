@@ -52,7 +52,6 @@ async def evaluate_case(
 def _work(
     request: Request, engine: Engine, run: str, given: CaseRequest, viewer: Viewer | None, turn: Turn
 ) -> CaseAnswer:
-    """Read, evaluate and draw a case; runs in a thread."""
     with read(engine) as reader:
         wanted = service.asked(reader, run, given)
     answer = service.evaluated(request.app.state.cases, wanted, given.rows)

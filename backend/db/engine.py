@@ -61,7 +61,6 @@ def connect(url: str, busy_timeout: float | None = None) -> sa.Engine:
 
 
 def default_url(data: Path) -> str:
-    """The default database: a file in the data folder."""
     return f"sqlite:///{data.absolute() / 'clearance.sqlite3'}"
 
 

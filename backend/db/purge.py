@@ -52,8 +52,6 @@ class Removed:
 
 
 class Space(NamedTuple):
-    """Size of an SQLite file before and after [bytes]."""
-
     before: int
     after: int
 

@@ -271,7 +271,6 @@ def _able(simulators: Sequence[str], installation: str) -> sa.ColumnElement[bool
 
 
 def _failed_after(connection: sa.Connection, run_id: int, attempts: int, how: str) -> str:
-    """The reason for the failure: number of attempts, stage, and how the last attempt ended."""
     running = sa.select(Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.state == StageState.RUNNING)
     stage = connection.execute(running.order_by(Stage.position)).first()
     where = "before its first stage"

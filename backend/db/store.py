@@ -37,8 +37,8 @@ PATIENCE = 120.0
 class RunStore:
     """The results of one claimed run. Writes raise `LostLease` once the run is reassigned or has ended."""
 
-    def __init__(self, engine: sa.Engine, claim: Claim, patience: float = PATIENCE) -> None:
-        self.engine, self.claim, self.patience = engine, claim, patience
+    def __init__(self, engine: sa.Engine, claim: Claim) -> None:
+        self.engine, self.claim = engine, claim
         self._run = claim.run_id
 
     def describe(self, campaign: Campaign, catalogue: Catalogue) -> None:
@@ -229,7 +229,6 @@ class RunStore:
         connection.execute(self._stage(position).values(**values))
 
     def _worst(self, connection: sa.Connection, cost: float, method: str | None) -> None:
-        """Update the run's worst case so far, which the run list shows during the search."""
         lower = sa.or_(Run.worst_cost.is_(None), Run.worst_cost > cost)
         connection.execute(
             sa.update(Run).where(Run.id == self._run, lower).values(worst_cost=cost, worst_method=method)
@@ -254,4 +253,4 @@ class RunStore:
             connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
 
     def _write(self, work: Callable[[sa.Connection], Result]) -> Result:
-        return write(self.engine, work, self.patience)
+        return write(self.engine, work, PATIENCE)

@@ -78,10 +78,10 @@ def arrive(connection: sa.Connection, name: str) -> None:
     connection.execute(sa.insert(Worker).values(**values))
 
 
-def simulators(connection: sa.Connection, within: float = LIVE) -> list[SimulatorEntry]:
+def simulators(connection: sa.Connection) -> list[SimulatorEntry]:
     """The published simulators that a live worker has; without those of which another version published an entry that
     this one cannot read."""
-    known = connection.execute(sa.select(Worker.simulators).where(Worker.beat > now(connection) - within)).scalars()
+    known = connection.execute(sa.select(Worker.simulators).where(Worker.beat > now(connection) - LIVE)).scalars()
     had = {version for versions in known for version in versions}
     document = connection.scalar(sa.select(CatalogueDocument.document)) or {}
     found = []
@@ -122,7 +122,7 @@ def last_seen(connection: sa.Connection) -> float | None:
     return max((at for at in (beaten, left) if at is not None), default=None)
 
 
-def alive(connection: sa.Connection, host: str, within: float = LIVE) -> bool:
-    """Whether a worker on that machine sent a heartbeat within the last `within` [s]."""
-    found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - within)
+def alive(connection: sa.Connection, host: str) -> bool:
+    """Whether a worker on that machine is live."""
+    found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - LIVE)
     return connection.scalar(found.limit(1)) is not None

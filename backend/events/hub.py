@@ -102,7 +102,6 @@ class Hub:
             self._listeners.discard(listener)
 
     def stop(self) -> None:
-        """End every stream; new ones end at once."""
         self._ended = True
         for listener in self._listeners:
             listener.end()

@@ -58,7 +58,6 @@ class _Watched:
     steps: dict[int, Improvements] = field(default_factory=dict)
 
     def since(self, steps: Improvements, known: int) -> NewImprovements:
-        """The improvements since index `known`, with the parameters of the last one."""
         last = {}
         if steps.point is not None and len(steps.index) > known:
             last = in_units(steps.point[None], self.paths, self.bounds)
@@ -126,7 +125,6 @@ class Watch:
         return [Event(service.number(s.id), "run", s.model_dump_json()) for s in found]
 
     def _committed(self) -> bool:
-        """Whether anything may have been committed since the last call."""
         if not is_sqlite(self._engine):
             return True
         if self._raw is None:

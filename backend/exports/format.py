@@ -103,7 +103,6 @@ def require(missing: Callable[[], str | None]) -> None:
 
 @cache
 def known() -> tuple[Format, ...]:
-    """Every format, in the order of the menu."""
     names = [info.name for info in pkgutil.iter_modules([str(Path(__file__).with_name("formats"))])]
     modules = [importlib.import_module(f"backend.exports.formats.{name}") for name in names]
     return tuple(sorted((module.export for module in modules), key=lambda one: one.order))
@@ -120,7 +119,6 @@ def named(file: str) -> tuple[Format, str] | None:
 
 
 def whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], bytes | Iterator[bytes]]) -> bytes:
-    """What is read in one transaction."""
     with read(engine) as reader:
         content = made(reader, run_id)
         return content if isinstance(content, bytes) else b"".join(content)

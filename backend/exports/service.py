@@ -42,7 +42,6 @@ def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
 
 
 def _stored(reader: sa.Connection, run_id: int) -> Stored:
-    """Names in order: F2 before F10."""
     traces = reader.execute(sa.select(Trace.name, Trace.meta).where(Trace.run_id == run_id)).all()
     simulated = runs.campaign(reader, run_id).scenario is None
     drawn = [row.name for row in traces if not simulated or row.meta.get("scene")]

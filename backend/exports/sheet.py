@@ -117,7 +117,6 @@ def headings(told: list[CriterionOut]) -> list[tuple[str, str]]:
 
 
 def _width(reader: sa.Connection, run_id: int) -> int:
-    """The number of criteria in the stored evaluations."""
     sizes = sa.select(EvaluationChunk.count.label("rows"), sa.func.length(EvaluationChunk.costs).label("bytes"))
     row = reader.execute(sizes.where(EvaluationChunk.run_id == run_id).limit(1)).one_or_none()
     return 1 if row is None else max(1, int(row.bytes) // (8 * int(row.rows)))

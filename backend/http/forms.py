@@ -9,6 +9,7 @@ from fastapi import Request
 from fastapi.responses import HTMLResponse
 from starlette.types import Scope
 
+from backend.db.passwords import SHORTEST
 from backend.http.errors import RefusedError
 from backend.http.pages import plain
 from backend.http.root import at, inside
@@ -40,7 +41,6 @@ def own_path(given: str) -> str:
 
 
 def quoted(address: str) -> str:
-    """An address as the value of a query parameter."""
     return urllib.parse.quote(address, safe="")
 
 
@@ -88,9 +88,9 @@ def _through(provider: str, back: str) -> str:
     return f'<p><a class="button" href="{html.escape(address)}">Sign in with {html.escape(provider)}</a></p>'
 
 
-def invitation(status: int, user: str, code: str, wrong: str = "", shortest: int = 12) -> HTMLResponse:
+def invitation(status: int, user: str, code: str, wrong: str = "") -> HTMLResponse:
     body = (
-        f"<p>You are invited as <b>{html.escape(user)}</b>. Choose a password of at least {shortest} characters; "
+        f"<p>You are invited as <b>{html.escape(user)}</b>. Choose a password of at least {SHORTEST} characters; "
         "several words make a good one.</p>"
         f'{_wrong(wrong)}<form method="post" action="{at("/invite")}">'
         f'<input type="hidden" name="code" value="{html.escape(code)}">'

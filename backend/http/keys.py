@@ -85,7 +85,6 @@ def keep(writer: sa.Connection, asked: Keyed, made: str, answer: bytes | None = 
 
 
 def _forget(writer: sa.Connection, user: str) -> None:
-    """Drop the answers of a user but the newest; their keys stay."""
     answered = (RequestKey.user == user, RequestKey.answer.is_not(None))
     of = sa.select(RequestKey.created).where(*answered).order_by(RequestKey.created.desc()).offset(KEPT - 1).limit(1)
     oldest = writer.scalar(of)

@@ -45,7 +45,6 @@ class Hosts:
 
 
 def _name(host: str) -> str:
-    """The name in a header Host, without the port."""
     if host.startswith("["):
         return host[1:].partition("]")[0].lower()
     return host.partition(":")[0].rstrip(".").lower()

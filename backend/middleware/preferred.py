@@ -38,7 +38,6 @@ class Preferred:
         await self.app(scope, receive, _Answer(self, scope, send, wanted))
 
     def schema(self, scope: Scope) -> dict[str, Any] | None:
-        """The schema of the JSON that this request is answered with."""
         if not self._operations:
             paths = scope["app"].openapi()["paths"]
             for path, methods in sorted(paths.items(), key=lambda item: "{" in item[0]):

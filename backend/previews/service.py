@@ -63,7 +63,6 @@ class Previews:
             self._waiting -= 1
 
     def stop(self) -> None:
-        """End the simulation process; waiting requests are refused."""
         self.live.close()
 
     def _flown(self, campaign: Campaign) -> FlightReply:

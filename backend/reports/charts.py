@@ -78,7 +78,6 @@ def _convergence(held: Held) -> Markup | None:
 
 
 def _curves(held: Held) -> list[Curve]:
-    """The sensitivity curves through the nominal point."""
     study = held.result(SensitivityResult)
     return [] if study is None else study.curves
 

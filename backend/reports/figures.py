@@ -25,8 +25,6 @@ SEPARATION_HEIGHT = 240
 
 @dataclass(frozen=True)
 class Case:
-    """A flight to be drawn: label, colour, stored trace."""
-
     label: str
     colour: str
     head: TraceHead

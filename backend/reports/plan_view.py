@@ -48,7 +48,6 @@ def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
 
 
 def _axes_of(head: TraceHead) -> tuple[str, str]:
-    """The columns that point east and north."""
     return ("y", "x") if head.frame == "ned" else ("x", "y")
 
 

@@ -11,7 +11,7 @@ from backend.reports.held import Held
 from backend.signoffs.schemas import Signoff
 from campaigns.asked.distributions import Uncertain
 from campaigns.asked.spec import Part, Simulator
-from campaigns.catalogue import ParameterEntry
+from campaigns.catalogue import ComponentEntry, ParameterEntry, SimulatorEntry
 from campaigns.checked.check import parts
 from campaigns.checked.simulated import PREFIX
 from campaigns.claims import numbers
@@ -62,8 +62,11 @@ def correlations(held: Held) -> list[str]:
 def model(held: Held) -> list[Row]:
     """Every component of the scenario, or the simulator, with its text and its parameters' values."""
     rows = []
-    if held.campaign.simulator is not None:
-        rows.append(_simulator(held, held.campaign.simulator))
+    if (simulator := held.campaign.simulator) is not None:
+        described = None if held.catalogue is None else held.catalogue.simulator(simulator.name)
+        own = described.parameters if described else ()
+        values = [_value(held, f"{PREFIX}.{p.name}", p, simulator) for p in own] if described else _bare(simulator)
+        rows.append(_part("Simulator", simulator.name, described, values))
     for prefix, _, role, part in parts(held.campaign):
         entry = None if held.catalogue is None else held.catalogue.component(role, part.component)
         values = [_value(held, f"{prefix}.{p.name}", p, part) for p in entry.parameters] if entry else _bare(part)
@@ -71,24 +74,15 @@ def model(held: Held) -> list[Row]:
             values += [_value(held, f"start.{p.name}", p, None) for p in entry.starts]
         if role == "avoider" and entry:
             values += [_value(held, f"goal.{p.name}", p, None) for p in entry.goals]
-        rows.append({
-            "role": role.capitalize() if role != "avoider" else "Avoidance",
-            "title": entry.title if entry else part.component,
-            "name": part.component,
-            "text": entry.text if entry else "",
-            "known": entry is not None,
-            "values": values,
-        })  # fmt: skip
+        rows.append(_part("Avoidance" if role == "avoider" else role.capitalize(), part.component, entry, values))
     return rows
 
 
-def _simulator(held: Held, asked: Simulator) -> Row:
-    entry = None if held.catalogue is None else held.catalogue.simulator(asked.name)
-    values = [_value(held, f"{PREFIX}.{p.name}", p, asked) for p in entry.parameters] if entry else _bare(asked)
+def _part(role: str, name: str, entry: ComponentEntry | SimulatorEntry | None, values: list[Row]) -> Row:
     return {
-        "role": "Simulator",
-        "title": entry.title if entry else asked.name,
-        "name": asked.name,
+        "role": role,
+        "title": entry.title if entry else name,
+        "name": name,
         "text": entry.text if entry else "",
         "known": entry is not None,
         "values": values,
@@ -254,7 +248,6 @@ def doubts(held: Held) -> list[str]:
 
 
 def signoffs(held: Held) -> list[Row]:
-    """The sign-offs with their status: valid, of earlier results, or withdrawn."""
     return [
         {
             "name": s.name,

@@ -135,7 +135,6 @@ def _shown(head: TraceHead) -> str:
 
 
 def _origin(held: Held) -> list[tuple[str, str]]:
-    """Provenance as rows; missing values are reported as not stored."""
     versions, verdict = held.run.flown, held.verdict
     known: Versions = verdict.provenance if verdict is not None else versions or Versions()
     seed = verdict.provenance.seed if verdict is not None else None

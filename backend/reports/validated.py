@@ -27,7 +27,6 @@ _AT = {
 
 
 def cases(held: Held) -> list[Row]:
-    """The validation of each case: the nominal one, then the findings."""
     validated = held.result(ValidateResult)
     nominal = None if validated is None else validated.nominal
     found = [nominal, *(finding.validation for finding in held.findings)]

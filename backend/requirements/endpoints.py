@@ -189,7 +189,6 @@ async def export_argument(request: Request, engine: Engine) -> Response:
 
 
 def _claims(reader: sa.Connection, rows: list[RequirementRow]) -> dict[str, str]:
-    """The sentence of the verdict of each run, by its name."""
     names = {run.id for row in rows for run in row.runs}
     found: dict[int, str] = {}
     for some in chunks(run_number(name) or 0 for name in names):
@@ -199,8 +198,6 @@ def _claims(reader: sa.Connection, rows: list[RequirementRow]) -> dict[str, str]
 
 
 async def _whole(request: Request, engine: sa.Engine, made: Callable[[sa.Connection], Any]) -> Any:
-    """A file, made in the turn of one export."""
-
     def work() -> Any:
         with read(engine) as reader:
             return made(reader)

@@ -59,11 +59,10 @@ def page(reader: sa.Connection, q: str, cursor: str | None, limit: int, runs: in
     )
 
 
-def every(reader: sa.Connection, runs: int, size: int = 200) -> Iterator[RequirementRow]:
-    """All rows, in the order of the ids."""
+def every(reader: sa.Connection, runs: int) -> Iterator[RequirementRow]:
     cursor = None
     while True:
-        found = page(reader, "", cursor, size, runs)
+        found = page(reader, "", cursor, 200, runs)
         yield from found.items
         cursor = found.next_cursor
         if cursor is None:
@@ -145,7 +144,6 @@ def _shown(now: Standing, edges: Sequence[Edge], most: int) -> list[int]:
 
 
 def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present) -> dict[int, Known]:
-    """The runs in full: outcome, sign-offs against their results, and what has changed."""
     known: dict[int, Known] = {}
     for some in chunks(run_ids):
         signed = _signoffs(reader, some)

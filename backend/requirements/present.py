@@ -41,7 +41,6 @@ class Present:
 
 
 def counted() -> tuple[sa.ColumnElement[bool], ...]:
-    """Runs that count: neither removed nor of a sweep."""
     return Run.removed.is_(None), Run.purged.is_(None), ~in_sweep()
 
 

@@ -128,7 +128,6 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
 
 
 def _before(judged: Sequence[Edge]) -> str:
-    """The violations of another question or model, which do not count, as a sentence."""
     runs = [run_name(e.run_id) for e in judged[1:] if e.verdict == VerdictWord.VIOLATED]
     return f" Before, another campaign of that name or another model violated it: {', '.join(runs)}." if runs else ""
 

@@ -38,7 +38,6 @@ def _own(then: Versions, installed: Catalogue | None) -> list[str]:
 
 
 def changed(kept: Catalogue, installed: Catalogue | None) -> list[str]:
-    """The differences of the installed descriptions, as sentences."""
     if installed is None:
         return []
     return [f"{clause[0].upper()}{clause[1:]}." for clause in changes(kept, installed)]

@@ -56,7 +56,6 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor, match
 
 
 def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
-    """Raise 409 unless the run's notes are still those that were read."""
     stored = writer.scalar(sa.select(Run.notes).where(Run.id == run_id).with_for_update())
     if stored is not None and stored != notes:
         detail = "another user has changed these notes since they were read: read them again, then add your text"

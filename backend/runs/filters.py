@@ -92,7 +92,6 @@ def labelled(given: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def _contains(word: str) -> sa.ColumnElement[bool]:
-    """The word occurs in a name, a tag, the owner or the number."""
     columns = [Run.name, Run.owner, sa.cast(Run.tags, sa.Text), _printed_id()]
     named = sa.select(CampaignRow.digest).where(CampaignRow.name.icontains(word, autoescape=True))
     here = [column.icontains(word, autoescape=True) for column in columns]

@@ -77,7 +77,6 @@ def _locked(writer: sa.Connection, run_ids: Sequence[int]) -> list[Any]:
 
 
 def _standing(writer: sa.Connection, rows: Sequence[Any]) -> list[Problem]:
-    """The reasons why runs cannot be removed."""
     ids = [row.id for row in rows if row.removed is None]
     of = sa.select(Signoff.run_id, Signoff.name).where(Signoff.run_id.in_(ids), Signoff.withdrawn.is_(None))
     signed = {row.run_id: row.name for row in writer.execute(of.order_by(Signoff.id.desc()))}

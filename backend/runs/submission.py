@@ -110,7 +110,6 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
 
 
 def _compared(reader: sa.Connection, submission: Submission) -> Resolved:
-    """The campaign with the baseline that was asked for; 422 if there is none."""
     if submission.baseline is None:
         return Resolved(submission.campaign, None, "")
     try:

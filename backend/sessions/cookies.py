@@ -11,7 +11,6 @@ from backend.sessions.service import Browser
 
 
 def put_session(request: Request, response: Response, secret: str, lifetime: float) -> None:
-    """Set the cookie of a new session. lifetime: [s]."""
     response.set_cookie(
         request.app.state.settings.cookie,
         secret,

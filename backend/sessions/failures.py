@@ -6,7 +6,6 @@ codes are not recorded.
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from collections.abc import Callable
 
@@ -32,8 +31,8 @@ INVITATION = "user.invitation_failed"
 class Failures:
     """Counts wrong codes, and records them; used on one event loop."""
 
-    def __init__(self, door: Door, clock: Callable[[], float] = time.monotonic) -> None:
-        self._door, self._rows = door, Bucket(BURST, PERIOD, clock)
+    def __init__(self, door: Door) -> None:
+        self._door, self._rows = door, Bucket(BURST, PERIOD)
         self._counts: Counter[str] = Counter()
         self._address = ""
 

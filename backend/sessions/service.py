@@ -16,8 +16,6 @@ from campaigns import Problem
 
 @dataclass(frozen=True)
 class Browser:
-    """What a sign-in records of the client."""
-
     agent: str
     address: str
 

@@ -120,7 +120,6 @@ def _dependent(reader: sa.Connection, run_id: int, visitor: Visitor) -> RefusedE
 
 
 def _barred(reader: sa.Connection, run_id: int, visitor: Visitor) -> str | None:
-    """The sentences with which a sign-off by the visitor would be refused."""
     refusals = (_dependent(reader, run_id, visitor), forbidden(visitor, SIGN))
     return "; ".join(refusal.detail for refusal in refusals if refusal is not None) or None
 

@@ -37,8 +37,6 @@ class Message:
 
 @dataclass(frozen=True)
 class Sent:
-    """The outcome of an attempt."""
-
     status: int | None
     error: str | None
     """A sentence; None if the receiver accepted the message."""

@@ -122,7 +122,6 @@ def rate(time: Floats, rows: Floats) -> Floats:
 
 
 def _unit(turns: Floats) -> Floats:
-    """Quaternions (..., 4) of length 1."""
     found: Floats = turns / np.maximum(np.linalg.norm(turns, axis=-1, keepdims=True), 1e-12)
     return found
 
@@ -169,11 +168,8 @@ def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], hea
         rotation=pose[known, 3:],
         separation=separation[known],
         tracks={number: axes.drawn(track[known]) for number, track in tracks.items()},
-        parameters=dict(head.parameters),
         closest=_closest(head.closest, axes),
-        cost=head.cost,
-        status=head.status,
-        reason=head.reason,
+        **_outcome(head),
         seed=None if realised is None else realised.seed,
         seeds=1 if realised is None else realised.seeds,
     )
@@ -195,13 +191,14 @@ def _of_simulator(
         rotation=np.zeros((count, 3)),
         separation=np.full(count, np.nan),
         tracks=found.tracks,
-        parameters=dict(head.parameters),
         closest=None,
-        cost=head.cost,
-        status=head.status,
-        reason=head.reason,
+        **_outcome(head),
         turns=found.turns,
     )
+
+
+def _outcome(head: TraceHead) -> dict[str, Any]:
+    return {name: getattr(head, name) for name in ("parameters", "cost", "status", "reason")}
 
 
 def _tracks(columns: Mapping[str, Floats]) -> dict[int, Floats]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
@@ -151,10 +152,7 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
     axes = _axes(reader, run_id, vehicle)
     start, goal = _place(values, "start", axes), _place(values, "goal", axes)
     return Setting(
-        run=run_name(run_id),
-        title=asked.name,
-        digest=asked.digest,
-        document=asked.document(),
+        **_same(reader, run_id, asked, catalogue),
         planar=vehicle.dimension == 2 if vehicle else axes.frame == "enu",
         axes=axes,
         vehicle=scenario.vehicle.component,
@@ -163,20 +161,15 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
         course=_course(values, axes, scenario.horizon, _climbs(asked, catalogue, axes)) if goal is None else None,
         values=values,
         moving=_moving(asked, catalogue),
-        threshold=asked.criterion.threshold,
         to_surface=criterion is not None and criterion.measured_to == "surface",
         quantity=criterion.quantity if criterion else "",
         unit=criterion.unit if criterion else "",
         horizon=scenario.horizon,
-        uncertain=_uncertain(asked, known),
-        methods=_methods(asked, catalogue),
-        drawn=looks(reader, run_id),
         obstacles=tuple(part.component for part in scenario.obstacles),
     )
 
 
 def _declared(reader: sa.Connection, run_id: int, asked: Campaign) -> Setting:
-    """The setting of a simulator's run, from its declaration and its stored traces alone."""
     scene, catalogue = scene_of(reader, run_id), described(reader, run_id)
     assert scene is not None
     entry = None if catalogue is None or asked.simulator is None else catalogue.simulator(asked.simulator.name)
@@ -187,10 +180,7 @@ def _declared(reader: sa.Connection, run_id: int, asked: Campaign) -> Setting:
     nominal = results.stored(reader, run_id, NOMINAL)
     first = (None if nominal is None else from_stored(nominal)) or next(iter(there), None)
     return Setting(
-        run=run_name(run_id),
-        title=asked.name,
-        digest=asked.digest,
-        document=asked.document(),
+        **_same(reader, run_id, asked, catalogue),
         planar=scene.planar,
         axes=declared.axes_in(scene),
         vehicle="",
@@ -199,16 +189,26 @@ def _declared(reader: sa.Connection, run_id: int, asked: Campaign) -> Setting:
         course=None,
         values=declared.values(scene),
         moving=[False] * len(scene.obstacles) + [True] * len(scene.bodies),
-        threshold=asked.criterion.threshold,
         to_surface=False,
         quantity=result.quantity if result else "",
         unit=result.unit if result else "",
         horizon=max([0.0, *(float(flight.time[-1]) for flight in there)]) or 1.0,
-        uncertain=_uncertain(asked, {} if catalogue is None else parameters(asked, catalogue)),
-        methods=_methods(asked, catalogue),
-        drawn=looks(reader, run_id),
         scene=scene,
     )
+
+
+def _same(reader: sa.Connection, run_id: int, asked: Campaign, catalogue: Catalogue | None) -> dict[str, Any]:
+    """The fields that a scenario and a simulator have in the same form."""
+    return {
+        "run": run_name(run_id),
+        "title": asked.name,
+        "digest": asked.digest,
+        "document": asked.document(),
+        "threshold": asked.criterion.threshold,
+        "uncertain": _uncertain(asked, {} if catalogue is None else parameters(asked, catalogue)),
+        "methods": _methods(asked, catalogue),
+        "drawn": looks(reader, run_id),
+    }
 
 
 def _given(asked: Campaign) -> dict[str, float]:

@@ -28,8 +28,6 @@ class Handle:
 
 
 class Viewers:
-    """Counts the open viewers, and finds those that were opened with a key."""
-
     def __init__(self, most: int, most_each: int) -> None:
         """most, most_each: maximum number of open viewers, in total and per session or token."""
         self.open, self.most, self.most_each = 0, most, most_each

@@ -121,7 +121,6 @@ def _apart(one: Body, other: Body) -> float:
 
 
 def bodies_of(looks: Sequence[ObstacleLook | None], values: Mapping[str, float], flight: Flight) -> list[Body]:
-    """The obstacles of these looks in that flight; `values` are the nominal parameters by path."""
     given = {**values, **flight.parameters}
     return [body_of(number, given, flight.axes, flight, look) for number, look in enumerate(looks)]
 

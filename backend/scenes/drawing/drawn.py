@@ -50,8 +50,6 @@ class Style:
 
 
 class Drawn:
-    """A flight in the scene; redrawn in place when it changes."""
-
     def __init__(self, server: viser.ViserServer, setting: Setting, world: World, style: Style) -> None:
         self._scene, self._setting, self._world, self.style = server.scene, setting, world, style
         self._solids = Solids(server)
@@ -99,7 +97,6 @@ class Drawn:
 
     @property
     def tag(self) -> Tag | None:
-        """The label of the closest approach, if it is visible."""
         return self._tag if self.seen else None
 
     @property

@@ -22,8 +22,6 @@ from backend.scenes.drawing.world import World
 
 
 class Flights(Part):
-    """Draws the flights by role; only changed ones are redrawn."""
-
     def __init__(
         self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, progress: Progress
     ) -> None:
@@ -59,7 +57,6 @@ class Flights(Part):
         return bool(new)
 
     def choose(self) -> None:
-        """Draw the finding that is selected now, or none."""
         self.chosen.clear()
         self.chosen.restyle(self.time, title=called(self._progress.shown))
         if not self.stored():

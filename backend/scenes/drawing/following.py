@@ -86,7 +86,6 @@ class Following(Part):
 
     @property
     def view(self) -> View:
-        """The camera, named or not, and the size of the viewport."""
         found = self._pose(self.camera) if self.camera is not None else self.eye or self._pose("overview")
         return View(*found, *self._size)
 

@@ -136,12 +136,10 @@ class Box:
     bottom: float
 
     def meets(self, other: Box) -> bool:
-        """Whether both have more than an edge in common."""
         across = self.left < other.right and other.left < self.right
         return across and self.top < other.bottom and other.top < self.bottom
 
     def within(self, view: View) -> bool:
-        """Whether the window shows all of it."""
         return self.left >= 0 and self.top >= 0 and self.right <= view.width and self.bottom <= view.height
 
 
@@ -184,8 +182,6 @@ def overlapping(labels: Sequence[Label], view: View, spots: Mapping[str, Spot | 
 
 
 class Labels(Part):
-    """Arranges the labels that the parts of a scene have drawn."""
-
     def __init__(self, tags: Callable[[float], Iterable[Tag]], view: Callable[[], View]) -> None:
         """tags: the visible labels at a time [s], the first ones having precedence; view: the camera now."""
         self._tags, self._view = tags, view
@@ -258,7 +254,6 @@ def _unit(vector: Floats) -> Floats:
 
 
 def put(tag: Tag, spot: Spot | None) -> None:
-    """Move a label; sends nothing if it is there."""
     node = tag.node
     if node.visible != (spot is not None):
         node.visible = spot is not None

@@ -26,8 +26,6 @@ from backend.scenes.drawing.world import World
 
 @dataclass(eq=False)
 class _Group:
-    """One obstacle in the state shared by some flights."""
-
     name: str
     body: Body
     members: list[Drawn] = field(default_factory=list)
@@ -159,7 +157,6 @@ class Obstacles:
         self._label(group)
 
     def _colour(self, group: _Group) -> Rgb:
-        """The colour of its flight if flights differ in it."""
         return rgb(group.members[0].style.colour if group.own else self._palette.obstacle)
 
     def _flat(self, group: _Group, colour: Rgb) -> None:

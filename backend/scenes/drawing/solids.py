@@ -16,8 +16,6 @@ LINE = 2.0
 
 
 class Solids:
-    """Draws by name; replaces a node of the same name."""
-
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene = server.scene
 

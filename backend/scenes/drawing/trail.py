@@ -19,8 +19,6 @@ THIN = 1.0
 
 
 class Trail:
-    """Drawn under the node of its flight, which controls its visibility."""
-
     def __init__(self, server: viser.ViserServer, root: str, width: float) -> None:
         self._scene, self._root, self._width = server.scene, root, width
         self._solids = Solids(server)

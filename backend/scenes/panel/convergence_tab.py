@@ -37,8 +37,6 @@ def _best(curve: Improvements, grid: Floats) -> Floats:
 
 
 class ConvergenceTab(Part):
-    """One plot, updated during the search."""
-
     def __init__(self, gui: viser.GuiApi, setting: Setting, palette: Palette, curves: dict[int, Improvements]) -> None:
         self._curves = [curves[position] for position, _, _ in setting.methods]
         self._methods, self._looks = setting.methods, setting.drawn

@@ -31,8 +31,6 @@ OPACITY = 150
 
 @dataclass(frozen=True)
 class Grid:
-    """Square cells of a horizontal rectangle in scene coordinates."""
-
     columns: int
     rows: int
     cell: float
@@ -97,7 +95,6 @@ class Slice:
 
 
 def read(answer: FieldReply, grid: Grid, axes: Axes) -> Slice:
-    """Convert the simulation process's response to scene coordinates."""
     rows = [row or (np.nan,) * 3 for row in answer["demand"]]
     demand = axes.drawn(np.array(rows, dtype=np.float64)).reshape(grid.rows, grid.columns, 3)
     own = None if answer["own"] is None else axes.drawn(np.array(answer["own"], dtype=np.float64))
@@ -124,7 +121,6 @@ def arrows(found: Slice) -> Floats:
 
 
 def legend(found: Slice, title: str, setting: Setting, dark: bool) -> str:
-    """The legend: a scale with its numbers, and a few sentences."""
     magnitude, unit = found.magnitude, found.unit
     known = magnitude[np.isfinite(magnitude)]
     name = str(setting.document["scenario"]["avoider"]["component"]).replace("_", " ")

@@ -37,8 +37,6 @@ ROOT = "/flights/sampled"
 
 
 class Sampled(Part):
-    """The flights are simulated on first use and cached."""
-
     def __init__(
         self,
         server: viser.ViserServer,

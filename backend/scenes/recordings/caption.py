@@ -39,8 +39,6 @@ font:12px/18px var(--mantine-font-family,system-ui,sans-serif);font-variant-nume
 
 @dataclass(frozen=True)
 class Caption:
-    """The content of the caption besides the flights."""
-
     run: str
     name: str
     state: str

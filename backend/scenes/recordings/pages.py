@@ -42,8 +42,6 @@ KEPT = 8
 
 @dataclass(frozen=True)
 class Recorded:
-    """A page that plays a flight, its entity tag and its file name."""
-
     html: str
     tag: str
     file: str
@@ -58,8 +56,6 @@ class _Asked:
 
 
 class Recordings:
-    """Creates recordings of stored flights, limited by the capacity."""
-
     def __init__(self, engine: sa.Engine, capacity: Capacity, pages: Path) -> None:
         self._engine, self._capacity, self._pages = engine, capacity, pages
         self._lock = threading.Lock()

@@ -37,8 +37,6 @@ MOST = 900
 
 @dataclass(frozen=True)
 class Cast:
-    """The flights of one recording: the recorded one and the nominal one."""
-
     label: str
     shown: Flight
     nominal: Flight | None
@@ -97,13 +95,11 @@ class _Stage:
         return f"The play bar shows {of} in seconds; dots every {self._flights.dots:g} s.{arrows}"
 
     def _separation_label(self, drawn: Drawn) -> Tag:
-        """The label at a vehicle with its current separation from the nearest obstacle."""
         anchor: Anchor = "bottom-center" if drawn.style.layer else "top-center"
         label = Label(f"/flights/{drawn.style.key}/now", drawn.style.title, np.zeros(3), anchor, 0.75)
         return Tag(label, Solids(self._server).label(label), np.zeros(3))
 
     def _tags(self, time: float) -> Iterator[Tag]:
-        """The labels of the scene at a time [s]; the first ones have precedence."""
         yield from self._flights.tags(time)
         yield from self._told.values()
         yield from (self._vectors.tag,) if self._vectors.tag is not None else ()

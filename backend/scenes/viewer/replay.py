@@ -15,8 +15,6 @@ STEP = 0.01
 
 
 class Replay:
-    """Stores the displayed time and notifies the driver of changes."""
-
     def __init__(self, setting: Setting, flights: Flights, vectors: Vectors, driver: Driver) -> None:
         self._horizon, self._flights, self._vectors, self._driver = setting.horizon, flights, vectors, driver
         self.time, self.speed, self.playing = 0.0, 1.0, False
@@ -82,7 +80,6 @@ class Replay:
             self.go_to(time)
 
     def closest_time(self) -> float | None:
-        """Time of the worst flight's closest approach [s]."""
         flights = [one.flight for one in self._flights.every if one.flight is not None and one.flight.closest]
         worst = min(flights, key=lambda flight: flight.closest.value if flight.closest else 0.0, default=None)
         return None if worst is None or worst.closest is None else worst.closest.time

@@ -107,7 +107,6 @@ class Viewer:
         self._thread.start()
 
     def close(self) -> None:
-        """Stop the animation and all simulations."""
         with self._lock:
             self._stopped = True
         self.on_news()
@@ -117,7 +116,6 @@ class Viewer:
         self._thread.join()
 
     def _begin(self, address: Address) -> None:
-        """Start at the time and camera of the address; without a time, at the closest approach."""
         closest = self._replay.closest_time()
         self._replay.go_to(closest if address.time is None and closest is not None else address.time or 0.0)
         self._following.first(self._replay.time)
@@ -223,7 +221,6 @@ class Viewer:
             return ViewState(opened=self._opened, revision=self.revision, **self._shown())
 
     def _shown(self) -> dict[str, Any]:
-        """All of the state that a page can change."""
         camera, eye = self._following.camera, self._following.eye
         return {
             "flight": self._progress.shown,
@@ -237,7 +234,6 @@ class Viewer:
         }
 
     def _note(self) -> None:
-        """Notify listeners if the display has changed."""
         if self._stopped or not self._ready:
             return
         shown = self._shown()

@@ -30,8 +30,6 @@ class _Asked:
 
 
 class WhatIf(Part):
-    """Stores which flight is drawn as the what-if."""
-
     def __init__(
         self, setting: Setting, live: Live, drawn: Drawn, show: Callable[[Flight | None], None], driver: Driver
     ) -> None:
@@ -43,7 +41,6 @@ class WhatIf(Part):
 
     @property
     def parameters(self) -> dict[str, float] | None:
-        """The parameters of the drawn flight; None if there is none."""
         flight = self._drawn.flight
         if flight is None:
             return None

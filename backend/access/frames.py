@@ -45,14 +45,14 @@ class Frames:
     @contextlib.contextmanager
     def expected(self, run: str, key: str, voucher: Voucher) -> Iterator[None]:
         """Meanwhile a socket of this run with this key is the voucher's; run: as in the address."""
-        held = self._vouchers.setdefault((run, key), [])
-        held.append(voucher)
+        vouchers = self._vouchers.setdefault((run, key), [])
+        vouchers.append(voucher)
         self._tell()
         try:
             yield
         finally:
-            held.remove(voucher)
-            if not held:
+            vouchers.remove(voucher)
+            if not vouchers:
                 del self._vouchers[run, key]
 
     async def voucher(self, path: str) -> Voucher | None:
@@ -73,8 +73,8 @@ class Frames:
         self._changed = asyncio.Event()
 
     def _held(self, named: re.Match[str]) -> Voucher | None:
-        held = self._vouchers.get((named[1], named[2]))
-        return held[-1] if held else None
+        vouchers = self._vouchers.get((named[1], named[2]))
+        return vouchers[-1] if vouchers else None
 
     async def _coming(self, named: re.Match[str]) -> Voucher | None:
         if self.waiting >= self._most:

@@ -37,7 +37,7 @@ async def case_installed(run: RunName, request: Request, engine: Engine) -> Case
 
 @router.post("/runs/{run}/cases", responses=problems(*WHAT_IF, "case-failed"))
 async def evaluate_case(
-    run: RunName, given: CaseRequest, request: Request, engine: Engine, visitor: CurrentVisitor
+    run: RunName, case: CaseRequest, request: Request, engine: Engine, visitor: CurrentVisitor
 ) -> CaseAnswer:
     """Evaluate one case of the run's simulator with other parameters (what-if); stores nothing, and is no evidence.
 
@@ -45,15 +45,15 @@ async def evaluate_case(
     which must have the run's simulator. Of one client's pending requests only the newest is processed; older ones
     return 409. An evaluation that takes too long is ended with 503.
     """
-    work = partial(_work, request, engine, run, given)
-    return await in_turn(request, visitor, run, given, capacities(request).cases, work)
+    work = partial(_work, request, engine, run, case)
+    return await in_turn(request, visitor, run, case, capacities(request).cases, work)
 
 
 def _work(
-    request: Request, engine: Engine, run: str, given: CaseRequest, viewer: Viewer | None, turn: Turn
+    request: Request, engine: Engine, run: str, case: CaseRequest, viewer: Viewer | None, turn: Turn
 ) -> CaseAnswer:
     with read(engine) as reader:
-        wanted = service.asked(reader, run, given)
-    answer = service.evaluated(request.app.state.cases, wanted, given.rows)
-    drawn = given.view if drew(viewer, answer, None, turn) else None
-    return service.response(wanted, answer, drawn, given.rows)
+        wanted = service.asked(reader, run, case)
+    answer = service.evaluated(request.app.state.cases, wanted, case.rows)
+    drawn = case.view if drew(viewer, answer, None, turn) else None
+    return service.response(wanted, answer, drawn, case.rows)

@@ -46,10 +46,10 @@ def process() -> Live:
     return Live(COMMAND, LIMIT, FIRST_LIMIT, GRACE)
 
 
-def asked(reader: sa.Connection, run: str, given: CaseRequest) -> Evaluable:
+def asked(reader: sa.Connection, run: str, request: CaseRequest) -> Evaluable:
     """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
     found = _simulated(reader, number(run))
-    wanted = flights.case(reader, number(run), found, given.like, given.parameters)
+    wanted = flights.case(reader, number(run), found, request.like, request.parameters)
     return Evaluable(wanted, _needs(reader, wanted.run_id), versions(reader, wanted.run_id).simulator)
 
 

@@ -87,12 +87,12 @@ def _shipped(name: str) -> tuple[Campaign, str]:
     return load_file(path), path.read_text(encoding="utf-8")
 
 
-def checked(reader: sa.Connection, given: Campaign | CampaignError) -> Checked:
+def checked(reader: sa.Connection, campaign: Campaign | CampaignError) -> Checked:
     """The parsed campaign, or all its errors; stores nothing."""
-    if isinstance(given, CampaignError):
+    if isinstance(campaign, CampaignError):
         return Checked(
             ok=False,
-            problems=_out(given.problems),
+            problems=_out(campaign.problems),
             digest=None,
             document=None,
             yaml=None,
@@ -102,18 +102,18 @@ def checked(reader: sa.Connection, given: Campaign | CampaignError) -> Checked:
             estimate=None,
         )
     catalogue = required(reader)
-    problems = check(given, catalogue)
-    evaluations = sum(stage.planned for stage in plan(given))
+    problems = check(campaign, catalogue)
+    evaluations = sum(stage.planned for stage in plan(campaign))
     return Checked(
         ok=not problems,
         problems=_out(problems),
-        digest=given.digest,
-        document=given.document(),
-        yaml=readable_yaml(given),
-        parameters=_parameters(given, catalogue),
+        digest=campaign.digest,
+        document=campaign.document(),
+        yaml=readable_yaml(campaign),
+        parameters=_parameters(campaign, catalogue),
         evaluations=evaluations,
-        seconds=_seconds(reader, given, evaluations),
-        estimate=None if problems else estimate(reader, given, catalogue, lambda n: _seconds(reader, given, n)),
+        seconds=_seconds(reader, campaign, evaluations),
+        estimate=None if problems else estimate(reader, campaign, catalogue, lambda n: _seconds(reader, campaign, n)),
     )
 
 

@@ -125,9 +125,9 @@ def succeed(
 ) -> int:
     """Queue a run that continues another one, with its name, tags, labels, baseline, priority and owner."""
     kept = sa.select(Run.name, Run.tags, Run.owner, Run.priority).where(Run.id == old)
-    given = labels.of_runs(writer, [old]).get(old, {})
+    own_labels = labels.of_runs(writer, [old]).get(old, {})
     same = writer.execute(kept).one()._asdict()
-    run_id = submit(writer, campaign, **same, planned=planned, catalogue=catalogue, given=given)
+    run_id = submit(writer, campaign, **same, planned=planned, catalogue=catalogue, labelled=own_labels)
     for row in writer.execute(sa.select(RunBaseline.__table__).where(RunBaseline.run_id == old)).mappings().all():
         writer.execute(sa.insert(RunBaseline).values({**row, "run_id": run_id}))
     writer.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **values))

@@ -61,14 +61,14 @@ def _first(
 def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurement]:
     """The measurements by runs of the simulator with this declaration, the newest first."""
     nominal = sa.and_(Stage.run_id == Run.id, Stage.kind == "nominal", Stage.state == StageState.DONE)
-    asked = (
+    query = (
         sa.select(Run.id, Run.started, Run.flown, Stage.result)
         .join(Stage, nominal)
         .where(Run.needs == entry.version, Run.removed.is_(None))
         .order_by(Run.id.desc())
         .limit(RECENT_RUNS)
     )
-    for run_id, started, flown, result in reader.execute(asked):
+    for run_id, started, flown, result in reader.execute(query):
         measured = NominalResult.model_validate(result).measured
         cost = None if measured is None else _cost(measured, run_name(run_id), started)
         if cost is not None:

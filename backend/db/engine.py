@@ -56,8 +56,8 @@ def connect(url: str, busy_timeout: float | None = None) -> sa.Engine:
             json_serializer=_json,
             connect_args={"options": limits} if limits else {},
         )
-    given = parsed.render_as_string()
-    raise ValueError(f"the database {given!r} is not supported: give sqlite:///FILE or postgresql://...")
+    address = parsed.render_as_string()
+    raise ValueError(f"the database {address!r} is not supported: give sqlite:///FILE or postgresql://...")
 
 
 def default_url(data: Path) -> str:

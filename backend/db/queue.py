@@ -67,7 +67,7 @@ def submit(
     planned: int,
     priority: int = 0,
     catalogue: Catalogue | None = None,
-    given: Mapping[str, str] | None = None,
+    labelled: Mapping[str, str] | None = None,
 ) -> int:
     """Queue a run of the campaign in the caller's transaction; returns its number.
 
@@ -93,7 +93,7 @@ def submit(
         "size": sizes.of_document(document),
     }
     run_id = int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
-    labels.store(connection, run_id, given or {})
+    labels.store(connection, run_id, labelled or {})
     if stated := campaign.criterion.requirements:
         of = {"run_id": run_id, "question": question(document)}
         connection.execute(
@@ -111,8 +111,8 @@ def request_cancel(connection: sa.Connection, run_id: int) -> RunState | None:
     unheld = sa.or_(Run.state == RunState.QUEUED, sa.and_(Run.state.in_(HELD), Run.lease_until < at))
     ended = {"state": RunState.CANCELLED, "cancel": True, "finished": at, "lease_until": 0.0, "error": None}
     connection.execute(sa.update(Run).where(Run.id == run_id, unheld).values(**ended))
-    asked = {"state": RunState.CANCELLING, "cancel": True}
-    connection.execute(sa.update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING).values(**asked))
+    request = {"state": RunState.CANCELLING, "cancel": True}
+    connection.execute(sa.update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING).values(**request))
     return connection.scalar(sa.select(Run.state).where(Run.id == run_id))
 
 
@@ -251,8 +251,8 @@ def waiting_order(at: float) -> sa.Select[int]:
 
 
 def _order(at: float) -> tuple[Any, ...]:
-    held = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
-    share = held.group_by(Run.owner).subquery()
+    active = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
+    share = active.group_by(Run.owner).subquery()
     fewest = sa.func.coalesce(sa.select(share.c.held).where(share.c.owner == Run.owner).scalar_subquery(), 0)
     return (Run.priority.desc(), fewest, Run.created, Run.id)
 

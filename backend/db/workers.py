@@ -85,17 +85,17 @@ def simulators(connection: sa.Connection) -> list[SimulatorEntry]:
     had = {version for versions in known for version in versions}
     document = connection.scalar(sa.select(CatalogueDocument.document)) or {}
     found = []
-    for given in document.get("simulators", []):
+    for stored_entry in document.get("simulators", []):
         with contextlib.suppress(ValidationError):
-            entry = SimulatorEntry.model_validate(given)
+            entry = SimulatorEntry.model_validate(stored_entry)
             found += [entry] if entry.version in had else []
     return found
 
 
 def doing(connection: sa.Connection, name: str, run_id: int, what: str = "", seconds: float | None = None) -> None:
     """Record what the worker does besides the stages of its run; an empty `what` ends it. `seconds`: its estimate."""
-    told = asdict(Doing(what, run_id, now(connection), seconds)) if what else None
-    connection.execute(sa.update(Worker).where(Worker.name == name).values(doing=told))
+    activity = asdict(Doing(what, run_id, now(connection), seconds)) if what else None
+    connection.execute(sa.update(Worker).where(Worker.name == name).values(doing=activity))
 
 
 def beat(

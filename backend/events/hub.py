@@ -43,8 +43,8 @@ class _Listener:
     def send_all(self, events: list[Event], at: float) -> None:
         """Send the full state in one piece; without an earlier mark all events have the new one."""
         self.greeted, before, self.mark = True, self.mark or _mark(at), _mark(at)
-        told = [event.text(before) for event in events[:-1]] + [event.text(self.mark) for event in events[-1:]]
-        self._put("".join(told) or f"{identified(self.mark)}\n")
+        texts = [event.text(before) for event in events[:-1]] + [event.text(self.mark) for event in events[-1:]]
+        self._put("".join(texts) or f"{identified(self.mark)}\n")
 
     def send(self, events: list[Event], at: float = 0.0) -> None:
         wanted = [e for e in events if e.run_id is None or self._subscribes(e)]
@@ -146,10 +146,10 @@ class Hub:
             if listener.greeted:
                 listener.send(events, watch.at)
                 continue
-            told = [*roster.everything(), *watch.everything(listener.run_id)]
+            state = [*roster.everything(), *watch.everything(listener.run_id)]
             if listener.run_id is None and listener.since is not None:
-                told += await anyio.to_thread.run_sync(watch.ended, listener.since)
-            listener.send_all(told, watch.at)
+                state += await anyio.to_thread.run_sync(watch.ended, listener.since)
+            listener.send_all(state, watch.at)
 
 
 def _mark(at: float) -> str:

@@ -153,10 +153,10 @@ class Watch:
 
 def _watched(reader: sa.Connection, run_id: int) -> _Watched:
     try:
-        asked = service.campaign(reader, run_id)
+        campaign = service.campaign(reader, run_id)
     except RefusedError:  # its progress is reported nevertheless
         return _Watched([], {})
-    return _Watched(list(asked.uncertain), bounds(asked, described(reader, run_id)))
+    return _Watched(list(campaign.uncertain), bounds(campaign, described(reader, run_id)))
 
 
 def _stages(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event]:

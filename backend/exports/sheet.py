@@ -89,27 +89,27 @@ class Sheet:
         ]
 
 
-def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
+def sheet(reader: sa.Connection, run_id: int, campaign: Campaign) -> Sheet:
     catalogue = described(reader, run_id)
-    limits = bounds(asked, catalogue)
-    units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(asked, catalogue).items()}
+    limits = bounds(campaign, catalogue)
+    units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(campaign, catalogue).items()}
     query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations)
     rows = reader.execute(query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position))
-    told = criteria(asked.document(), catalogue)[: _width(reader, run_id)]
+    criterion_list = criteria(campaign.document(), catalogue)[: _width(reader, run_id)]
     return Sheet(
         run_id=run_id,
         stages=[Evaluated(*row) for row in rows],
-        criteria=headings(told),
-        turned=[c.worse == "high" for c in told],
-        parameters=[(path, units.get(path, "") if path in limits else SHARE) for path in asked.uncertain],
+        criteria=headings(criterion_list),
+        turned=[c.worse == "high" for c in criterion_list],
+        parameters=[(path, units.get(path, "") if path in limits else SHARE) for path in campaign.uncertain],
         limits=limits,
     )
 
 
-def headings(told: list[CriterionOut]) -> list[tuple[str, str]]:
+def headings(criterion_list: list[CriterionOut]) -> list[tuple[str, str]]:
     """Quantity and unit of every criterion, with unique names."""
     named: list[tuple[str, str]] = []
-    for criterion in told:
+    for criterion in criterion_list:
         name = criterion.quantity or criterion.component
         again = sum(known.partition(" ")[0] == name for known, _ in named)
         named.append((f"{name} {again + 1}" if again else name, criterion.unit))

@@ -23,7 +23,7 @@ router = APIRouter(tags=["results"])
 
 @router.post("/runs/{run}/flights", responses=problems(*WHAT_IF, "flight-failed"))
 async def simulate_flight(
-    run: RunName, given: FlightRequest, request: Request, engine: Engine, visitor: CurrentVisitor
+    run: RunName, flight: FlightRequest, request: Request, engine: Engine, visitor: CurrentVisitor
 ) -> FlightAnswer:
     """Simulate one flight of the run's scenario with other parameters (what-if); stores nothing.
 
@@ -31,15 +31,15 @@ async def simulate_flight(
     seed of a finding the cost is bit-identical to the finding's if the run's version is installed. Of one client's
     pending requests only the newest is processed; older ones return 409.
     """
-    work = partial(_work, request, engine, run, given)
-    return await in_turn(request, visitor, run, given, capacities(request).flights, work)
+    work = partial(_work, request, engine, run, flight)
+    return await in_turn(request, visitor, run, flight, capacities(request).flights, work)
 
 
 def _work(
-    request: Request, engine: Engine, run: str, given: FlightRequest, viewer: Viewer | None, turn: Turn
+    request: Request, engine: Engine, run: str, flight: FlightRequest, viewer: Viewer | None, turn: Turn
 ) -> FlightAnswer:
     with read(engine) as reader:
-        wanted = service.asked(reader, run, given)
-    answer = service.simulated(request.app.state.live, wanted, given.rows)
-    drawn = given.view if drew(viewer, answer, wanted.seed, turn) else None
-    return response(wanted, answer, drawn, given.rows)
+        wanted = service.asked(reader, run, flight)
+    answer = service.simulated(request.app.state.live, wanted, flight.rows)
+    drawn = flight.view if drew(viewer, answer, wanted.seed, turn) else None
+    return response(wanted, answer, drawn, flight.rows)

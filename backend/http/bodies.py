@@ -30,11 +30,11 @@ def of(schema: str, yaml: bool = True) -> dict[str, object]:
 
 def content_type(request: Request) -> str:
     """The body's media type without its parameters; 415 for one that is neither JSON nor YAML."""
-    given = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if given not in JSON_TYPES | YAML_TYPES:
-        detail = f"send a campaign as application/json or application/yaml, given {given or 'no content type'!r}"
+    media_type = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if media_type not in JSON_TYPES | YAML_TYPES:
+        detail = f"send a campaign as application/json or application/yaml, given {media_type or 'no content type'!r}"
         raise RefusedError(415, "unsupported-media-type", detail)
-    return given
+    return media_type
 
 
 def is_yaml(request: Request) -> bool:

@@ -84,8 +84,8 @@ class Capacity:
 class BoundedStream(StreamingResponse):
     """A streamed file whose parts are generated in the capacity's threads; its turn ends after the last byte."""
 
-    def __init__(self, capacity: Capacity, parts: Callable[[], Iterator[bytes]], **given: Any) -> None:
-        super().__init__(iter(()), **given)
+    def __init__(self, capacity: Capacity, parts: Callable[[], Iterator[bytes]], **options: Any) -> None:
+        super().__init__(iter(()), **options)
         self._capacity, self._parts = capacity, parts
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

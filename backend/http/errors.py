@@ -164,11 +164,11 @@ def problems(*kinds: str) -> Responses:
 def declare(responses: Responses, kind: str, key: type[int] | type[str] = int) -> None:
     """Add a problem type to the responses of an operation."""
     status, when = KINDS[kind]
-    told = f"`{_URN}{kind}`: {when}"
+    text = f"`{_URN}{kind}`: {when}"
     found = responses.setdefault(key(status), PROBLEMS["default"] | {"description": "", "x-problem-types": []})
     if _URN + kind not in found["x-problem-types"]:
         found["x-problem-types"] = [*found["x-problem-types"], _URN + kind]
-        found["description"] = f"{found['description']}\n\n{told}".strip()
+        found["description"] = f"{found['description']}\n\n{text}".strip()
     if kind in RETRY:
         found["headers"] = {"Retry-After": RETRY_AFTER}
     elif kind == "not-signed-in":
@@ -191,8 +191,8 @@ class RefusedError(Exception):
         self.errors, self.headers = list(errors), headers
 
 
-def not_found(what: str, given: str) -> RefusedError:
-    return RefusedError(404, "not-found", f"there is no {what} {given[:LONGEST]!r}")
+def not_found(what: str, name: str) -> RefusedError:
+    return RefusedError(404, "not-found", f"there is no {what} {name[:LONGEST]!r}")
 
 
 def respond(refused: RefusedError, path: str) -> JSONResponse:
@@ -210,9 +210,9 @@ def respond(refused: RefusedError, path: str) -> JSONResponse:
     return JSONResponse(document.model_dump(), refused.status, dict(refused.headers or {}), MEDIA_TYPE)
 
 
-def _text(given: str) -> str:
+def _text(text: str) -> str:
     """Escape unpaired surrogates, which cannot be encoded."""
-    return given.encode("utf-8", "backslashreplace").decode()
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def broken(path: str) -> JSONResponse:
@@ -288,9 +288,9 @@ _PARTS = {"body", "query", "path", "header"}
 
 def problem_of(error: Mapping[str, Any], location: Iterable[object]) -> Problem:
     """A problem of a request as found by pydantic, at a location in it."""
-    given = error.get("input", "")
+    value = error.get("input", "")
     shortened = (
-        given[:LONGEST] if isinstance(given, str) else shown(given) if isinstance(given, dict | list) else str(given)
+        value[:LONGEST] if isinstance(value, str) else shown(value) if isinstance(value, dict | list) else str(value)
     )
-    given = "" if error["type"] == "missing" else shortened[:LONGEST]
-    return Problem(".".join(map(str, location))[:400], given, str(error["msg"]).removeprefix("Value error, "))
+    value = "" if error["type"] == "missing" else shortened[:LONGEST]
+    return Problem(".".join(map(str, location))[:400], value, str(error["msg"]).removeprefix("Value error, "))

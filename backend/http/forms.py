@@ -26,18 +26,18 @@ _OR = '<p class="or">or with a name and a password</p>'
 _AUTO = 'autocapitalize="none" spellcheck="false"'
 
 
-def own_path(given: str) -> str:
+def own_path(address: str) -> str:
     """The address if it is one of this service's own pages, else the start page: no open redirect.
 
     Both are as a browser requests them, with the path of the public address. A browser reads `//host`, `/\\host` and a
     tab or newline inside such a prefix as another server (WHATWG URL).
     """
-    plain_text = given.isascii() and given.isprintable() and " " not in given and "\\" not in given
-    own = inside(given)
-    if not plain_text or len(given) > LONGEST or own is None or not own.startswith("/") or own.startswith("//"):
+    plain_text = address.isascii() and address.isprintable() and " " not in address and "\\" not in address
+    own = inside(address)
+    if not plain_text or len(address) > LONGEST or own is None or not own.startswith("/") or own.startswith("//"):
         return at(START)
     path = urllib.parse.unquote(urllib.parse.urlsplit(own).path)
-    return at(START) if path == "/" or path.startswith(_NOWHERE) or path.startswith("//") or "\\" in path else given
+    return at(START) if path == "/" or path.startswith(_NOWHERE) or path.startswith("//") or "\\" in path else address
 
 
 def quoted(address: str) -> str:

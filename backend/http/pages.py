@@ -112,11 +112,11 @@ def _asset(file: Path, headers: Headers) -> Response:
     packed = file.with_name(f"{file.name}.br")
     if not packed.is_file():
         return FileResponse(file, headers=ASSET)
-    given = ASSET | {"Vary": "Accept-Encoding"}
+    answer_headers = ASSET | {"Vary": "Accept-Encoding"}
     if "br" not in {coding.partition(";")[0].strip() for coding in headers.get("accept-encoding", "").split(",")}:
-        return FileResponse(file, headers=given)
+        return FileResponse(file, headers=answer_headers)
     kind = mimetypes.guess_type(file.name)[0]
-    return FileResponse(packed, media_type=kind, headers=given | {"Content-Encoding": "br"})
+    return FileResponse(packed, media_type=kind, headers=answer_headers | {"Content-Encoding": "br"})
 
 
 def _inside(folder: Path, path: str) -> Path | None:

@@ -90,8 +90,8 @@ class _Answer:
 
 def preferences(headers: Headers) -> frozenset[str]:
     """The known preferences of a request; others are ignored, as the standard has it."""
-    given = ",".join(headers.getlist("prefer")).lower()
-    found = {re.sub(r'["\s]', "", part.partition(";")[0]) for part in given.split(",")}
+    header = ",".join(headers.getlist("prefer")).lower()
+    found = {re.sub(r'["\s]', "", part.partition(";")[0]) for part in header.split(",")}
     return frozenset(found & {TIMES, LISTS})
 
 

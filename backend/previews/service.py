@@ -112,11 +112,13 @@ def response(campaign: Campaign, criterion: ComponentEntry, answer: FlightReply,
     )
 
 
-def _closest(given: Mapping[str, Any] | None) -> PreviewClosest | None:
-    return None if given is None else PreviewClosest(**{name: given[name] for name in PreviewClosest.model_fields})
+def _closest(point: Mapping[str, Any] | None) -> PreviewClosest | None:
+    return None if point is None else PreviewClosest(**{name: point[name] for name in PreviewClosest.model_fields})
 
 
-def _realisation(given: Mapping[str, Any] | None) -> PreviewRealisation | None:
-    if given is None:
+def _realisation(realisation: Mapping[str, Any] | None) -> PreviewRealisation | None:
+    if realisation is None:
         return None
-    return PreviewRealisation(seed=given["seed"], seeds=given["seeds"], combine=given["combine"], value=given["cost"])
+    return PreviewRealisation(
+        seed=realisation["seed"], seeds=realisation["seeds"], combine=realisation["combine"], value=realisation["cost"]
+    )

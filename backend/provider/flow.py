@@ -143,11 +143,11 @@ class Provider:
         return found
 
 
-def _listed(given: object) -> tuple[str, ...]:
+def _listed(groups: object) -> tuple[str, ...]:
     """Groups as providers send them: a list, or one name."""
-    if isinstance(given, str):
-        return (given,)
-    return tuple(one for one in given if isinstance(one, str)) if isinstance(given, list) else ()
+    if isinstance(groups, str):
+        return (groups,)
+    return tuple(one for one in groups if isinstance(one, str)) if isinstance(groups, list) else ()
 
 
 def _denied(name: str, error: str) -> SignInError:

@@ -22,13 +22,13 @@ def conditions(held: Held) -> list[str]:
 
 def _measured(held: Held) -> str:
     """The description of the criterion, which states the reference point of the distance."""
-    asked = held.campaign.criterion
+    criterion = held.campaign.criterion
     if held.campaign.simulator is not None:
         return _result(held, held.campaign.simulator.name)
-    entry = held.catalogue.component("criterion", asked.component) if held.catalogue else None
+    entry = held.catalogue.component("criterion", criterion.component) if held.catalogue else None
     if entry is None:
         return (
-            f"Criterion {asked.component}: its description is unknown, and so is whether a distance is measured to "
+            f"Criterion {criterion.component}: its description is unknown, and so is whether a distance is measured to "
             "the obstacles’ centres or to their surfaces."
         )
     first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
@@ -84,14 +84,14 @@ def _failed(held: Held) -> str:
 def _noise(held: Held) -> list[str]:
     if held.campaign.scenario is None or not _random(held):
         return []
-    asked = held.campaign.scenario.realisations
-    seeds = ", ".join(str(seed) for seed in asked.seeds)
-    if len(asked.seeds) == 1:
+    realisations = held.campaign.scenario.realisations
+    seeds = ", ".join(str(seed) for seed in realisations.seeds)
+    if len(realisations.seeds) == 1:
         searched = f"Searches simulated one noise realisation, that of seed {seeds}. Another realisation may be worse."
     else:
         searched = (
-            f"Searches simulated the noise realisations of the seeds {seeds} and used the {asked.combine} of them. "
-            "Another realisation may be worse."
+            f"Searches simulated the noise realisations of the seeds {seeds} and used the {realisations.combine} of "
+            "them. Another realisation may be worse."
         )
     stated = sample(held)
     if stated is not None and stated.noise == "drawn":

@@ -32,14 +32,14 @@ def picture(reader: sa.Connection, run_id: int) -> bytes:
     lines = textwrap.wrap(caption, LONGEST)
     width, whole = figures.WIDE + 2 * PAD, height + HEAD + LINE * len(lines) + PAD
     row = Markup('<text x="{}" y="{}" fill="{}">{}</text>')
-    told = Markup("").join(row.format(PAD, height + HEAD + LINE * k, INK2, line) for k, line in enumerate(lines, 1))
+    rows = Markup("").join(row.format(PAD, height + HEAD + LINE * k, INK2, line) for k, line in enumerate(lines, 1))
     form = (
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" font-family="{2}" '
         'font-size="9.5"><title>{3}</title><rect width="{0}" height="{1}" fill="#fff"/>'
         '<text x="{4}" y="20" fill="{5}" font-size="13" font-weight="600">{3}</text>'
         '<text x="{4}" y="36" fill="{6}">{7}</text><g transform="translate({4} {8})">{9}</g>{10}</svg>\n'
     )
-    values = (width, whole, FONT, _title(held), PAD, INK, INK2, legible(held.run.name), HEAD, figure, told)
+    values = (width, whole, FONT, _title(held), PAD, INK, INK2, legible(held.run.name), HEAD, figure, rows)
     return str(Markup(form).format(*values)).encode()
 
 

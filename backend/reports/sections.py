@@ -27,32 +27,32 @@ Row = dict[str, object]
 def uncertain(held: Held) -> list[Row]:
     worst = held.findings[0].parameters if held.findings else {}
     rows = []
-    for path, asked in held.campaign.uncertain.items():
+    for path, parameter in held.campaign.uncertain.items():
         entry, limits = held.entry(path), held.limits.get(path)
-        nominal, low, high = limits or (None, asked.low, asked.high)
+        nominal, low, high = limits or (None, parameter.low, parameter.high)
         value = worst.get(path)
         rows.append({
             "path": path,
             "symbol": _symbol(held, path),
             "named": held.symbol(path) != path,
             "text": held.words(path) if entry else "not described",
-            "unit": numbers.unit_in_print(entry.unit if entry else asked.unit or ""),
+            "unit": numbers.unit_in_print(entry.unit if entry else parameter.unit or ""),
             "nominal": numbers.plain(nominal),
             "low": numbers.plain(low),
             "high": numbers.plain(high),
             "worst": numbers.plain(value),
             "at": held.findings[0].at_bounds.get(path, "") if held.findings else "",
-            "distribution": _distribution(asked),
+            "distribution": _distribution(parameter),
             "within": figures.within(limits[1], limits[2], limits[0], value) if limits else "",
         })  # fmt: skip
     return rows
 
 
-def _distribution(asked: Uncertain) -> str:
-    values = asked.distribution.model_dump()
+def _distribution(parameter: Uncertain) -> str:
+    values = parameter.distribution.model_dump()
     kind = values.pop("kind").replace("_", " ")
-    given = ", ".join(f"{name} {numbers.plain(value)}" for name, value in values.items())
-    return f"{kind} ({given})" if given else kind
+    options = ", ".join(f"{name} {numbers.plain(value)}" for name, value in values.items())
+    return f"{kind} ({options})" if options else kind
 
 
 def correlations(held: Held) -> list[str]:
@@ -90,11 +90,11 @@ def _part(role: str, name: str, entry: ComponentEntry | SimulatorEntry | None, v
 
 
 def _value(held: Held, path: str, entry: ParameterEntry, part: Part | Simulator | None) -> Row:
-    given = part.parameters if part else _position(held, path)
+    values = part.parameters if part else _position(held, path)
     name = path.partition(".")[2] if part is None else entry.name
     known = held.known.get(path)
-    how = "uncertain" if path in held.campaign.uncertain else "given" if name in given else "default"
-    value = known[1] if known else given.get(name)
+    how = "uncertain" if path in held.campaign.uncertain else "given" if name in values else "default"
+    value = known[1] if known else values.get(name)
     prefix = {"start": "Start", "goal": "Goal"}.get(path.partition(".")[0], "")
     text = entry.text if not prefix or entry.text.startswith(prefix) else f"{prefix}: {entry.text}"
     return {
@@ -126,18 +126,18 @@ def methods(held: Held) -> list[Row]:
     decimals = numbers.decimals_apart(bests, 4, 6)
     lowest = min((b for b in bests if b is not None), default=None)
     rows = []
-    for i, asked in enumerate(held.campaign.stages.search):
+    for i, search in enumerate(held.campaign.stages.search):
         stage = begun[i] if i < len(begun) else None
         result, comparison = (ended.get(stage.position), compared.get(stage.position)) if stage else (None, None)
-        entry = held.catalogue.method(asked.method) if held.catalogue else None
+        entry = held.catalogue.method(search.method) if held.catalogue else None
         best = stage.best if stage else None
         above = None if best is None or lowest is None else best - lowest
         rows.append({
-            "title": result.title if result else (entry.title if entry else asked.method),
+            "title": result.title if result else (entry.title if entry else search.method),
             "how": entry.how if entry else "",
             "source": entry.source if entry else "",
             "evaluations": numbers.count(stage.evaluations if stage else 0),
-            "budget": numbers.count(asked.evaluations),
+            "budget": numbers.count(search.evaluations),
             "failed": numbers.count(stage.failed if stage else 0),
             "excluded": numbers.count(stage.excluded if stage else 0),
             "best": numbers.fixed(best, decimals),
@@ -147,8 +147,8 @@ def methods(held: Held) -> list[Row]:
             "stop": result.stop.statement if result and result.stop else say("not ended"),
             "findings": (", ".join(comparison.findings) or "none") if comparison else NONE,
             "basin": (comparison.basin or "no listed finding") if comparison else NONE,
-            "options": ", ".join(f"{name} = {value}" for name, value in asked.options.items()) or "as published",
-            "starts": len(asked.starts),
+            "options": ", ".join(f"{name} = {value}" for name, value in search.options.items()) or "as published",
+            "starts": len(search.starts),
         })  # fmt: skip
     return rows
 

@@ -13,15 +13,15 @@ def changes(held: Held) -> dict[str, object] | None:
     """The comparison with the baseline, or the sentence on why there is none; None without a baseline."""
     regression = None if held.verdict is None else held.verdict.regression
     if regression is None:
-        asked = held.run.baseline
-        if asked is None:
+        baseline = held.run.baseline
+        if baseline is None:
             return None
-        told = (
-            asked.sentence
-            if asked.run is None
-            else f"{asked.sentence} The run has no verdict, so nothing was compared."
+        text = (
+            baseline.sentence
+            if baseline.run is None
+            else f"{baseline.sentence} The run has no verdict, so nothing was compared."
         )
-        return {"run": asked.run or "", "cases": [], "statement": say(told), "lost": []}
+        return {"run": baseline.run or "", "cases": [], "statement": say(text), "lost": []}
     decimals = numbers.decimals_for(
         [m for c in regression.cases for m in (c.margin_before, c.margin_again, c.margin)], 5
     )

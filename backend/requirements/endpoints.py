@@ -59,10 +59,10 @@ def list_requirements(
 
 @router.put("/requirements", responses=TAGGED | problems("requirement-conflict", "changed"))
 def write_requirement(
-    given: RequirementGiven, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
+    requirement: RequirementGiven, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
 ) -> RequirementRow:
     """Add a requirement, or change the text of one; 409 for one of a ReqIF file."""
-    row = service.write(engine, given, visitor, match)
+    row = service.write(engine, requirement, visitor, match)
     response.headers["ETag"] = row.etag
     return row
 

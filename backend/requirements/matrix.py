@@ -122,9 +122,9 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     found: dict[str, list[Edge]] = defaultdict(list)
     compared: set[int] = set()
     newest: set[tuple[str, str]] = set()
-    for key, run_id, asked, state, word, name, threshold in reader.execute(of):
+    for key, run_id, question, state, word, name, threshold in reader.execute(of):
         verdict = against.judged(state, word)
-        found[key].append(Edge(run_id, name, asked, verdict, _UNKNOWN, threshold=threshold))
+        found[key].append(Edge(run_id, name, question, verdict, _UNKNOWN, threshold=threshold))
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)
         if verdict is not None:

@@ -87,13 +87,13 @@ def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], f
 
 
 def _simulator(catalogue: Catalogue, versions: Versions, document: Mapping[str, Any]) -> Iterator[str]:
-    asked = (document.get("simulator") or {}).get("name")
-    if asked is None:
+    name = (document.get("simulator") or {}).get("name")
+    if name is None:
         return
-    installed = catalogue.digests.get(asked)
+    installed = catalogue.digests.get(name)
     if versions.simulator is None:
         yield "the digest of its simulator is not stored, so a change cannot be excluded"
     elif installed is None:
-        yield f"no worker publishes the digest of the simulator {asked}, so a change cannot be excluded"
+        yield f"no worker publishes the digest of the simulator {name}, so a change cannot be excluded"
     elif installed != versions.simulator:
-        yield f"the simulator {asked} has changed (sha256 {short(versions.simulator)}, now {short(installed)})"
+        yield f"the simulator {name} has changed (sha256 {short(versions.simulator)}, now {short(installed)})"

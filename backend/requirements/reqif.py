@@ -237,9 +237,9 @@ def _object(
     objects: Xml.Element, children: Xml.Element, number: int, values: tuple[str, ...], stamp: dict[str, str]
 ) -> None:
     thing = _in(objects, "SPEC-OBJECT", IDENTIFIER=f"object-{number}", **stamp)
-    held = _in(thing, "VALUES")
+    cells = _in(thing, "VALUES")
     for key, value in zip(("id", "text", "status", "sentence"), values, strict=True):
-        one = _in(held, "ATTRIBUTE-VALUE-STRING", **{"THE-VALUE": FORBIDDEN.sub("\ufffd", value)})
+        one = _in(cells, "ATTRIBUTE-VALUE-STRING", **{"THE-VALUE": FORBIDDEN.sub("\ufffd", value)})
         _in(_in(one, "DEFINITION"), "ATTRIBUTE-DEFINITION-STRING-REF").text = f"attribute-{key}"
     _in(_in(thing, "TYPE"), "SPEC-OBJECT-TYPE-REF").text = "type"
     place = _in(children, "SPEC-HIERARCHY", IDENTIFIER=f"place-{number}", **stamp)

@@ -71,8 +71,8 @@ def _requirements(lines: Iterator[list[str]], id_name: str, text_name: str) -> t
 def _column(header: list[str], names: Iterable[str], what: str) -> int:
     wanted = [name.lower() for name in names]
     for name in wanted:
-        for i, given in enumerate(header):
-            if given.lower() == name:
+        for i, heading in enumerate(header):
+            if heading.lower() == name:
                 return i
     raise CannotRead(
         f"no column for the {what}: the header has {', '.join(header)[:200] or 'nothing'}; it needs {wanted[0]!r}, or "
@@ -93,8 +93,8 @@ def requirements(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
     yield written([[*fixed, *more, *(["other attributes"] if rest else [])]])
     for row in listed:
         values = (row.id, row.text, row.status, row.sentence, row.file or "")
-        told = "; ".join(f"{name}: {value}" for name, value in row.attributes.items() if name in rest)
-        yield written([[*values, *(row.attributes.get(name, "") for name in more), *([told] if rest else [])]])
+        others = "; ".join(f"{name}: {value}" for name, value in row.attributes.items() if name in rest)
+        yield written([[*values, *(row.attributes.get(name, "") for name in more), *([others] if rest else [])]])
 
 
 def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:

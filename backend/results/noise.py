@@ -13,7 +13,7 @@ from campaigns.results.baseline import BaselineResult
 from campaigns.results.draws import of_draws
 
 
-def drawn(reader: sa.Connection, run_id: int, asked: Campaign) -> dict[int, list[int]]:
+def drawn(reader: sa.Connection, run_id: int, campaign: Campaign) -> dict[int, list[int]]:
     """The seeds of the leading evaluations of a stage that each drew one, {position: seeds}.
 
     A certify stage reports their number when it ends. Until then it has drawn at least the requested number before it
@@ -21,13 +21,13 @@ def drawn(reader: sa.Connection, run_id: int, asked: Campaign) -> dict[int, list
     """
     query = sa.select(Stage.position, Stage.kind, Stage.result, Stage.evaluations)
     query = query.where(Stage.run_id == run_id, Stage.kind.in_(("certify", "baseline")))
-    certify = asked.stages.certify
+    certify = campaign.stages.certify
     found = {}
     for row in reader.execute(query).all():
         if row.kind == "certify":
             begun = certify.samples if certify is not None and certify.grid is not None else row.evaluations
             count = begun if row.result is None else int(row.result.get("drawn_realisations") or 0)
-            found[row.position] = of_draws(asked.seed, 0, min(count, row.evaluations)).tolist()
+            found[row.position] = of_draws(campaign.seed, 0, min(count, row.evaluations)).tolist()
         elif row.result is not None:
             found[row.position] = BaselineResult.model_validate(row.result).seeds
     return found

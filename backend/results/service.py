@@ -41,8 +41,8 @@ def _finding(row: Any, limits: Limits, head: TraceHead | None, terms: Terms) -> 
     nominal, low, high = ({path: triple[k] for path, triple in limits.items()} for k in range(3))
     columns = ("label", "cost", "margin", "parameters", "methods", "found", "at_bounds", "validation")
     values = {column: getattr(row, column) for column in (*columns, "slices", "boundary", "closest")}
-    told = {"nominal": nominal, "low": low, "high": high, "values": {} if head is None else head.values}
-    return FindingDetail.model_validate(earlier.spoken(values, terms) | told)
+    others = {"nominal": nominal, "low": low, "high": high, "values": {} if head is None else head.values}
+    return FindingDetail.model_validate(earlier.spoken(values, terms) | others)
 
 
 def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:

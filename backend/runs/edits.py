@@ -31,25 +31,25 @@ def etag(reader: sa.Connection, run_id: int) -> str:
     return tag(*row)
 
 
-def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor, match: str | None = None) -> None:
+def edit(engine: sa.Engine, run_id: int, changes: RunEdit, visitor: Visitor, match: str | None = None) -> None:
     """Change the given fields. 404 if there is no such run, 403 if it is another user's, 422 if no field is given, 409
     if the notes have changed or the run is removed, 412 if `match` (If-Match) is not its tag.
     """
-    values = given.model_dump(exclude_unset=True, exclude={"notes_before"})
+    values = changes.model_dump(exclude_unset=True, exclude={"notes_before"})
     empty = [key for key, value in values.items() if value is None]
     if empty or not values:
         message = "give at least one of name, tags, notes and pinned; omitted fields stay unchanged"
         raise RefusedError(422, "invalid", message, [Problem(key, "null", message) for key in empty])
-    if given.tags is not None:
-        values["tags"] = list(dict.fromkeys(given.tags))
+    if changes.tags is not None:
+        values["tags"] = list(dict.fromkeys(changes.tags))
     with engine.begin() as writer:
         refuse_removed(writer, run_id)
         owner = writer.scalar(sa.select(Run.owner).where(Run.id == run_id))
         require_own(writer, visitor, owner, run_name(run_id))
         if match is not None:
             require_match(match, etag(writer, run_id), run_name(run_id))
-        if given.notes is not None and given.notes_before is not None:
-            _unchanged(writer, run_id, given.notes_before)
+        if changes.notes is not None and changes.notes_before is not None:
+            _unchanged(writer, run_id, changes.notes_before)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
             raise not_found("run", run_name(run_id))
         audit.note(writer, visitor, "run.edited", run_name(run_id), _audited(values))

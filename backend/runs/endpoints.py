@@ -67,22 +67,22 @@ Word = Annotated[str, Field(max_length=200)]
     ),
 )
 async def submit_run(
-    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, asked: AskedFor, key: Key = None
+    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, parts: AskedFor, key: Key = None
 ) -> RunSubmitted:
     """Queue a run of a campaign, given as JSON or as YAML; labels, baseline and reuse in the address or in the JSON."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
-    given = await capacities(request).bodies.run(lambda: _submission(body, yaml, asked))
-    run = await run_in_threadpool(submission.submit, engine, given, visitor, key, request.app.state.quota)
+    run_request = await capacities(request).bodies.run(lambda: _submission(body, yaml, parts))
+    run = await run_in_threadpool(submission.submit, engine, run_request, visitor, key, request.app.state.quota)
     response.headers["Location"] = at(f"{request.url.path}/{run.id}")
     return run
 
 
-def _submission(body: bytes, yaml: bool, asked: Asked) -> submission.Submission:
+def _submission(body: bytes, yaml: bool, parts: Asked) -> submission.Submission:
     try:
         if yaml:
-            return submission.from_yaml(body, asked)
-        return submission.from_json(body, bodies.described(body, RunSubmit), asked)
+            return submission.from_yaml(body, parts)
+        return submission.from_json(body, bodies.described(body, RunSubmit), parts)
     except CampaignError as error:
         raise bodies.invalid(error) from None
 
@@ -136,21 +136,21 @@ def list_facets(reader: Reader) -> RunFacets:
 
 
 @router.post("/runs/cancel", responses=problems("not-found", "purged"))
-def cancel_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
+def cancel_runs(named: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Cancel several runs; those that have ended are unchanged."""
-    return edits.cancel(engine, [service.number(run) for run in given.runs], visitor)
+    return edits.cancel(engine, [service.number(run) for run in named.runs], visitor)
 
 
 @router.post("/runs/remove", responses=problems("not-found", "not-removable", "purged"))
-def remove_runs(given: RunsRemoved, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
+def remove_runs(named: RunsRemoved, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Remove several runs from the lists, all or none; see the removal of one."""
-    return removal.remove(engine, [service.number(run) for run in given.runs], given.reason, visitor)
+    return removal.remove(engine, [service.number(run) for run in named.runs], named.reason, visitor)
 
 
 @router.post("/runs/restore", responses=problems("not-found", "purged"))
-def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
+def restore_runs(named: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Restore several removed runs to the lists; those that are listed are unchanged."""
-    return removal.restore(engine, [service.number(run) for run in given.runs], visitor)
+    return removal.restore(engine, [service.number(run) for run in named.runs], visitor)
 
 
 @router.patch(
@@ -159,10 +159,10 @@ def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> l
     | problems("not-found", "notes-changed", "removed", "other-version", "purged", "invalid", "changed"),
 )
 def edit_run(
-    run: RunName, given: RunEdit, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
+    run: RunName, changes: RunEdit, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
 ) -> RunDetail:
     """Change a run's name, tags, notes or pin; omitted fields stay unchanged."""
-    edits.edit(engine, service.number(run), given, visitor, match)
+    edits.edit(engine, service.number(run), changes, visitor, match)
     with read(engine) as reader:
         response.headers["ETag"] = edits.etag(reader, service.number(run))
         return service.detail(reader, service.number(run))

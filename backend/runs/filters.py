@@ -83,10 +83,10 @@ class Filters:
         return [Run.removed.is_(None)]
 
 
-def labelled(given: Sequence[str]) -> list[tuple[str, str]]:
+def labelled(texts: Sequence[str]) -> list[tuple[str, str]]:
     """Keys and values of labels; 422 with a sentence for anything else."""
     try:
-        return [pair(text) for text in given]
+        return [pair(text) for text in texts]
     except ValueError as error:
         raise RefusedError(422, "invalid-request", f"{error}", [Problem("label", "", f"{error}")]) from None
 

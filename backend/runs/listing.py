@@ -52,12 +52,12 @@ def named(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
 
 def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[RunSummary]:
     """Summaries of the runs that fulfil the conditions, newest first; purged runs are omitted."""
-    asked = CampaignRow.document
-    named = [asked["criterion"][k].as_string().label(k) for k in ("component", "result")]
-    simulator = asked["simulator"]["name"].as_string().label("simulator")
-    told = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
+    document = CampaignRow.document
+    named = [document["criterion"][k].as_string().label(k) for k in ("component", "result")]
+    simulator = document["simulator"]["name"].as_string().label("simulator")
+    verdicts = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
     columns = [getattr(Run, column) for column in _PLAIN]
-    query = sa.select(*columns, CampaignRow.name.label("campaign_name"), *named, simulator, *told, *counts.COLUMNS)
+    query = sa.select(*columns, CampaignRow.name.label("campaign_name"), *named, simulator, *verdicts, *counts.COLUMNS)
     query = query.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows = reader.execute(query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc())).all()
     working = _working(reader, [row.id for row in rows if row.state in HELD])

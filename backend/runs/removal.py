@@ -51,8 +51,8 @@ def restore(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list
         values = dict.fromkeys(("removed", "removed_by", "removed_reason"))
         writer.execute(sa.update(Run).where(Run.id.in_([row.id for row in removed])).values(**values))
         for row in removed:
-            told = {"removed_by": row.removed_by, "reason": row.removed_reason}
-            audit.note(writer, visitor, "run.restored", run_name(row.id), told)
+            detail = {"removed_by": row.removed_by, "reason": row.removed_reason}
+            audit.note(writer, visitor, "run.restored", run_name(row.id), detail)
     return listing.named(engine, run_ids)
 
 

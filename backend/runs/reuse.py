@@ -36,8 +36,8 @@ def reusable(reader: sa.Connection, campaign: Campaign) -> int | None:
             not versions.simulator or catalogue.digests.get(campaign.simulator.name) != versions.simulator
         ):
             continue
-        told = components(reader, run_id)
-        if told.digest is None or told.changes or told.code_changes:
+        descriptions = components(reader, run_id)
+        if descriptions.digest is None or descriptions.changes or descriptions.code_changes:
             continue
         return int(run_id)
     return None

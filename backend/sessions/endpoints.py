@@ -49,15 +49,15 @@ def end_session(request: Request, engine: Engine, visitor: CurrentVisitor) -> Re
     status_code=status.HTTP_204_NO_CONTENT,
     responses=problems("wrong-password", "scope-too-narrow"),
 )
-async def change_password(given: PasswordChange, request: Request, engine: Engine, visitor: CurrentVisitor) -> None:
+async def change_password(change: PasswordChange, request: Request, engine: Engine, visitor: CurrentVisitor) -> None:
     """Change your own password; your other browsers are signed out. After wrong attempts there is a pause."""
     lockout: Lockout = request.app.state.lockout
     wait = lockout.enter(visitor.account, "")
     if wait:
         detail = f"too many wrong passwords: try again in {seconds(wait)} s"
         raise RefusedError(429, "too-many-requests", detail, headers={"Retry-After": str(seconds(wait))})
-    current = None if given.current is None else given.current.get_secret_value()
-    new = given.new.get_secret_value()
+    current = None if change.current is None else change.current.get_secret_value()
+    new = change.new.get_secret_value()
     await capacities(request).passwords.run(lambda: service.change_password(engine, current, new, visitor))
     lockout.succeeded(visitor.account, "")
 

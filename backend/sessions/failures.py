@@ -55,7 +55,7 @@ class Failures:
 
         def write(writer: sa.Connection) -> None:
             for action, attempts in sorted(counts.items()):
-                told: dict[str, object] = {"address": address[:64], "attempts": attempts}
-                audit.note_sign_in(writer, UNKNOWN, "link", action, told)
+                detail: dict[str, object] = {"address": address[:64], "attempts": attempts}
+                audit.note_sign_in(writer, UNKNOWN, "link", action, detail)
 
         return write, lambda: self._counts.update(counts)

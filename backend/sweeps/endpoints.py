@@ -86,7 +86,7 @@ def cancel_sweep(sweep: SweepName, engine: Engine, visitor: CurrentVisitor) -> S
 
 def _submission(body: bytes) -> service.Submission:
     try:
-        given = bodies.described(body, SweepSubmit)
-        return service.Submission(load_document(given.campaign, "request"), given, body)
+        options = bodies.described(body, SweepSubmit)
+        return service.Submission(load_document(options.campaign, "request"), options, body)
     except CampaignError as error:
         raise bodies.invalid(error) from None

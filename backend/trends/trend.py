@@ -59,8 +59,8 @@ def _stated(reader: sa.Connection, found: list[Outcome]) -> dict[str, list[str]]
 
 
 def _labelled(reader: sa.Connection, found: list[Outcome]) -> dict[str, dict[str, str]]:
-    held = labels.of_runs(reader, [number for one in found if (number := run_number(one.id)) is not None])
-    return {run_name(run_id): given for run_id, given in held.items()}
+    by_run = labels.of_runs(reader, [number for one in found if (number := run_number(one.id)) is not None])
+    return {run_name(run_id): own_labels for run_id, own_labels in by_run.items()}
 
 
 def _marked(found: list[Outcome], stated: dict[str, list[str]], labelled: dict[str, dict[str, str]]) -> list[TrendRun]:

@@ -22,9 +22,9 @@ def evaluations_csv(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
 def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
     yield lines([["stage", "kind", "method", *found.columns]])
     for stage in found.stages:
-        told = [stage.position, stage.kind, stage.method]
+        stage_cells = [stage.position, stage.kind, stage.method]
         for block in found.rows(engine, stage):
-            yield lines([told + row for row in block])
+            yield lines([stage_cells + row for row in block])
 
 
 export = Format(

@@ -35,8 +35,8 @@ def evaluations_parquet(engine: sa.Engine, run_id: int) -> bytes:
     with read(engine) as reader:
         run, digest = runs.summary(reader, run_id), results_digest(reader, run_id)
         found = sheet(reader, run_id, runs.campaign(reader, run_id))
-    told = {"format": FORMAT, "run": run.id, "campaign_digest": run.campaign_digest, "results_digest": digest}
-    schema = _schema(found).with_metadata({"clearance": json.dumps(told)})
+    origin = {"format": FORMAT, "run": run.id, "campaign_digest": run.campaign_digest, "results_digest": digest}
+    schema = _schema(found).with_metadata({"clearance": json.dumps(origin)})
     buffer = io.BytesIO()
     with pq.ParquetWriter(buffer, schema, compression="zstd") as writer:
         for stage in found.stages:

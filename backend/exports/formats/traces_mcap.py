@@ -45,8 +45,8 @@ def traces_mcap(reader: sa.Connection, run_id: int) -> bytes:
     run, buffer = runs.summary(reader, run_id), io.BytesIO()
     writer = Writer(buffer)
     writer.start(profile="", library=f"clearance {VERSION}")
-    told = {"run": run.id, "name": run.name, "campaign_digest": run.campaign_digest, "frame": "scene: east, north, up"}
-    writer.add_metadata("clearance", told)
+    about = {"run": run.id, "name": run.name, "campaign_digest": run.campaign_digest, "frame": "scene: east, north, up"}
+    writer.add_metadata("clearance", about)
     output = _Output(writer)
     for info in results.traces(reader, run_id):
         row = results.stored(reader, run_id, info.name)

@@ -47,11 +47,11 @@ def refusal(message: bytes | str) -> str:
     if len(message) > LARGEST:
         return f"a message has at most {LARGEST} bytes"
     try:
-        given = _messages.Message.deserialize(message)
+        content = _messages.Message.deserialize(message)
     except Exception:  # decoding arbitrary bytes may raise any exception
         return "not a message of viser"
-    if not isinstance(given, ALLOWED):
-        return f"{type(given).__name__[:60]} is not allowed here"
-    if isinstance(given, _messages.GuiUpdateMessage) and set(given.updates) != {"value"}:
+    if not isinstance(content, ALLOWED):
+        return f"{type(content).__name__[:60]} is not allowed here"
+    if isinstance(content, _messages.GuiUpdateMessage) and set(content.updates) != {"value"}:
         return "only the value of an element can be changed"
     return ""

@@ -60,10 +60,10 @@ async def get_view(
     ),
 )
 async def change_view(
-    run: RunName, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
+    run: RunName, key: Key, change: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
 ) -> ViewState:
     """Change an open 3D view, `/view/RUN/key/KEY/`; returns its new state."""
-    return await _answer(request, run, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(given))
+    return await _answer(request, run, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(change))
 
 
 async def _answer(

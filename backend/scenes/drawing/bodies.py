@@ -100,13 +100,13 @@ def _direction(vector: Floats) -> Floats:
 
 def _outline(at: Floats, half: Floats) -> Floats:
     """The nearest point of a box's outline, in its own axes; a planar box has no top and bottom faces."""
-    held: Floats = np.clip(at, -half, half)
-    if (held != at).any():
-        return held
+    point: Floats = np.clip(at, -half, half)
+    if (point != at).any():
+        return point
     to_face = np.where(half > 0.0, half - np.abs(at), np.inf)
     axis = int(np.argmin(to_face))
-    held[axis] = np.copysign(half[axis], at[axis])
-    return held
+    point[axis] = np.copysign(half[axis], at[axis])
+    return point
 
 
 def _apart(one: Body, other: Body) -> float:
@@ -121,8 +121,8 @@ def _apart(one: Body, other: Body) -> float:
 
 
 def bodies_of(looks: Sequence[ObstacleLook | None], values: Mapping[str, float], flight: Flight) -> list[Body]:
-    given = {**values, **flight.parameters}
-    return [body_of(number, given, flight.axes, flight, look) for number, look in enumerate(looks)]
+    parameters = {**values, **flight.parameters}
+    return [body_of(number, parameters, flight.axes, flight, look) for number, look in enumerate(looks)]
 
 
 def nearest(bodies: list[Body], place: Floats, time: float) -> Body | None:

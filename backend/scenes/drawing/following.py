@@ -156,7 +156,7 @@ class Following(Part):
                 # Wait as long again as the confirmation took: about one frame, and at most 30 per second.
                 now = time.monotonic()
                 self._next = min(self._next, max(now + min(now - self._last, PATIENCE), self._last + 0.9 * FRAME))
-            if any(float(np.linalg.norm(eye - told)) <= near for told in self._told):
+            if any(float(np.linalg.norm(eye - position)) <= near for position in self._told):
                 self._heard = True
             elif self._heard and self.camera is not None:
                 self.camera, self._due, self._left = None, False, True

@@ -104,13 +104,13 @@ class FieldSlice(Part):
         flight = lead.flight
         self._latest.ask(_Asked(lead.style.title, flight.parameters, self._time, self._palette, flight.seed))
 
-    def _work(self, asked: _Asked) -> None:
+    def _work(self, request: _Asked) -> None:
         setting, grid = self._setting, Grid.over(self._world.frame)
         drawn = np.concatenate([grid.places.reshape(-1, 2), np.zeros((grid.rows * grid.columns, 1))], axis=1)
         places = [(float(x), float(y)) for x, y, _ in setting.axes.drawn(drawn)]
         try:
             answer = self._live.field(
-                setting.document, setting.digest, asked.parameters, asked.time, places, asked.seed
+                setting.document, setting.digest, request.parameters, request.time, places, request.seed
             )
         except LiveError as error:
             with self._driver.drawing():
@@ -119,13 +119,13 @@ class FieldSlice(Part):
                     self._legend.content = tables.note(str(error), strong=True)
             return
         found = field_slice.read(answer, grid, setting.axes)
-        dark = asked.palette is DARK
+        dark = request.palette is DARK
         picture = field_slice.picture(found, dark)
         arrows = field_slice.arrows(found)
-        words = field_slice.legend(found, asked.title, setting, dark)
+        words = field_slice.legend(found, request.title, setting, dark)
         with self._driver.drawing():
             if self.on and not self._stopped:
-                self._draw(found, picture, arrows, rgb(asked.palette.ink))
+                self._draw(found, picture, arrows, rgb(request.palette.ink))
                 self._legend.content = words
 
     def _draw(self, found: Slice, picture: NDArray[np.uint8], arrows: Floats, ink: Rgb) -> None:

@@ -132,15 +132,15 @@ def legend(found: Slice, title: str, setting: Setting, dark: bool) -> str:
     caption += ", and with the avoider's memory at that time. " if found.memory else ". "
     caption += "Before the controller's own limits."
     parts = [_scale(found, dark), tables.note(caption)]
-    told = []
+    sentences = []
     if known.size:
-        told.append(f"Smallest {_number(float(known.min()))}, largest {_number(float(known.max()))} {unit}.")
+        sentences.append(f"Smallest {_number(float(known.min()))}, largest {_number(float(known.max()))} {unit}.")
     if found.own is not None:
-        told.append(f"At the vehicle: {_number(float(np.linalg.norm(found.own)))} {unit}.")
+        sentences.append(f"At the vehicle: {_number(float(np.linalg.norm(found.own)))} {unit}.")
     none, zero = int(np.isnan(magnitude).sum()), int((known == 0).sum())
-    told += [f"{none} of {magnitude.size} positions have no demand and no colour."] if none else []
-    told += [f"{zero} of {magnitude.size} positions have zero demand."] if zero else []
-    return "".join([*parts, tables.note(" ".join(told))])
+    sentences += [f"{none} of {magnitude.size} positions have no demand and no colour."] if none else []
+    sentences += [f"{zero} of {magnitude.size} positions have zero demand."] if zero else []
+    return "".join([*parts, tables.note(" ".join(sentences))])
 
 
 def _scale(found: Slice, dark: bool) -> str:

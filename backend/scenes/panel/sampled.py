@@ -83,7 +83,7 @@ class Sampled(Part):
             self._note.content = tables.note("No random sample is stored: it comes from certify or from Monte Carlo.")
             return
         self._forget()
-        told, until = again.tally(stage, len(drawn)), time.monotonic() + again.patience
+        tally, until = again.tally(stage, len(drawn)), time.monotonic() + again.patience
         for begin in range(0, len(drawn), again.together):
             simulated = []
             for one in drawn[begin : begin + again.together]:
@@ -95,14 +95,14 @@ class Sampled(Part):
                     self._note.content = tables.note(str(error), strong=True)
                     return
                 flight = from_live(answer)
-                told.count(answer, one.cost, flight is not None)
+                tally.count(answer, one.cost, flight is not None)
                 simulated += [] if flight is None else [shapes.polyline(flight.position)]
             self._add(simulated)
             if time.monotonic() > until:
                 break
         self._whole = True
         with self._driver.drawing():
-            self._note.content = tables.note(told.words())
+            self._note.content = tables.note(tally.words())
 
     def _forget(self) -> None:
         with self._driver.drawing():
@@ -127,11 +127,11 @@ def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, 
     catalogue = described(reader, run_id)
     titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods if m.kind == "random"}
     certified = (setting.document.get("stages", {}).get("certify") or {}).get("samples", MOST)
-    asked = itertools.chain(
+    choices = itertools.chain(
         ((stage, min(MOST, certified)) for stage in stages if stage.kind == "certify"),
         ((stage, MOST) for stage in stages if stage.method in titles),
     )
-    for stage, most in asked:
+    for stage, most in choices:
         name = "the certify stage" if stage.kind == "certify" else titles[stage.method]
         return name, evaluations.drawn_first(reader, run_id, stage.position, most)
     return "", []

@@ -68,25 +68,25 @@ class Recordings:
 
         404 if there is no such run or stored flight; 503 if too many are being created. gone: as in `Capacity.run`.
         """
-        asked = await run_in_threadpool(self._look, run_id, flight, dark)
-        if asked.tag in known:
-            return asked.tag
-        page = self._recall(asked.tag)
+        request = await run_in_threadpool(self._look, run_id, flight, dark)
+        if request.tag in known:
+            return request.tag
+        page = self._recall(request.tag)
         if page is None:
-            page = await self._capacity.run(lambda: self._made(asked, dark), gone)
-        return Recorded(page, asked.tag, named(asked.caption.run, asked.caption.name, f"flight-{flight}.html"))
+            page = await self._capacity.run(lambda: self._made(request, dark), gone)
+        return Recorded(page, request.tag, named(request.caption.run, request.caption.name, f"flight-{flight}.html"))
 
     def _look(self, run_id: int, flight: str, dark: bool) -> _Asked:
         with read(self._engine) as reader:
             return _asked(reader, run_id, flight, dark)
 
-    def _made(self, asked: _Asked, dark: bool) -> str:
-        page = self._recall(asked.tag)  # created while this request waited
+    def _made(self, request: _Asked, dark: bool) -> str:
+        page = self._recall(request.tag)  # created while this request waited
         if page is None:
-            made = record(asked.setting, asked.cast, dark)
-            page = with_caption(made, asked.setting, asked.cast, asked.caption, dark, font_inside(self._pages))
+            made = record(request.setting, request.cast, dark)
+            page = with_caption(made, request.setting, request.cast, request.caption, dark, font_inside(self._pages))
         with self._lock:
-            self._kept[asked.tag] = page
+            self._kept[request.tag] = page
             if len(self._kept) > KEPT:
                 self._kept.popitem(last=False)
         return page
@@ -130,8 +130,8 @@ def _absent(run: str, label: str, stored: bool) -> RefusedError:
 
 
 def _costs(reader: sa.Connection, run_id: int, nominal: float | None) -> dict[str, float | None]:
-    asked = sa.select(Finding.label, Finding.cost).where(Finding.run_id == run_id).order_by(Finding.label)
-    found = reader.execute(asked).all()
+    query = sa.select(Finding.label, Finding.cost).where(Finding.run_id == run_id).order_by(Finding.label)
+    found = reader.execute(query).all()
     return {setting.NOMINAL: nominal} | {row.label: row.cost for row in found}
 
 

@@ -108,15 +108,15 @@ class _Stage:
     def move(self, time: float) -> None:
         self._flights.moved(time)
         self._vectors.moved(time)
-        for drawn, told in list(self._told.items()):
+        for drawn, tag in list(self._told.items()):
             assert drawn.flight is not None
             position, _, separation = drawn.flight.at(time)
             ended = time > drawn.flight.time[-1] + 1e-9
             text = drawn.style.title + (": ended" if ended else self._now(separation))
             up = self._world.frame.unit * (1.1 if drawn.style.layer else -0.7)
             place = position + np.array([0.0, 0.0, up])
-            told.node.text = text
-            self._told[drawn] = replace(told, label=replace(told.label, text=text, place=place))
+            tag.node.text = text
+            self._told[drawn] = replace(tag, label=replace(tag.label, text=text, place=place))
         self._labels.moved(time)
 
     def _now(self, separation: float) -> str:

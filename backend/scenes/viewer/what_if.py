@@ -84,14 +84,14 @@ class WhatIf(Part):
     def stop(self) -> None:
         self._latest.stop()
 
-    def _simulate(self, asked: _Asked) -> None:
+    def _simulate(self, request: _Asked) -> None:
         setting = self._setting
         try:
-            answer = self._live.simulate(setting.document, setting.digest, asked.parameters, ROWS, asked.seed)
+            answer = self._live.simulate(setting.document, setting.digest, request.parameters, ROWS, request.seed)
         except LiveError as error:
             _log.info("the what-if flight of a view of %s could not be simulated: %s", setting.run, error)
             return
         flight = from_live(answer)
         with self._driver.drawing():
-            if asked.number == self._number:
-                self.draw(flight, asked.seed)
+            if request.number == self._number:
+                self.draw(flight, request.seed)

@@ -104,7 +104,7 @@ def test_an_earlier_database_gets_the_tables_and_keeps_its_runs(tmp_path: Path) 
         assert not {"run_labels", "run_baselines"} & set(sa.inspect(connection).get_table_names())
     migrate(default_url(tmp_path))
     with engine.begin() as connection:
-        run_id = queued(connection, case(), name="a", tags=[], owner="", planned=1, given={"branch": "main"})
+        run_id = queued(connection, case(), name="a", tags=[], owner="", planned=1, labelled={"branch": "main"})
         connection.execute(sa.insert(RunBaseline).values(run_id=run_id, asked="R-0001", baseline=None))
         assert connection.execute(sa.select(RunLabel.key, RunLabel.value)).all() == [("branch", "main")]
     engine.dispose()

@@ -30,9 +30,9 @@ def upgrade() -> None:
         (texts, written),
     ]
     campaigns = sa.table("campaigns", sa.column("digest"), sa.column("document"))
-    asked = sa.select(length(sa.cast(campaigns.c.document, sa.Text)))
-    asked = asked.where(campaigns.c.digest == _RUNS.c.campaign_digest)
-    op.execute(sa.update(_RUNS).where(_RUNS.c.purged.is_(None)).values(size=asked.scalar_subquery()))
+    document_size = sa.select(length(sa.cast(campaigns.c.document, sa.Text)))
+    document_size = document_size.where(campaigns.c.digest == _RUNS.c.campaign_digest)
+    op.execute(sa.update(_RUNS).where(_RUNS.c.purged.is_(None)).values(size=document_size.scalar_subquery()))
     for table, size in stored:
         of = sa.select(sa.func.coalesce(sa.func.sum(size), 0)).where(table.c.run_id == _RUNS.c.id).scalar_subquery()
         op.execute(sa.update(_RUNS).values(size=_RUNS.c.size + of))

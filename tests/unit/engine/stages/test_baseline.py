@@ -219,7 +219,7 @@ def stored(engine: sa.Engine, asked: Campaign, given: str, **labels: str) -> int
     with engine.begin() as writer:
         found = baselines.resolved(writer, asked, given) if given else baselines.Resolved(asked, None, "")
         run_id = submit(
-            writer, found.campaign, name="a", tags=[], owner="", planned=1, catalogue=catalogue(), given=labels
+            writer, found.campaign, name="a", tags=[], owner="", planned=1, catalogue=catalogue(), labelled=labels
         )
         if given:
             baselines.store(writer, run_id, given, found.run_id)

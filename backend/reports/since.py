@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from backend.reports.held import Held
+from backend.reports.record import Record
 from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import say
 from campaigns.results.regression import Standing
 
 
-def changes(held: Held) -> dict[str, object] | None:
+def changes(record: Record) -> dict[str, object] | None:
     """The comparison with the baseline, or the sentence on why there is none; None without a baseline."""
-    regression = None if held.verdict is None else held.verdict.regression
+    regression = None if record.verdict is None else record.verdict.regression
     if regression is None:
-        baseline = held.run.baseline
+        baseline = record.run.baseline
         if baseline is None:
             return None
         text = (

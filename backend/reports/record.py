@@ -34,7 +34,7 @@ FURTHER = ("#7b5ba6", "#0072b2", "#857c00")
 
 
 @dataclass(frozen=True)
-class Held:
+class Record:
     run: RunDetail
     campaign: Campaign
     catalogue: Catalogue | None
@@ -85,13 +85,13 @@ class Held:
         return entry.text if entry else path
 
 
-def load(reader: sa.Connection, run_id: int) -> Held:
+def load(reader: sa.Connection, run_id: int) -> Record:
     """Read all data in one snapshot; 404 if there is no such run."""
     campaign, kept, installed = runs.campaign(reader, run_id), snapshots.of_run(reader, run_id), published(reader)
     catalogue = kept or installed
     found = results.findings(reader, run_id)
     traced = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
-    return Held(
+    return Record(
         run=runs.detail(reader, run_id),
         campaign=campaign,
         catalogue=catalogue,

@@ -1,7 +1,7 @@
 // The query cache: keys and freshness of the service's responses. The event stream writes into the same cache.
 import { infiniteQueryOptions, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
 import type { RunSummary } from '../client'
-import { learnMethods } from '../ui/methods'
+import { learnMethods, requestBy } from '../ui/methods'
 import * as calls from './calls'
 import { Refusal } from './problems'
 import { signedOut } from './session'
@@ -43,6 +43,8 @@ export const catalogueQuery = queryOptions({
   queryFn: async () => learnMethods(await calls.getCatalogue()),
   staleTime: 10_000, // a component may have been edited in another window
 })
+
+requestBy(() => queryClient.prefetchQuery(catalogueQuery))
 
 export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: calls.getLibrary, staleTime: 300_000 })
 

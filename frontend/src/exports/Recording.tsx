@@ -5,6 +5,7 @@ import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '
 import { useState } from 'react'
 import type { Theme } from '../theme/useTheme'
 import { useTheme } from '../theme/useTheme'
+import { Popup } from '../ui/Popup'
 import { at } from '../format/root'
 import buttons from '../ui/buttons.module.css'
 
@@ -24,17 +25,24 @@ interface Props {
 /** The button of the Flight card. */
 export function RecordingMenu(props: Props) {
   return (
-    <Menu position="bottom-end" width={300}>
-      <Menu.Target>
-        <button type="button" className={clsx(buttons.btn, buttons.s)}>
-          <IconPlayerPlay className="i s" aria-hidden /> Recording
-        </button>
-      </Menu.Target>
+    <Popup
+      kind="menu"
+      position="bottom-end"
+      width={300}
+      button={{
+        className: clsx(buttons.btn, buttons.s),
+        children: (
+          <>
+            <IconPlayerPlay className="i s" aria-hidden /> Recording
+          </>
+        ),
+      }}
+    >
       <Menu.Dropdown>
         <RecordingEntries {...props} />
         {props.flight !== 'nominal' && <CapsuleEntry {...props} />}
       </Menu.Dropdown>
-    </Menu>
+    </Popup>
   )
 }
 

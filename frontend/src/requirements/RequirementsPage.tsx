@@ -16,6 +16,7 @@ import { useTitle } from '../page/useTitle'
 import { Card } from '../ui/Card'
 import { SearchBox } from '../ui/SearchBox'
 import { Modal } from '../ui/Modal'
+import { Popup } from '../ui/Popup'
 import { usePolling } from '../ui/usePolling'
 import { Files } from './Files'
 import { ImportForm } from './ImportForm'
@@ -148,12 +149,20 @@ function Nothing({ narrowed, onAll }: { narrowed: boolean; onAll: () => void }) 
 
 function ExportFiles({ disabled }: { disabled: boolean }) {
   return (
-    <Menu position="bottom-end" width={320} disabled={disabled}>
-      <Menu.Target>
-        <button type="button" className={buttons.btn} disabled={disabled}>
-          <IconDownload className="i s" aria-hidden /> Export
-        </button>
-      </Menu.Target>
+    <Popup
+      kind="menu"
+      position="bottom-end"
+      width={320}
+      button={{
+        className: buttons.btn,
+        disabled,
+        children: (
+          <>
+            <IconDownload className="i s" aria-hidden /> Export
+          </>
+        ),
+      }}
+    >
       <Menu.Dropdown>
         {EXPORTS.map(({ href, title, text }) => (
           <Menu.Item key={href} component="a" href={href} download>
@@ -164,6 +173,6 @@ function ExportFiles({ disabled }: { disabled: boolean }) {
           </Menu.Item>
         ))}
       </Menu.Dropdown>
-    </Menu>
+    </Popup>
   )
 }

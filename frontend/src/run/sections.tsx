@@ -1,5 +1,6 @@
 // The sections of the page of a run that has ended, in the order of the page. Start reading at `SECTIONS`.
 import { clsx } from 'clsx'
+import type { ComponentProps } from 'react'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { calledOf, NOMINAL } from './data/chosen'
 import { finderOf, leavesGround, type RunData } from './data/data'
@@ -30,6 +31,7 @@ import { EncounterCard } from './verdict/EncounterCard'
 import { Published } from './verdict/Published'
 import { ValidationCard } from './verdict/ValidationCard'
 import { WhatToDo } from './verdict/WhatToDo'
+import { useNear } from '../ui/useNear'
 import layout from '../ui/layout.module.css'
 import styles from './run.module.css'
 
@@ -105,9 +107,9 @@ export const SECTIONS: readonly Section[] = [
     of: ({ timed }) => timed,
     title: ({ flies }) => (flies ? 'Speeds and commands' : 'Trace'),
     card: ({ data, cross, view, other, calm, flies, few }) => (
-      <div className={few || !flies ? clsx(layout.stack, styles.filled, layout.c12) : clsx(layout.stack, styles.filled, layout.c5, layout.wide)} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
+      <Near className={few || !flies ? clsx(layout.stack, styles.filled, layout.c12) : clsx(layout.stack, styles.filled, layout.c5, layout.wide)} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
         {calm && <MotionCard data={data} onCross={cross} standing={view} whatIf={flies ? null : other} className="" />}
-      </div>
+      </Near>
     ),
   }),
   section({
@@ -228,6 +230,16 @@ export const SECTIONS: readonly Section[] = [
   section({ id: 'signoff', of: ({ data }) => data.run, title: 'Sign-off', card: (_, run) => <SignoffsCard run={run} className={layout.c6} /> }),
   section({ id: 'notes', of: ({ data }) => data.run, title: 'Notes', card: (_, run) => <Notes run={run} className={layout.c6} /> }),
 ]
+
+/** A place whose content is mounted once it has been near the window. */
+function Near({ children, ...place }: ComponentProps<'div'>) {
+  const [holder, near] = useNear<HTMLDivElement>()
+  return (
+    <div {...place} ref={holder}>
+      {near && children}
+    </div>
+  )
+}
 
 /** The nominal case and the chosen one as tables, and the what-if. */
 function Cases({ data, whatIf, flown, flies, lowest, raised, sensitivity }: Page) {

@@ -23,9 +23,10 @@ interface Props {
 
 export function SpaceSection({ data, whatIf }: Props) {
   const calm = useCalm()
+  const [holder, near] = useNear<HTMLDivElement>()
   return (
-    <div className={layout.c12} id="space" style={{ minHeight: 520 }}>
-      {calm && (
+    <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>
+      {calm && near && (
         <Suspense>
           <SpaceCard data={data} className="" whatIf={whatIf} onPick={whatIf && whatIf.change} />
         </Suspense>

@@ -1,6 +1,5 @@
 // The sections of the page of a run that has ended, in the order of the page. Start reading at `SECTIONS`.
 import { clsx } from 'clsx'
-import type { ComponentProps } from 'react'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { calledOf, NOMINAL } from './data/chosen'
 import { finderOf, leavesGround, type RunData } from './data/data'
@@ -19,23 +18,24 @@ import { SensitivityCard as Sensitivity } from './parameters/SensitivityCard'
 import { Tornado } from './parameters/Tornado'
 import { Components } from './provenance/Components'
 import { Provenance } from './provenance/Provenance'
-import { SinceCard } from './regression/SinceCard'
 import { SampleCard } from './sample/SampleCard'
 import { Convergence } from './search/Convergence'
 import { Failures } from './search/Failures'
 import { MethodsTable } from './search/MethodsTable'
 import { Minima, rowsOf } from './search/Minima'
-import { type Page, section, type Section } from './section'
+import { type Added, type Page, section, type Section } from './section'
 import { SpaceSection } from './space/SpaceSection'
 import { EncounterCard } from './verdict/EncounterCard'
 import { Published } from './verdict/Published'
 import { ValidationCard } from './verdict/ValidationCard'
 import { WhatToDo } from './verdict/WhatToDo'
-import { useNear } from '../ui/useNear'
 import layout from '../ui/layout.module.css'
 import styles from './run.module.css'
 
-export const SECTIONS: readonly Section[] = [
+/** Of stages, one file each; a new one needs no line here. */
+const ADDED = Object.values(import.meta.glob<Added>('./stages/*.tsx', { eager: true, import: 'added' }))
+
+const OWN: readonly Section[] = [
   section({
     id: 'parameters',
     of: ({ data, shown }) => data.run.state === 'failed' && !shown,
@@ -79,13 +79,6 @@ export const SECTIONS: readonly Section[] = [
     card: ({ data, validation }) => <FindingsCard data={data} result={validation} className={layout.c12} />,
   }),
   section({
-    id: 'since',
-    of: ({ data }) => data.run.baseline,
-    title: 'Since the baseline',
-    count: ({ data }) => data.run.summary?.regression?.cases.length,
-    card: ({ data }) => <SinceCard data={data} className={layout.c12} />,
-  }),
-  section({
     id: 'separation',
     of: ({ flown }) => flown,
     title: 'Separation',
@@ -107,9 +100,9 @@ export const SECTIONS: readonly Section[] = [
     of: ({ timed }) => timed,
     title: ({ flies }) => (flies ? 'Speeds and commands' : 'Trace'),
     card: ({ data, cross, view, other, calm, flies, few }) => (
-      <Near className={few || !flies ? clsx(layout.stack, styles.filled, layout.c12) : clsx(layout.stack, styles.filled, layout.c5, layout.wide)} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
+      <div className={few || !flies ? clsx(layout.stack, styles.filled, layout.c12) : clsx(layout.stack, styles.filled, layout.c5, layout.wide)} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
         {calm && <MotionCard data={data} onCross={cross} standing={view} whatIf={flies ? null : other} className="" />}
-      </Near>
+      </div>
     ),
   }),
   section({
@@ -231,15 +224,10 @@ export const SECTIONS: readonly Section[] = [
   section({ id: 'notes', of: ({ data }) => data.run, title: 'Notes', card: (_, run) => <Notes run={run} className={layout.c6} /> }),
 ]
 
-/** A place whose content is mounted once it has been near the window. */
-function Near({ children, ...place }: ComponentProps<'div'>) {
-  const [holder, near] = useNear<HTMLDivElement>()
-  return (
-    <div {...place} ref={holder}>
-      {near && children}
-    </div>
-  )
-}
+export const SECTIONS: readonly Section[] = OWN.flatMap((one) => [
+  one,
+  ...ADDED.flatMap(({ after, section }) => (OWN.findLast(({ id }) => id === after) === one ? section : [])),
+])
 
 /** The nominal case and the chosen one as tables, and the what-if. */
 function Cases({ data, whatIf, flown, flies, lowest, raised, sensitivity }: Page) {

@@ -23,10 +23,9 @@ interface Props {
 
 export function SpaceSection({ data, whatIf }: Props) {
   const calm = useCalm()
-  const [holder, near] = useNear<HTMLDivElement>()
   return (
-    <div className={layout.c12} id="space" style={{ minHeight: 520 }} ref={holder}>
-      {calm && near && (
+    <div className={layout.c12} id="space" style={{ minHeight: 520 }}>
+      {calm && (
         <Suspense>
           <SpaceCard data={data} className="" whatIf={whatIf} onPick={whatIf && whatIf.change} />
         </Suspense>

@@ -169,7 +169,10 @@ def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], hea
         separation=separation[known],
         tracks={number: axes.drawn(track[known]) for number, track in tracks.items()},
         closest=_closest(head.closest, axes),
-        **_outcome(head),
+        parameters=head.parameters,
+        cost=head.cost,
+        status=head.status,
+        reason=head.reason,
         seed=None if realised is None else realised.seed,
         seeds=1 if realised is None else realised.seeds,
     )
@@ -192,13 +195,12 @@ def _of_simulator(
         separation=np.full(count, np.nan),
         tracks=found.tracks,
         closest=None,
-        **_outcome(head),
+        parameters=head.parameters,
+        cost=head.cost,
+        status=head.status,
+        reason=head.reason,
         turns=found.turns,
     )
-
-
-def _outcome(head: TraceHead) -> dict[str, Any]:
-    return {name: getattr(head, name) for name in ("parameters", "cost", "status", "reason")}
 
 
 def _tracks(columns: Mapping[str, Floats]) -> dict[int, Floats]:

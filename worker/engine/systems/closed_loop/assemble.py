@@ -69,7 +69,7 @@ class Loop:
         self.text = written(parts)
         """The generated code that connects the components to the loop."""
         self.module = loaded(self.text, parts.vehicle.name)
-        self._plain: dict[str, Any] = {}
+        self._plain: dict[str, Callable[..., Any]] = {}
 
     @cached_property
     def _fly(self) -> Any:

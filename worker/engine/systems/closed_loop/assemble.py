@@ -133,7 +133,7 @@ class Loop:
         """
         if name not in self._plain:
             self._plain[name] = plain(self.kernel(name))
-        return self._plain[name]  # type: ignore[no-any-return]
+        return self._plain[name]
 
     def kernel(self, name: str) -> Any:
         """The loop as a kernel, for other compiled code."""

@@ -15,7 +15,7 @@ from backend.access import routes
 from backend.access.auth import Guard
 from backend.access.door import Door
 from backend.access.frames import Frames
-from backend.access.rates import Rates
+from backend.access.rates import Bucket, Rates
 from backend.cases import endpoints as cases
 from backend.cases import service as evaluator
 from backend.catalog import endpoints as catalog
@@ -27,7 +27,7 @@ from backend.exports import endpoints as exports
 from backend.flights import endpoints as flights
 from backend.flights.turns import Turns
 from backend.health import endpoints as health
-from backend.http import bodies, errors, pages
+from backend.http import errors, pages
 from backend.http.capacity import Capacities
 from backend.middleware.edge import Edge
 from backend.middleware.frame import Frame
@@ -39,7 +39,6 @@ from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.proposals import endpoints as proposals
 from backend.provider import endpoints as provider
-from backend.provider.noted import Noted
 from backend.reports import endpoints as reports
 from backend.requirements import endpoints as requirements
 from backend.results import endpoints as results
@@ -54,7 +53,6 @@ from backend.sessions import endpoints as sessions
 from backend.sessions import entrance
 from backend.sessions.attempts import Attempts
 from backend.sessions.failures import Failures
-from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout
 from backend.settings import Settings
 from backend.signoffs import endpoints as signoffs
@@ -120,13 +118,12 @@ def create(settings: Settings) -> FastAPI:
     app.state.previews, app.state.cases = Previews(), evaluator.process()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.frames, app.state.failures = frames, Failures(door)
-    app.state.lockout, app.state.hashing = Lockout(), Hashing()
+    app.state.lockout = Lockout()
     app.state.provider = provider.of(settings.provider)
-    app.state.provider_noted = Noted()
+    app.state.provider_noted = Bucket(provider.BURST, provider.PERIOD)
     app.state.recordings = recordings.Recordings(engine, capacities.recordings, settings.pages)
     most = (settings.max_active_runs_each, settings.max_evaluations_each, settings.max_bytes_each)
     app.state.quota = Quota(*most)
-    app.state.readers = bodies.Readers()
     app.state.turns = Turns()
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)
     errors.install(app)
@@ -153,6 +150,6 @@ def create(settings: Settings) -> FastAPI:
     app.include_router(recordings.router)  # before the viewer, whose routes match any suffix
     app.include_router(scenes.router)
     pages.serve(app, settings.pages)
-    app.state.rules = routes.of_app(app)  # refuses to start with a route that the table of rules lacks
+    app.state.rules = routes.Rules(app.router.routes)  # refuses to start with a route that the table of rules lacks
     openapi.install(app)
     return app

@@ -17,7 +17,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from backend.access.rules import RULES, Rule
-from backend.events.schemas import NewImprovements
+from backend.events.watch import NewImprovements
 from backend.http.errors import ProblemDocument, declare
 from backend.runs.requests import RunSubmit
 from backend.sweeps.schemas import SweepSubmit
@@ -71,8 +71,6 @@ SECURITY = {
 
 
 def install(app: FastAPI) -> None:
-    """Make the application serve the complete document."""
-
     def document() -> JsonObject:
         if app.openapi_schema is None:
             app.openapi_schema = _document(app)
@@ -118,7 +116,6 @@ def _declare(operation: JsonObject, method: str, rule: Rule) -> None:
 
 
 def text() -> str:
-    """The document as stored with the front end."""
     from backend.app import create
     from backend.settings import Settings
 

@@ -106,8 +106,8 @@ class Settings(BaseModel):
     @property
     def trusted(self) -> list[str]:
         """The trusted proxies; raises `ValueError` if one is no address and no network."""
-        given = self.trusted_proxies.replace(",", " ").split()
-        for one in given:
+        proxies = self.trusted_proxies.replace(",", " ").split()
+        for one in proxies:
             try:
                 ipaddress.ip_network(one)  # "*" would believe every client
             except ValueError as error:
@@ -115,7 +115,7 @@ class Settings(BaseModel):
                     f"{PREFIX}TRUSTED_PROXIES must be addresses such as 10.0.0.1 or networks such as 10.0.0.0/8, "
                     f"given {one!r}: {error}"
                 ) from None
-        return given
+        return proxies
 
     @property
     def oidc_name_shown(self) -> str:
@@ -185,10 +185,10 @@ class Settings(BaseModel):
     @classmethod
     def load(cls, environment: Mapping[str, str] | None = None) -> Settings:
         """Settings from the environment. Raises `ValueError` with one line for each error."""
-        given = os.environ if environment is None else environment
+        variables = os.environ if environment is None else environment
         names = {PREFIX + name.upper(): name for name in cls.model_fields}
         try:
-            return cls.model_validate({names[key]: value for key, value in given.items() if key in names and value})
+            return cls.model_validate({names[key]: value for key, value in variables.items() if key in names and value})
         except ValidationError as error:
             lines = (_line(e) for e in error.errors(include_url=False))
             raise ValueError("\n".join(lines)) from None

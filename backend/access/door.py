@@ -122,5 +122,4 @@ class Door:
             failed()
 
     async def written(self) -> None:
-        """Returns once nothing is being written in the background."""
         await asyncio.gather(*self._tasks, return_exceptions=True)

@@ -37,23 +37,22 @@ class Voucher:
 class Frames:
     """The keys for which pages wait; used on one event loop."""
 
-    def __init__(self, patience: float = PATIENCE) -> None:
-        """patience: how long a socket may wait for its page [s]."""
-        self.waiting, self._patience = 0, patience
+    def __init__(self) -> None:
+        self.waiting = 0
         self._vouchers: dict[tuple[str, str], list[Voucher]] = {}
         self._changed, self._most = asyncio.Event(), MOST_WAITING
 
     @contextlib.contextmanager
     def expected(self, run: str, key: str, voucher: Voucher) -> Iterator[None]:
         """Meanwhile a socket of this run with this key is the voucher's; run: as in the address."""
-        held = self._vouchers.setdefault((run, key), [])
-        held.append(voucher)
+        vouchers = self._vouchers.setdefault((run, key), [])
+        vouchers.append(voucher)
         self._tell()
         try:
             yield
         finally:
-            held.remove(voucher)
-            if not held:
+            vouchers.remove(voucher)
+            if not vouchers:
                 del self._vouchers[run, key]
 
     async def voucher(self, path: str) -> Voucher | None:
@@ -74,15 +73,15 @@ class Frames:
         self._changed = asyncio.Event()
 
     def _held(self, named: re.Match[str]) -> Voucher | None:
-        held = self._vouchers.get((named[1], named[2]))
-        return held[-1] if held else None
+        vouchers = self._vouchers.get((named[1], named[2]))
+        return vouchers[-1] if vouchers else None
 
     async def _coming(self, named: re.Match[str]) -> Voucher | None:
         if self.waiting >= self._most:
             return None
         self.waiting += 1
         try:
-            async with asyncio.timeout(self._patience):
+            async with asyncio.timeout(PATIENCE):
                 while (found := self._held(named)) is None and self._most:
                     await self._changed.wait()
             return found

@@ -9,7 +9,6 @@ from backend.http.errors import RefusedError
 
 
 def owns(reader: sa.Connection, visitor: Visitor, owner: str) -> bool:
-    """Whether the visitor may change what this user or token owns."""
     return visitor.sees_all or account_of(reader, owner) == visitor.account
 
 

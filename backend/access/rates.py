@@ -13,6 +13,24 @@ MOST = 10_000
 """Sessions and tokens remembered; the one that was used longest ago is forgotten, and has a full bucket again."""
 
 
+class Bucket:
+    """So many at once, and one more after every period; used on one event loop."""
+
+    def __init__(self, burst: int, period: float, clock: Callable[[], float] = time.monotonic) -> None:
+        """period: [s]."""
+        self._burst, self._period, self._clock = float(burst), period, clock
+        self._left, self._at = self._burst, clock()
+
+    def take(self) -> bool:
+        """Whether there is one now."""
+        at = self._clock()
+        self._left, self._at = min(self._burst, self._left + (at - self._at) / self._period), at
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True
+
+
 class Rates:
     """The buckets; used on one event loop."""
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple, cast
 
-from fastapi import FastAPI, routing
+from fastapi import routing
 from starlette.routing import BaseRoute, Route, WebSocketRoute, compile_path
 from starlette.types import Scope
 
@@ -30,8 +30,6 @@ class _Matched(NamedTuple):
 
 
 class Rules:
-    """The rules of an application's routes."""
-
     def __init__(self, routes: Iterable[BaseRoute], rules: Mapping[Key, Rule] = RULES) -> None:
         """Raises `MissingRuleError` unless every route has a rule and every rule a route."""
         found = list(listed(routes))
@@ -40,8 +38,8 @@ class Rules:
         if missing or unused:
             raise MissingRuleError(
                 "the table of backend.access.rules is not that of the routes: "
-                + "; ".join([*(f"no rule for {_named(k)}" for k in sorted(missing)),
-                             *(f"no route for {_named(k)}" for k in sorted(unused))])
+                + "; ".join([*(f"no rule for {' '.join(k)}" for k in sorted(missing)),
+                             *(f"no route for {' '.join(k)}" for k in sorted(unused))])
             )  # fmt: skip
         self._routes = [
             _Matched(compile_path(path)[0], {method: rules[method, path] for method in methods}, path)
@@ -53,17 +51,13 @@ class Rules:
         method, path = "SOCKET" if scope["type"] == "websocket" else _method(scope["method"]), scope["path"]
         for route in self._routes:
             if method in route.methods and route.pattern.match(path):
-                return OPEN if route.path == PAGES and _is_static(path) else route.methods[method]
+                static = route.path == PAGES and (path in STATIC or path.startswith(STATIC_FOLDER))
+                return OPEN if static else route.methods[method]
         return READ
 
     def path_of(self, method: Method, path: str) -> str | None:
         """The route that is selected for a path."""
         return next((r.path for r in self._routes if method in r.methods and r.pattern.match(path)), None)
-
-
-def of_app(app: FastAPI) -> Rules:
-    """The rules of a complete application."""
-    return Rules(app.router.routes)
 
 
 def listed(routes: Iterable[BaseRoute], prefix: str = "") -> Iterator[tuple[str, tuple[Method, ...]]]:
@@ -85,11 +79,3 @@ def listed(routes: Iterable[BaseRoute], prefix: str = "") -> Iterator[tuple[str,
 def _method(name: str) -> str:
     """HEAD is answered as GET."""
     return "GET" if name == "HEAD" else name
-
-
-def _is_static(path: str) -> bool:
-    return path in STATIC or path.startswith(STATIC_FOLDER)
-
-
-def _named(key: Key) -> str:
-    return " ".join(key)

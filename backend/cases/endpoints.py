@@ -10,8 +10,8 @@ from backend.access.auth import CurrentVisitor
 from backend.cases import service
 from backend.cases.schemas import CaseAnswer, CaseInstalled, CaseRequest
 from backend.db.engine import read
-from backend.flights.drawing import drew, viewer_of
-from backend.flights.turns import Turn, Turns
+from backend.flights.drawing import WHAT_IF, drew, in_turn
+from backend.flights.turns import Turn
 from backend.http.deps import Engine, capacities
 from backend.http.errors import problems
 from backend.http.schema import RunName
@@ -35,23 +35,9 @@ async def case_installed(run: RunName, request: Request, engine: Engine) -> Case
     return await capacities(request).cases.run(looked, request.is_disconnected)
 
 
-@router.post(
-    "/runs/{run}/cases",
-    responses=problems(
-        "not-found",
-        "flight-overtaken",
-        "other-version",
-        "purged",
-        "unknown-finding",
-        "unknown-parameter",
-        "outside-limits",
-        "not-flyable",
-        "busy",
-        "case-failed",
-    ),
-)
+@router.post("/runs/{run}/cases", responses=problems(*WHAT_IF, "case-failed"))
 async def evaluate_case(
-    run: RunName, given: CaseRequest, request: Request, engine: Engine, visitor: CurrentVisitor
+    run: RunName, case: CaseRequest, request: Request, engine: Engine, visitor: CurrentVisitor
 ) -> CaseAnswer:
     """Evaluate one case of the run's simulator with other parameters (what-if); stores nothing, and is no evidence.
 
@@ -59,19 +45,15 @@ async def evaluate_case(
     which must have the run's simulator. Of one client's pending requests only the newest is processed; older ones
     return 409. An evaluation that takes too long is ended with 503.
     """
-    turns: Turns = request.app.state.turns
-    viewer = await viewer_of(request, visitor, run, given.view)
-    client = (visitor.key, run, given.client or given.view)
-    work = partial(_work, request, engine, run, given, viewer)
-    return await turns.run(client, capacities(request).cases, work, request.is_disconnected)
+    work = partial(_work, request, engine, run, case)
+    return await in_turn(request, visitor, run, case, capacities(request).cases, work)
 
 
 def _work(
-    request: Request, engine: Engine, run: str, given: CaseRequest, viewer: Viewer | None, turn: Turn
+    request: Request, engine: Engine, run: str, case: CaseRequest, viewer: Viewer | None, turn: Turn
 ) -> CaseAnswer:
-    """Read, evaluate and draw a case; runs in a thread."""
     with read(engine) as reader:
-        wanted = service.asked(reader, run, given)
-    answer = service.evaluated(request.app.state.cases, wanted, given.rows)
-    drawn = given.view if drew(viewer, answer, None, turn) else None
-    return service.response(wanted, answer, drawn, given.rows)
+        wanted = service.asked(reader, run, case)
+    answer = service.evaluated(request.app.state.cases, wanted, case.rows)
+    drawn = case.view if drew(viewer, answer, None, turn) else None
+    return service.response(wanted, answer, drawn, case.rows)

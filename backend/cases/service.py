@@ -35,8 +35,6 @@ GRACE = 2.0
 
 @dataclass(frozen=True)
 class Evaluable:
-    """A case of a simulator, ready to be evaluated."""
-
     case: Case
     simulator: str
     """The version of the simulator that the run needs; empty if it was not recorded."""
@@ -45,19 +43,17 @@ class Evaluable:
 
 
 def process() -> Live:
-    """The child process that evaluates cases."""
     return Live(COMMAND, LIMIT, FIRST_LIMIT, GRACE)
 
 
-def asked(reader: sa.Connection, run: str, given: CaseRequest) -> Evaluable:
+def asked(reader: sa.Connection, run: str, request: CaseRequest) -> Evaluable:
     """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
     found = _simulated(reader, number(run))
-    wanted = flights.case(reader, number(run), found, given.like, given.parameters)
+    wanted = flights.case(reader, number(run), found, request.like, request.parameters)
     return Evaluable(wanted, _needs(reader, wanted.run_id), versions(reader, wanted.run_id).simulator)
 
 
 def _simulated(reader: sa.Connection, run_id: int) -> Campaign:
-    """The campaign of a run that evaluates a simulator."""
     found = campaign(reader, run_id)
     if found.simulator is None:
         text = f"{run_name(run_id)} simulates a scenario: ask for a flight, POST /runs/{run_name(run_id)}/flights"
@@ -104,7 +100,6 @@ def evaluated(live: Live, wanted: Evaluable, rows: int) -> CaseReply:
 
 
 def response(wanted: Evaluable, answer: CaseReply, drawn: str | None, rows: int) -> CaseAnswer:
-    """The response of the API."""
     plain = flights.response(wanted.case, answer, drawn, rows if answer["columns"] else 0)
     known = wanted.digest is not None
     return CaseAnswer(

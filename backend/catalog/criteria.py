@@ -11,6 +11,7 @@ from typing import Any, Literal
 from backend.catalog.schemas import CriterionOut
 from campaigns import Catalogue
 from campaigns.asked.criteria import named
+from campaigns.catalogue import ComponentEntry, ResultEntry
 
 EARLIER: dict[str, Literal["centre"]] = {"separation": "centre"}
 """Default for snapshots that are older than this declaration."""
@@ -21,38 +22,30 @@ def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[C
     if document.get("simulator"):
         return [_result(document, catalogue)]
     found: list[CriterionOut] = []
-    components = _components(document)
+    components = [str(part["component"]) for part in (document["criterion"], *document.get("objectives", []))]
     for name, component in zip(named(components), components, strict=True):
         entry = None if catalogue is None else catalogue.component("criterion", component)
-        found.append(
-            CriterionOut(
-                name=name,
-                component=component,
-                title=entry.title if entry else component,
-                quantity=entry.quantity if entry else "",
-                unit=entry.unit if entry else "",
-                worse="high" if entry and entry.worse == "high" else "low",
-                measured_to=(entry.measured_to if entry else "") or EARLIER.get(component, ""),
-            )
-        )
+        ends = (entry.measured_to if entry else "") or EARLIER.get(component, "")
+        found.append(_described(name, component, entry, ends))
     return found
 
 
 def _result(document: Mapping[str, Any], catalogue: Catalogue | None) -> CriterionOut:
-    """The deciding result of a simulator."""
     name, simulator = str(document["criterion"]["result"]), str(document["simulator"]["name"])
     known = None if catalogue is None else catalogue.simulator(simulator)
     entry = None if known is None else known.result(name)
+    return _described(name, name, entry, "")
+
+
+def _described(
+    name: str, component: str, entry: ComponentEntry | ResultEntry | None, ends: Literal["", "centre", "surface"]
+) -> CriterionOut:
     return CriterionOut(
         name=name,
-        component=name,
-        title=entry.title if entry else name,
+        component=component,
+        title=entry.title if entry else component,
         quantity=entry.quantity if entry else "",
         unit=entry.unit if entry else "",
-        worse=entry.worse if entry else "low",
-        measured_to="",
+        worse="high" if entry and entry.worse == "high" else "low",
+        measured_to=ends,
     )
-
-
-def _components(document: Mapping[str, Any]) -> list[str]:
-    return [str(part["component"]) for part in (document["criterion"], *document.get("objectives", []))]

@@ -18,13 +18,7 @@ from campaigns.asked.load import load_document
 router = APIRouter(tags=["catalog"])
 LibraryName = Annotated[str, Path(description="The identifier of a shipped campaign, such as `unicycle_static`.")]
 
-CHECK_BODY = {
-    "required": True,
-    "content": {
-        "application/json": {"schema": {"$ref": "#/components/schemas/CampaignBody"}},
-        "application/yaml": {"schema": {"type": "string"}},
-    },
-}
+CHECK_BODY = bodies.of("CampaignBody")
 
 
 @router.get("/components", responses=problems("no-catalogue"))
@@ -53,15 +47,12 @@ def get_campaign(name: LibraryName, reader: Reader) -> LibraryCampaign:
 
 @router.post(
     "/campaigns/check",
-    openapi_extra={"requestBody": CHECK_BODY},
+    openapi_extra=CHECK_BODY,
     responses=problems("unsupported-media-type", "unreadable", "no-catalogue", "busy"),
 )
 async def check_campaign(request: Request, engine: Engine) -> Checked:
     """Check a campaign, given as `{"campaign": ...}` or as YAML: its parsed form, or its errors. Stores nothing."""
-    yaml = bodies.is_yaml(request)
-    body = await request.body()
-
-    campaign = await bodies.apart(request, lambda: given(body, yaml))
+    campaign = await campaign_of(request)
 
     def work() -> Checked:
         with read(engine) as reader:
@@ -70,8 +61,13 @@ async def check_campaign(request: Request, engine: Engine) -> Checked:
     return await capacities(request).checks.run(work)
 
 
-def given(body: bytes, yaml: bool) -> Campaign | CampaignError:
+async def campaign_of(request: Request) -> Campaign | CampaignError:
     """The campaign of a request's body, or all its errors."""
+    yaml, body = bodies.is_yaml(request), await request.body()
+    return await capacities(request).bodies.run(lambda: _campaign(body, yaml))
+
+
+def _campaign(body: bytes, yaml: bool) -> Campaign | CampaignError:
     try:
         if yaml:
             return bodies.yaml_campaign(body)

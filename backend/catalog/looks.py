@@ -25,7 +25,6 @@ class Looks:
     installed: Catalogue | None = None
 
     def method(self, name: str) -> MethodLook | None:
-        """The look of a search method; None if it is not declared."""
         return next((entry.look for entry in self._methods(name) if entry.look is not None), None)
 
     def random(self, name: str) -> bool:
@@ -33,11 +32,9 @@ class Looks:
         return any(entry.kind == "random" for entry in self._methods(name))
 
     def obstacle(self, name: str) -> ObstacleLook | None:
-        """The look of an obstacle; None if it is not declared."""
         return next((e.look for e in self._entries("obstacle", name) if isinstance(e.look, ObstacleLook)), None)
 
     def vehicle(self, name: str) -> VehicleLook | None:
-        """The look of a vehicle; None if it is not declared."""
         return next((e.look for e in self._entries("vehicle", name) if isinstance(e.look, VehicleLook)), None)
 
     def _methods(self, name: str) -> list[MethodEntry]:
@@ -50,5 +47,4 @@ class Looks:
 
 
 def looks(reader: sa.Connection, run_id: int) -> Looks:
-    """The looks of a run's components and methods."""
     return Looks(snapshots.of_run(reader, run_id), published(reader))

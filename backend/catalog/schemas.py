@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from backend.http.schema import Schema
-from campaigns.catalogue import Catalogue, ParameterEntry
+from campaigns.catalogue import ParameterEntry
 from campaigns.results.drawn import DrawnFlight
-
-CatalogueOut = Catalogue
 
 
 class LibraryCampaign(Schema):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any
 
 import sqlalchemy as sa
 
@@ -88,12 +87,12 @@ def _shipped(name: str) -> tuple[Campaign, str]:
     return load_file(path), path.read_text(encoding="utf-8")
 
 
-def checked(reader: sa.Connection, given: Campaign | CampaignError) -> Checked:
+def checked(reader: sa.Connection, campaign: Campaign | CampaignError) -> Checked:
     """The parsed campaign, or all its errors; stores nothing."""
-    if isinstance(given, CampaignError):
+    if isinstance(campaign, CampaignError):
         return Checked(
             ok=False,
-            problems=_out(given.problems),
+            problems=_out(campaign.problems),
             digest=None,
             document=None,
             yaml=None,
@@ -103,18 +102,18 @@ def checked(reader: sa.Connection, given: Campaign | CampaignError) -> Checked:
             estimate=None,
         )
     catalogue = required(reader)
-    problems = check(given, catalogue)
-    evaluations = sum(stage.planned for stage in plan(given))
+    problems = check(campaign, catalogue)
+    evaluations = sum(stage.planned for stage in plan(campaign))
     return Checked(
         ok=not problems,
         problems=_out(problems),
-        digest=given.digest,
-        document=given.document(),
-        yaml=readable_yaml(given),
-        parameters=_parameters(given, catalogue),
+        digest=campaign.digest,
+        document=campaign.document(),
+        yaml=readable_yaml(campaign),
+        parameters=_parameters(campaign, catalogue),
         evaluations=evaluations,
-        seconds=_seconds(reader, given, evaluations),
-        estimate=None if problems else estimate(reader, given, catalogue, lambda n: _seconds(reader, given, n)),
+        seconds=_seconds(reader, campaign, evaluations),
+        estimate=None if problems else estimate(reader, campaign, catalogue, lambda n: _seconds(reader, campaign, n)),
     )
 
 
@@ -156,9 +155,10 @@ def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> flo
         return None
     recent = sa.select(Run.id, Run.campaign_digest).where(Run.state == RunState.DONE).order_by(Run.id.desc())
     runs = recent.limit(RECENT_RUNS).subquery()
-    document = CampaignRow.document
+    document, scenario = CampaignRow.document, campaign.given_scenario
     same = [
-        _component(document, role) == _component_of(campaign, role) for role in ("vehicle", "controller", "avoider")
+        document["scenario"][role]["component"].as_string() == getattr(scenario, role).component
+        for role in ("vehicle", "controller", "avoider")
     ]
     steps = document["scenario"]["horizon"].as_float() / document["scenario"]["step"].as_float()
     totals = (
@@ -171,15 +171,4 @@ def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> flo
     evaluated, seconds = reader.execute(totals).one()
     if not evaluated or not seconds:
         return None
-    scenario = campaign.given_scenario
     return float(evaluations * (scenario.horizon / scenario.step) * seconds / evaluated)
-
-
-def _component(document: Any, role: str) -> sa.ColumnElement[str]:
-    column: sa.ColumnElement[str] = document["scenario"][role]["component"].as_string()
-    return column
-
-
-def _component_of(campaign: Campaign, role: str) -> str:
-    part = getattr(campaign.given_scenario, role)
-    return str(part.component)

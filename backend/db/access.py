@@ -87,8 +87,6 @@ class TokenInfo:
 
 @dataclass(frozen=True)
 class SessionRow:
-    """An open browser session without its secret."""
-
     id: str
     user: str
     via: str
@@ -165,7 +163,6 @@ def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME
 
 
 def valid_codes(connection: sa.Connection) -> frozenset[str]:
-    """The hashes of all login codes that are valid now."""
     good = (LoginLink.used.is_(None), LoginLink.expires > engine.now(connection))
     return frozenset(connection.scalars(sa.select(LoginLink.hash).where(*good)))
 
@@ -219,7 +216,6 @@ def close_sessions(connection: sa.Connection, user: str, but: str = "") -> int:
 
 
 def by_session(connection: sa.Connection, secret: str) -> Visitor | None:
-    """The visitor to whom a session cookie belongs."""
     columns = (Session.hash, Session.user, Session.expires, Session.via, *_OF_USER)
     of = sa.select(*columns).join(User, User.name == Session.user)
     row = _found(connection, of, Session.hash, secret)
@@ -242,7 +238,6 @@ def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | N
 
 
 def note_use(connection: sa.Connection, name: str) -> None:
-    """Record the time of a token's last use."""
     connection.execute(sa.update(Token).where(Token.name == name).values(last_used=engine.now(connection)))
 
 

@@ -53,7 +53,6 @@ def note_sign_in(writer: sa.Connection, user: str, via: str, action: str, detail
 
 
 def head(reader: sa.Connection) -> Head:
-    """The head of the trail, as the database holds it."""
     row = reader.execute(sa.select(AuditHead.row, AuditHead.hash)).one_or_none()
     return Head(0, FIRST) if row is None else Head(row.row, row.hash)
 

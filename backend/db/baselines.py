@@ -25,8 +25,6 @@ LOOKED_AT = 500
 
 
 class Resolved(NamedTuple):
-    """A campaign with its baseline."""
-
     campaign: Campaign
     run_id: int | None
     """None if no run has the label; the campaign has no baseline then."""
@@ -35,18 +33,18 @@ class Resolved(NamedTuple):
     """What was asked for."""
 
 
-def resolved(reader: sa.Connection, asked: Campaign, given: str) -> Resolved:
+def resolved(reader: sa.Connection, campaign: Campaign, request: str) -> Resolved:
     """The campaign with the baseline that was asked for; raises `CannotCompare` with a sentence if there is none.
 
     A label that no run has is no error: the first run of a branch has no baseline, which the sentence states.
     """
-    if given.startswith(LABEL):
-        return _labelled(reader, asked, given)
-    run_id = run_number(given)
+    if request.startswith(LABEL):
+        return _labelled(reader, campaign, request)
+    run_id = run_number(request)
     if run_id is None:
-        raise CannotCompare(f"invalid baseline {given[:60]!r}: {HOW}")
+        raise CannotCompare(f"invalid baseline {request[:60]!r}: {HOW}")
     other = _campaign(reader, run_id)
-    return _compared(reader, asked, run_id, other, f"Baseline: {run_name(run_id)}.")
+    return _compared(reader, campaign, run_id, other, f"Baseline: {run_name(run_id)}.")
 
 
 def of_run(reader: sa.Connection, run_id: int) -> tuple[str, int | None] | None:
@@ -56,27 +54,25 @@ def of_run(reader: sa.Connection, run_id: int) -> tuple[str, int | None] | None:
     return None if row is None else (row.asked, row.baseline)
 
 
-def store(writer: sa.Connection, run_id: int, asked: str, baseline: int | None) -> None:
-    """Store what a new run was launched with."""
-    writer.execute(sa.insert(RunBaseline).values(run_id=run_id, asked=asked[:LONGEST], baseline=baseline))
+def store(writer: sa.Connection, run_id: int, request: str, baseline: int | None) -> None:
+    writer.execute(sa.insert(RunBaseline).values(run_id=run_id, asked=request[:LONGEST], baseline=baseline))
 
 
-def none_found(given: str) -> str:
-    """The sentence of a label that no run has."""
+def none_found(request: str) -> str:
     return (
         f"No baseline: no run of this campaign that has ended with findings has the label "
-        f"{given.removeprefix(LABEL)}. Nothing was compared; the verdict alone decides."
+        f"{request.removeprefix(LABEL)}. Nothing was compared; the verdict alone decides."
     )
 
 
-def _labelled(reader: sa.Connection, asked: Campaign, given: str) -> Resolved:
+def _labelled(reader: sa.Connection, campaign: Campaign, request: str) -> Resolved:
     try:
-        wanted = pair(given.removeprefix(LABEL))
+        wanted = pair(request.removeprefix(LABEL))
     except ValueError as error:
-        raise CannotCompare(f"invalid baseline {given[:60]!r}: {error}") from None
+        raise CannotCompare(f"invalid baseline {request[:60]!r}: {error}") from None
     found = sa.exists().where(Finding.run_id == Run.id)
     ended = (Run.state.in_(ENDED), Run.removed.is_(None), Run.purged.is_(None), found)
-    named = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == asked.name))
+    named = Run.campaign_digest.in_(sa.select(CampaignRow.digest).where(CampaignRow.name == campaign.name))
     of = sa.select(Run.id).where(*ended, named, *labels.conditions([wanted]))
     query = of.order_by(Run.id.desc()).limit(LOOKED_AT)
     for run_id in reader.scalars(query).all():
@@ -84,15 +80,15 @@ def _labelled(reader: sa.Connection, asked: Campaign, given: str) -> Resolved:
             other = _campaign(reader, run_id)
         except CannotCompare:  # one of another version of Clearance
             continue
-        if same_question(asked, other):
+        if same_question(campaign, other):
             statement = f"Baseline: {run_name(run_id)}, the newest run with the label {'='.join(wanted)}."
-            return _compared(reader, asked, run_id, other, statement)
-    return Resolved(asked, None, none_found(given), given)
+            return _compared(reader, campaign, run_id, other, statement)
+    return Resolved(campaign, None, none_found(request), request)
 
 
-def _compared(reader: sa.Connection, asked: Campaign, run_id: int, other: Campaign, statement: str) -> Resolved:
+def _compared(reader: sa.Connection, campaign: Campaign, run_id: int, other: Campaign, statement: str) -> Resolved:
     found = continuation.findings(reader, run_id)
-    return Resolved(with_baseline(asked, run_name(run_id), other, found), run_id, statement)
+    return Resolved(with_baseline(campaign, run_name(run_id), other, found), run_id, statement)
 
 
 def _campaign(reader: sa.Connection, run_id: int) -> Campaign:

@@ -10,7 +10,6 @@ from campaigns.versions import Code, CodeParts
 
 
 def store(writer: sa.Connection, code: Code) -> None:
-    """Store the digests of the modules unless they are already stored."""
     row = {"digest": code.digest, "modules": code.modules, "created": now(writer)}
     writer.execute(insert(writer, CodeVersion).values(**row).on_conflict_do_nothing())
 

@@ -14,7 +14,7 @@ import sqlalchemy as sa
 from backend.db import labels, sizes
 from backend.db.engine import now
 from backend.db.queue import Claim, submit
-from backend.db.rows import as_columns, as_finding, as_result, blobs, lowest
+from backend.db.rows import as_columns, as_finding, as_result, blobs, failed, lowest
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import EvaluationChunk, Run, RunBaseline, Stage
 from backend.db.tables import Finding as FindingRow
@@ -22,7 +22,7 @@ from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.results import Finding, TraceHead
-from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
+from campaigns.results.base import EXCLUDED
 from campaigns.results.trace import TraceColumn
 from campaigns.runs import RunState
 from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace, join
@@ -48,18 +48,16 @@ def is_removed(connection: sa.Connection, run_id: int) -> bool:
 
 
 def stages(connection: sa.Connection, run_id: int) -> list[StageRecord]:
-    """The stages of a run in their current state, in order."""
     rows = connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position))
     return [StageRecord(StagePlan(r.kind, r.method, r.planned), r.state, r.seconds, as_result(r.result)) for r in rows]
 
 
 def evaluations(connection: sa.Connection, run_id: int) -> dict[int, Columns]:
-    """All evaluations of a run by the position of their stage."""
     of = sa.select(EvaluationChunk).where(EvaluationChunk.run_id == run_id)
-    held: dict[int, list[Columns]] = {}
+    found: dict[int, list[Columns]] = {}
     for row in connection.execute(of.order_by(EvaluationChunk.position, EvaluationChunk.first)):
-        held.setdefault(row.position, []).append(as_columns(row))
-    return {position: joined for position, chunks in held.items() if (joined := join(chunks)) is not None}
+        found.setdefault(row.position, []).append(as_columns(row))
+    return {position: joined for position, chunks in found.items() if (joined := join(chunks)) is not None}
 
 
 def findings(connection: sa.Connection, run_id: int) -> list[Finding]:
@@ -69,7 +67,6 @@ def findings(connection: sa.Connection, run_id: int) -> list[Finding]:
 
 
 def traces(connection: sa.Connection, run_id: int) -> list[Trace]:
-    """The traces of a run."""
     rows = connection.execute(sa.select(TraceRow).where(TraceRow.run_id == run_id).order_by(TraceRow.name))
     return [
         Trace(
@@ -99,12 +96,7 @@ def begin(
     It has the old run's name, tags, labels, baseline and owner, and stores the catalogue entries of its components.
     `versions` describes the installation that ran these evaluations; None if unknown. Runs in the caller's transaction.
     """
-    kept = (Run.name, Run.tags, Run.owner, Run.priority, Run.best_so_far)
-    cited = connection.execute(sa.select(*kept).where(Run.id == old)).one()
-    run_id = submit(
-        connection, campaign, name=cited.name, tags=cited.tags, owner=cited.owner, priority=cited.priority,
-        planned=sum(stage.planned for stage in planned), catalogue=catalogue,
-    )  # fmt: skip
+    run_id = succeed(connection, old, campaign, sum(stage.planned for stage in planned), catalogue)
     for position, stage in enumerate(planned):
         columns = carried.get(position)
         row = {"run_id": run_id, "position": position, **vars(stage)}
@@ -115,36 +107,40 @@ def begin(
             connection.execute(sa.insert(EvaluationChunk).values(**chunk, **written))
             sizes.grow(connection, run_id, sizes.of_chunk(written))
     at = now(connection)
-    held = {"worker": worker, "fence": 1, "attempts": 1, "started": at, "lease_until": at + lease}
+    claimed = {"worker": worker, "fence": 1, "attempts": 1, "started": at, "lease_until": at + lease}
     carried_over = {
         "evaluations": sum(len(c.status) for c in carried.values()),
-        "failed_evaluations": sum(_failed(c) for c in carried.values()),
-        "best_so_far": cited.best_so_far,
+        "failed_evaluations": sum(map(failed, carried.values())),
+        "best_so_far": connection.scalar(sa.select(Run.best_so_far).where(Run.id == old)),
         "flown": None if versions is None else versions.model_dump(mode="json"),
         "state": RunState.RUNNING,
     }
-    connection.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **held, **carried_over))
-    labels.store(connection, run_id, labels.of_runs(connection, [old]).get(old, {}))
-    launched = (
-        connection.execute(sa.select(RunBaseline.__table__).where(RunBaseline.run_id == old)).mappings().one_or_none()
-    )
-    if launched is not None:
-        connection.execute(sa.insert(RunBaseline).values({**launched, "run_id": run_id}))
+    connection.execute(sa.update(Run).where(Run.id == run_id).values(**claimed, **carried_over))
     attempts = connection.execute(sa.select(Run.max_attempts).where(Run.id == run_id)).scalar_one()
     return Claim(run_id, 1, 1, attempts, worker, campaign.document())
+
+
+def succeed(
+    writer: sa.Connection, old: int, campaign: Campaign, planned: int, catalogue: Catalogue | None, **values: object
+) -> int:
+    """Queue a run that continues another one, with its name, tags, labels, baseline, priority and owner."""
+    kept = sa.select(Run.name, Run.tags, Run.owner, Run.priority).where(Run.id == old)
+    own_labels = labels.of_runs(writer, [old]).get(old, {})
+    same = writer.execute(kept).one()._asdict()
+    run_id = submit(writer, campaign, **same, planned=planned, catalogue=catalogue, labelled=own_labels)
+    for row in writer.execute(sa.select(RunBaseline.__table__).where(RunBaseline.run_id == old)).mappings().all():
+        writer.execute(sa.insert(RunBaseline).values({**row, "run_id": run_id}))
+    writer.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **values))
+    return run_id
 
 
 def _counts(columns: Columns) -> dict[str, object]:
     best, index = lowest(columns)
     return {
         "evaluations": len(columns.status),
-        "failed": _failed(columns),
+        "failed": failed(columns),
         "excluded": int((columns.status == EXCLUDED).sum()),
         "seconds": float(columns.seconds.max()),
         "best": None if index is None else best,
         "best_index": index,
     }
-
-
-def _failed(columns: Columns) -> int:
-    return int(np.isin(columns.status, (FAILED, TIMEOUT)).sum())

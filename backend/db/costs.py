@@ -61,14 +61,14 @@ def _first(
 def _of_runs(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measurement]:
     """The measurements by runs of the simulator with this declaration, the newest first."""
     nominal = sa.and_(Stage.run_id == Run.id, Stage.position == 0, Stage.state == StageState.DONE)
-    asked = (
+    query = (
         sa.select(Run.id, Run.started, Run.flown, Stage.result)
         .join(Stage, nominal)
         .where(Run.needs == entry.version, Run.removed.is_(None))
         .order_by(Run.id.desc())
         .limit(RECENT_RUNS)
     )
-    for run_id, started, flown, result in reader.execute(asked):
+    for run_id, started, flown, result in reader.execute(query):
         measured = stage_result(result).repeatability
         cost = None if measured is None else _cost(measured, run_name(run_id), started)
         if cost is not None:
@@ -84,7 +84,6 @@ def _of_checks(reader: sa.Connection, entry: SimulatorEntry) -> Iterator[_Measur
 
 
 def _cost(measured: Measured, run: str | None, at: float | None, host: str = "") -> Cost | None:
-    """The cost of an evaluation as measured; None if the measurement has no time of a call."""
     if not (measured.call_seconds and measured.slots):
         return None
     return Cost(

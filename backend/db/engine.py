@@ -56,17 +56,15 @@ def connect(url: str, busy_timeout: float | None = None) -> sa.Engine:
             json_serializer=_json,
             connect_args={"options": limits} if limits else {},
         )
-    given = parsed.render_as_string()
-    raise ValueError(f"the database {given!r} is not supported: give sqlite:///FILE or postgresql://...")
+    address = parsed.render_as_string()
+    raise ValueError(f"the database {address!r} is not supported: give sqlite:///FILE or postgresql://...")
 
 
 def default_url(data: Path) -> str:
-    """The default database: a file in the data folder."""
     return f"sqlite:///{data.absolute() / 'clearance.sqlite3'}"
 
 
 def is_sqlite(bind: sa.Engine | sa.Connection) -> bool:
-    """True on SQLite, false on PostgreSQL."""
     return bind.dialect.name == "sqlite"
 
 

@@ -13,7 +13,6 @@ from campaigns.stored.records import Ahead, Columns
 
 
 def read(connection: sa.Connection, run_id: int, position: int) -> Ahead | None:
-    """The evaluations ahead of a stage by index; None if there are none."""
     of = (EvaluationAhead.run_id == run_id, EvaluationAhead.position == position)
     rows = connection.execute(sa.select(EvaluationAhead).where(*of).order_by(EvaluationAhead.place)).all()
     if not rows:

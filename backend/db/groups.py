@@ -25,7 +25,6 @@ def lock(writer: sa.Connection, group: str) -> None:
 
 
 def store(writer: sa.Connection, run_id: int, group: str) -> None:
-    """Store the group of a new run."""
     writer.execute(sa.insert(RunLabel).values(run_id=run_id, key=GROUP, value=group))
 
 

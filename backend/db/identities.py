@@ -40,21 +40,17 @@ def identity_of(issuer: str, subject: str) -> str:
 
 
 def is_provided(created_by: str) -> bool:
-    """Whether a user was created by a provider."""
     return created_by.startswith(PREFIX)
 
 
 @dataclass(frozen=True)
 class Provided:
-    """A provider's user as stored."""
-
     name: str
     role: Role
     disabled: float | None
 
 
 def user_of(reader: sa.Connection, identity: str) -> Provided | None:
-    """The user with an identity."""
     of = sa.select(User.name, User.role, User.disabled).where(User.created_by == identity)
     row = reader.execute(of).one_or_none()
     return None if row is None else Provided(**row._mapping)

@@ -13,7 +13,6 @@ GIVEN = RunLabel.key.not_like("@%")
 
 
 def store(writer: sa.Connection, run_id: int, labels: Mapping[str, str]) -> None:
-    """Store the labels of a new run."""
     if labels:
         rows = [{"run_id": run_id, "key": key, "value": value} for key, value in labels.items()]
         writer.execute(sa.insert(RunLabel), rows)

@@ -43,9 +43,9 @@ def stored(reader: sa.Connection, entry: SimulatorEntry) -> list[Stored]:
     """The measurements of the simulator with this declaration, the newest first; without those that another version of
     this program stored and this one cannot read."""
     table = SimulatorMeasurement
-    asked = sa.select(table.measured, table.host, table.digest, table.result).where(table.simulator == entry.version)
+    query = sa.select(table.measured, table.host, table.digest, table.result).where(table.simulator == entry.version)
     found = []
-    for at, host, digest, result in reader.execute(asked.order_by(table.measured.desc()).limit(RECENT)):
+    for at, host, digest, result in reader.execute(query.order_by(table.measured.desc()).limit(RECENT)):
         try:
             found.append(Stored(at, host, digest, Measured.model_validate(result)))
         except ValidationError:

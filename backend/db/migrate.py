@@ -17,7 +17,6 @@ def to_head(connection: sa.Connection) -> None:
 
 
 def config(connection: sa.Connection) -> Config:
-    """The Alembic configuration, without a file."""
     found = Config(attributes={"connection": connection})
     found.set_main_option("script_location", str(FOLDER).replace("%", "%%"))
     found.set_main_option("path_separator", "os")

@@ -31,7 +31,6 @@ def problem(password: str, name: str) -> str | None:
 
 
 def hashed(password: str) -> str:
-    """The stored form of a password."""
     return _HASHER.hash(_bytes(password))
 
 

@@ -52,8 +52,6 @@ class Removed:
 
 
 class Space(NamedTuple):
-    """Size of an SQLite file before and after [bytes]."""
-
     before: int
     after: int
 
@@ -90,8 +88,8 @@ def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
             writer.execute(sa.delete(table).where(table.run_id == run_id))
         left = {**_EMPTY, "purged": now(writer), "purged_by": user[:64], "purged_digest": digest}
         writer.execute(sa.update(Run).where(Run.id == run_id).values(**left))
-        told = {"results_digest": digest, "evaluations": row.evaluations}
-        audit.note_command(writer, user, "run.purged", run_name(run_id), told)
+        detail = {"results_digest": digest, "evaluations": row.evaluations}
+        audit.note_command(writer, user, "run.purged", run_name(run_id), detail)
         return True
 
 

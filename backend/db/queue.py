@@ -14,10 +14,11 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db import labels, refusals, requirements, sizes, snapshots
+from backend.db import labels, refusals, sizes, snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import Run, Stage
+from backend.db.tables import Run, RunRequirement, Stage
+from campaigns.asked.requirements import question
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.runs import HELD, RunState, StageState
@@ -66,7 +67,7 @@ def submit(
     planned: int,
     priority: int = 0,
     catalogue: Catalogue | None = None,
-    given: Mapping[str, str] | None = None,
+    labelled: Mapping[str, str] | None = None,
 ) -> int:
     """Queue a run of the campaign in the caller's transaction; returns its number.
 
@@ -77,6 +78,7 @@ def submit(
     row = {"digest": campaign.digest, "name": campaign.name, "document": document, "created": created}
     row |= {"seedless": campaign.seedless}
     connection.execute(insert(connection, CampaignRow).values(**row).on_conflict_do_nothing())
+    needed = None if campaign.simulator is None or catalogue is None else catalogue.simulator(campaign.simulator.name)
     values = {
         "campaign_digest": campaign.digest,
         "name": name,
@@ -87,12 +89,16 @@ def submit(
         "planned": planned,
         "threshold": campaign.criterion.threshold,
         "snapshot": None if catalogue is None else snapshots.store(connection, campaign, catalogue),
-        "needs": _needed(campaign, catalogue),
+        "needs": None if needed is None else needed.version,
         "size": sizes.of_document(document),
     }
     run_id = int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
-    labels.store(connection, run_id, given or {})
-    requirements.store(connection, run_id, campaign)
+    labels.store(connection, run_id, labelled or {})
+    if stated := campaign.criterion.requirements:
+        of = {"run_id": run_id, "question": question(document)}
+        connection.execute(
+            sa.insert(RunRequirement), [{"requirement": one.id, "text": one.text, **of} for one in stated]
+        )
     return run_id
 
 
@@ -105,8 +111,8 @@ def request_cancel(connection: sa.Connection, run_id: int) -> RunState | None:
     unheld = sa.or_(Run.state == RunState.QUEUED, sa.and_(Run.state.in_(HELD), Run.lease_until < at))
     ended = {"state": RunState.CANCELLED, "cancel": True, "finished": at, "lease_until": 0.0, "error": None}
     connection.execute(sa.update(Run).where(Run.id == run_id, unheld).values(**ended))
-    asked = {"state": RunState.CANCELLING, "cancel": True}
-    connection.execute(sa.update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING).values(**asked))
+    request = {"state": RunState.CANCELLING, "cancel": True}
+    connection.execute(sa.update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING).values(**request))
     return connection.scalar(sa.select(Run.state).where(Run.id == run_id))
 
 
@@ -133,7 +139,8 @@ class Queue:
         while self._any_ready(able):
             with self.engine.begin() as connection:
                 at = now(connection)
-                row = connection.execute(self._next(at, able)).first()
+                ready = sa.select(*_CLAIMED).where(_ready(at), able).order_by(*_order(at)).limit(1)
+                row = connection.execute(ready.with_for_update(skip_locked=True, of=Run)).first()
                 if row is None:
                     return None
                 if not self._ended(connection, row, at):
@@ -187,7 +194,6 @@ class Queue:
             self._end(connection, claim, RunState.FAILED, why)
 
     def cancelled(self, claim: Claim) -> None:
-        """End the run as cancelled after its worker has stopped."""
         with self.engine.begin() as connection:
             self._end(connection, claim, RunState.CANCELLED)
 
@@ -207,15 +213,6 @@ class Queue:
         with read(self.engine) as connection:
             found = sa.select(Run.id).where(_ready(now(connection)), able).limit(1)
             return connection.scalar(found) is not None
-
-    def _next(self, at: float, able: sa.ColumnElement[bool]) -> sa.Executable:
-        return (
-            sa.select(*_CLAIMED)
-            .where(_ready(at), able)
-            .order_by(*_order(at))
-            .limit(1)
-            .with_for_update(skip_locked=True, of=Run)
-        )
 
     def _ended(self, connection: sa.Connection, row: Any, at: float) -> bool:
         values: dict[str, object] = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
@@ -254,9 +251,8 @@ def waiting_order(at: float) -> sa.Select[int]:
 
 
 def _order(at: float) -> tuple[Any, ...]:
-    """Priority, then the owner with the fewest active runs, then age."""
-    held = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
-    share = held.group_by(Run.owner).subquery()
+    active = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
+    share = active.group_by(Run.owner).subquery()
     fewest = sa.func.coalesce(sa.select(share.c.held).where(share.c.owner == Run.owner).scalar_subquery(), 0)
     return (Run.priority.desc(), fewest, Run.created, Run.id)
 
@@ -274,13 +270,7 @@ def _able(simulators: Sequence[str], installation: str) -> sa.ColumnElement[bool
     return sa.or_(sa.and_(has, ~refusals.by(installation)), Run.state == RunState.CANCELLING)
 
 
-def _needed(campaign: Campaign, catalogue: Catalogue | None) -> str | None:
-    entry = None if campaign.simulator is None or catalogue is None else catalogue.simulator(campaign.simulator.name)
-    return None if entry is None else entry.version
-
-
 def _failed_after(connection: sa.Connection, run_id: int, attempts: int, how: str) -> str:
-    """The reason for the failure: number of attempts, stage, and how the last attempt ended."""
     running = sa.select(Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.state == StageState.RUNNING)
     stage = connection.execute(running.order_by(Stage.position)).first()
     where = "before its first stage"

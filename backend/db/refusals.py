@@ -22,7 +22,6 @@ def store(writer: sa.Connection, run_id: int, installation: str, text: str) -> N
 
 
 def by(installation: str) -> sa.ColumnElement[bool]:
-    """Whether a run is refused by workers of that installation."""
     refused = sa.select(RunRefusal.run_id).where(RunRefusal.run_id == Run.id, RunRefusal.installation == installation)
     return refused.exists()
 
@@ -37,5 +36,4 @@ def of(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, dict[str, s
 
 
 def clear(writer: sa.Connection, run_id: int) -> None:
-    """Every installation may take the run again."""
     writer.execute(sa.delete(RunRefusal).where(RunRefusal.run_id == run_id))

@@ -40,14 +40,14 @@ def folder() -> Path:
 @contextmanager
 def registered(data: Path, database: str, address: str) -> Iterator[None]:
     """Registers a service within the block; one that cannot be registered runs all the same."""
-    told = Running(str(data.absolute()), address, database == default_url(data))
+    service = Running(str(data.absolute()), address, database == default_url(data))
     with contextlib.ExitStack() as stack:
         with contextlib.suppress(OSError, RuntimeError):  # RuntimeError: this user has no home
-            _entered(told, stack)
+            _entered(service, stack)
         yield
 
 
-def _entered(told: Running, stack: contextlib.ExitStack) -> None:
+def _entered(service: Running, stack: contextlib.ExitStack) -> None:
     """Write and lock the file of this process before others can see it; `stack` deletes it."""
     file = folder() / f"{os.getpid()}.json"
     draft = file.with_suffix(".draft")
@@ -56,7 +56,7 @@ def _entered(told: Running, stack: contextlib.ExitStack) -> None:
     create_private(draft)
     entry = stack.enter_context(draft.open("w", encoding="utf-8"))
     fcntl.flock(entry, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    json.dump(asdict(told), entry)
+    json.dump(asdict(service), entry)
     entry.flush()
     draft.replace(file)
     stack.callback(file.unlink, missing_ok=True)

@@ -11,7 +11,6 @@ VERSIONS = Path(__file__).parent / "migrations" / "versions"
 
 
 def newest() -> str:
-    """The newest revision of this code."""
     return max(file.name.partition("_")[0] for file in VERSIONS.glob("[0-9]*.py"))
 
 

@@ -17,12 +17,10 @@ _SCOPE_OF: dict[Role, Scope] = {"viewer": "read", "engineer": "run", "reviewer":
 
 
 def has_role(role: Role, least: Role) -> bool:
-    """Whether a role includes the other."""
     return ROLES.index(role) >= ROLES.index(least)
 
 
 def has_scope(scope: Scope, least: Scope) -> bool:
-    """Whether a scope includes the other."""
     return SCOPES.index(scope) >= SCOPES.index(least)
 
 

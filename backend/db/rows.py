@@ -10,14 +10,14 @@ import numpy as np
 import sqlalchemy as sa
 from pydantic import BaseModel
 
+from backend.db.tables import EvaluationChunk
 from campaigns.results import Finding, StageResult
-from campaigns.results.base import OK
+from campaigns.results.base import FAILED, OK, TIMEOUT
 from campaigns.stages.found import stage_result
-from campaigns.stored.records import Columns, Trace
+from campaigns.stored.records import Columns, Trace, join
 
 
 def as_columns(row: Any) -> Columns:
-    """A row of the chunk table as arrays."""
     points, costs, seconds = (
         np.frombuffer(data, dtype="<f8").astype(np.float64).reshape(row.count, -1)
         for data in (row.points, row.costs, row.seconds)
@@ -27,12 +27,10 @@ def as_columns(row: Any) -> Columns:
 
 
 def as_finding(row: sa.RowMapping) -> Finding:
-    """A row of the findings table as a record."""
     return Finding.model_validate(dict(row))
 
 
 def as_result(stored: Any) -> StageResult | None:
-    """The stored result of a stage; None if there is none yet."""
     return None if stored is None else stage_result(stored)
 
 
@@ -50,8 +48,6 @@ def plain(value: Any) -> Any:
 
 
 class ChunkRow(TypedDict):
-    """A row of the chunk table without its position."""
-
     points: bytes
     costs: bytes
     status: bytes
@@ -60,7 +56,6 @@ class ChunkRow(TypedDict):
 
 
 def blobs(columns: Columns) -> ChunkRow:
-    """The columns as a row of the chunk table."""
     return {
         "points": _bytes(columns.points),
         "costs": _bytes(columns.costs),
@@ -72,6 +67,18 @@ def blobs(columns: Columns) -> ChunkRow:
 
 def _bytes(array: Any) -> bytes:
     return np.ascontiguousarray(array, dtype="<f8").tobytes()
+
+
+def failed(columns: Columns) -> int:
+    """How many evaluations failed, timeouts included."""
+    return int(np.isin(columns.status, (FAILED, TIMEOUT)).sum())
+
+
+def stored_columns(reader: sa.Connection, run_id: int, position: int) -> Columns | None:
+    """All stored evaluations of a stage, in order; None if there are none."""
+    of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
+    rows = reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
+    return join([as_columns(row) for row in rows])
 
 
 def lowest(columns: Columns) -> tuple[float, int | None]:
@@ -88,8 +95,6 @@ def finding_row(finding: Finding) -> dict[str, object]:
 
 
 class TraceRow(TypedDict):
-    """A row of the traces table without its run."""
-
     name: str
     columns: list[Any]
     rows: int

@@ -8,24 +8,12 @@ from __future__ import annotations
 import sqlalchemy as sa
 
 from backend.db import audit
-from backend.db.digest import results_digest
 from backend.db.tables import Signoff
 from campaigns.runs import run_name
 
 
 def is_signed(reader: sa.Connection, run_id: int) -> bool:
-    """Whether the run was ever signed off."""
     return reader.scalar(sa.select(Signoff.id).where(Signoff.run_id == run_id).limit(1)) is not None
-
-
-def digest(reader: sa.Connection, run_id: int) -> str:
-    """The digest to which sign-offs are bound now. If it changes, a migration must rebind them."""
-    return results_digest(reader, run_id)
-
-
-def digest_of_0010(reader: sa.Connection, run_id: int) -> str:
-    """The digest up to revision 0010: findings without slices, boundary and closest approach."""
-    return results_digest(reader, run_id, evidence=False)
 
 
 def bind_again(writer: sa.Connection, run_id: int, before: str, after: str, by: str) -> None:

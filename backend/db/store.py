@@ -16,7 +16,7 @@ from backend.db import codes, continuation, evaluations_ahead, sizes, snapshots,
 from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
-from backend.db.rows import as_columns, as_finding, as_result, blobs, finding_row, lowest, plain, trace_row
+from backend.db.rows import blobs, failed, finding_row, lowest, plain, stored_columns, trace_row
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
@@ -25,9 +25,9 @@ from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import values_changed
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
-from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from campaigns.results.base import EXCLUDED, OK
 from campaigns.runs import RunState, StageState
-from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord, Trace, join
+from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord, Trace
 from campaigns.versions import Code, OtherCode, Versions, differences, differing
 
 PATIENCE = 120.0
@@ -37,8 +37,8 @@ PATIENCE = 120.0
 class RunStore:
     """The results of one claimed run. Writes raise `LostLease` once the run is reassigned or has ended."""
 
-    def __init__(self, engine: sa.Engine, claim: Claim, patience: float = PATIENCE) -> None:
-        self.engine, self.claim, self.patience = engine, claim, patience
+    def __init__(self, engine: sa.Engine, claim: Claim) -> None:
+        self.engine, self.claim = engine, claim
         self._run = claim.run_id
 
     def describe(self, campaign: Campaign, catalogue: Catalogue) -> None:
@@ -74,8 +74,6 @@ class RunStore:
         self._write(lambda connection: self._check_code(connection, versions, code))
 
     def record_sources(self, files: Sources, texts: Mapping[str, bytes]) -> None:
-        """Store the sources of the run's components that are not shipped, with their texts by module."""
-
         def work(connection: sa.Connection) -> None:
             fenced(connection, self.claim, state=Run.state)
             sources.store(connection, self._run, files, texts)
@@ -83,8 +81,6 @@ class RunStore:
         self._write(work)
 
     def begin(self, position: int) -> None:
-        """Mark a stage as running."""
-
         def work(connection: sa.Connection) -> None:
             fenced(connection, self.claim, state=Run.state)
             started = sa.func.coalesce(Stage.started, now(connection))
@@ -94,10 +90,8 @@ class RunStore:
 
     def evaluations(self, position: int) -> Columns | None:
         """All stored evaluations of a stage, in order; None if there are none."""
-        of = (EvaluationChunk.run_id == self._run, EvaluationChunk.position == position)
         with read(self.engine) as connection:
-            rows = connection.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
-            return join([as_columns(row) for row in rows])
+            return stored_columns(connection, self._run, position)
 
     def ahead(self, position: int) -> Ahead | None:
         """The stored evaluations of a stage that an earlier one is missing for, by index; None if there are none."""
@@ -140,13 +134,10 @@ class RunStore:
 
     def found(self) -> list[Finding]:
         """The findings stored so far, the worst first."""
-        of = sa.select(FindingRow.__table__).where(FindingRow.run_id == self._run).order_by(FindingRow.cost)
         with read(self.engine) as connection:
-            rows = connection.execute(of).mappings().all()
-        return [as_finding(row) for row in rows]
+            return continuation.findings(connection, self._run)
 
     def conclude(self, verdict: Verdict) -> None:
-        """Store the verdict and mark the run done."""
         values = {
             "state": RunState.DONE,
             "verdict": verdict.verdict,
@@ -200,18 +191,15 @@ class RunStore:
             return [StageRecord(stage) for stage in stages]
         if [(row.kind, row.method) for row in rows] != [(stage.kind, stage.method) for stage in stages]:
             raise OtherCode("its stages were planned by another version")
-        return [
-            StageRecord(StagePlan(row.kind, row.method, row.planned), row.state, row.seconds, as_result(row.result))
-            for row in rows
-        ]
+        return continuation.stages(connection, self._run)
 
     def _append(
         self, connection: sa.Connection, position: int, first: int, columns: Columns, ahead: Ahead | None
     ) -> None:
         count = len(columns.status)
-        failed = int(np.isin(columns.status, (FAILED, TIMEOUT)).sum())
+        lost = failed(columns)
         written = blobs(columns)
-        totals = {"evaluations": Run.evaluations + count, "failed_evaluations": Run.failed_evaluations + failed}
+        totals = {"evaluations": Run.evaluations + count, "failed_evaluations": Run.failed_evaluations + lost}
         totals["size"] = Run.size + (sizes.of_chunk(written) if count else 0)
         fenced(connection, self.claim, **totals)
         of = (Stage.run_id == self._run, Stage.position == position)
@@ -228,7 +216,7 @@ class RunStore:
         connection.execute(sa.insert(EvaluationChunk).values(**chunk))
         values: dict[str, object] = {
             "evaluations": first + count,
-            "failed": Stage.failed + failed,
+            "failed": Stage.failed + lost,
             "excluded": Stage.excluded + int((columns.status == EXCLUDED).sum()),
             "seconds": float(columns.seconds.max()),
         }
@@ -241,7 +229,6 @@ class RunStore:
         connection.execute(self._stage(position).values(**values))
 
     def _worst(self, connection: sa.Connection, cost: float, method: str | None) -> None:
-        """Update the run's worst case so far, which the run list shows during the search."""
         lower = sa.or_(Run.worst_cost.is_(None), Run.worst_cost > cost)
         connection.execute(
             sa.update(Run).where(Run.id == self._run, lower).values(worst_cost=cost, worst_method=method)
@@ -266,4 +253,4 @@ class RunStore:
             connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
 
     def _write(self, work: Callable[[sa.Connection], Result]) -> Result:
-        return write(self.engine, work, self.patience)
+        return write(self.engine, work, PATIENCE)

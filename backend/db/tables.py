@@ -11,33 +11,33 @@ import sqlalchemy as sa
 from sqlalchemy import orm
 
 from backend.db.base import Base as Base
+from backend.db.tables_access import Audit as Audit
+from backend.db.tables_access import AuditHead as AuditHead
+from backend.db.tables_access import Draft as Draft
 from backend.db.tables_access import Invitation as Invitation
 from backend.db.tables_access import LoginLink as LoginLink
+from backend.db.tables_access import RequestKey as RequestKey
 from backend.db.tables_access import ServiceSetting as ServiceSetting
 from backend.db.tables_access import Session as Session
+from backend.db.tables_access import Signoff as Signoff
 from backend.db.tables_access import Token as Token
 from backend.db.tables_access import User as User
 from backend.db.tables_installed import CatalogueDocument as CatalogueDocument
 from backend.db.tables_installed import CatalogueSnapshot as CatalogueSnapshot
 from backend.db.tables_installed import CodeVersion as CodeVersion
 from backend.db.tables_installed import SimulatorMeasurement as SimulatorMeasurement
-from backend.db.tables_keys import RequestKey as RequestKey
-from backend.db.tables_labels import RunBaseline as RunBaseline
-from backend.db.tables_labels import RunLabel as RunLabel
-from backend.db.tables_refusals import RunRefusal as RunRefusal
-from backend.db.tables_requirements import Requirement as Requirement
-from backend.db.tables_requirements import RequirementFile as RequirementFile
-from backend.db.tables_requirements import RunRequirement as RunRequirement
-from backend.db.tables_sources import RunSources as RunSources
-from backend.db.tables_sources import SourceText as SourceText
-from backend.db.tables_sweeps import Sweep as Sweep
-from backend.db.tables_sweeps import SweepRun as SweepRun
-from backend.db.tables_users import Audit as Audit
-from backend.db.tables_users import AuditHead as AuditHead
-from backend.db.tables_users import Draft as Draft
-from backend.db.tables_users import Signoff as Signoff
-from backend.db.tables_webhooks import WebhookDelivery as WebhookDelivery
-from backend.db.tables_webhooks import WebhookTarget as WebhookTarget
+from backend.db.tables_installed import WebhookDelivery as WebhookDelivery
+from backend.db.tables_installed import WebhookTarget as WebhookTarget
+from backend.db.tables_launched import Requirement as Requirement
+from backend.db.tables_launched import RequirementFile as RequirementFile
+from backend.db.tables_launched import RunBaseline as RunBaseline
+from backend.db.tables_launched import RunLabel as RunLabel
+from backend.db.tables_launched import RunRefusal as RunRefusal
+from backend.db.tables_launched import RunRequirement as RunRequirement
+from backend.db.tables_launched import RunSources as RunSources
+from backend.db.tables_launched import SourceText as SourceText
+from backend.db.tables_launched import Sweep as Sweep
+from backend.db.tables_launched import SweepRun as SweepRun
 from campaigns.documents import JsonObject
 from campaigns.runs import RunState, StageState
 

@@ -40,7 +40,6 @@ class UserRow:
 
 
 def users(reader: sa.Connection) -> list[UserRow]:
-    """All users, by name."""
     at = now(reader)
     open_ = (Invitation.used.is_(None), Invitation.expires > at)
     invited = dict(reader.execute(sa.select(Invitation.user, Invitation.expires).where(*open_)).all())
@@ -65,7 +64,6 @@ def role_of(reader: sa.Connection, name: str) -> Role | None:
 
 
 def creator_of(reader: sa.Connection, name: str) -> str | None:
-    """Who created a user."""
     return reader.scalar(sa.select(User.created_by).where(User.name == name))
 
 
@@ -75,7 +73,6 @@ def password_of(reader: sa.Connection, name: str) -> str | None:
 
 
 def with_passwords(reader: sa.Connection) -> bool:
-    """Whether any user can sign in with a password."""
     of = sa.select(User.name).where(User.password.is_not(None), User.disabled.is_(None)).limit(1)
     return reader.scalar(of) is not None
 
@@ -105,7 +102,6 @@ def renew(writer: sa.Connection, name: str, by: str) -> str:
 
 
 def void_invitations(writer: sa.Connection, name: str) -> None:
-    """End the unused links of a user."""
     writer.execute(sa.delete(Invitation).where(Invitation.user == name, Invitation.used.is_(None)))
 
 
@@ -116,7 +112,6 @@ def invited(reader: sa.Connection, code: str) -> str | None:
 
 
 def has_joined(reader: sa.Connection, name: str) -> bool:
-    """Whether a user has accepted an invitation before."""
     return reader.scalar(sa.select(User.joined).where(User.name == name)) is not None
 
 
@@ -169,7 +164,6 @@ def stored_own_sign_offs(reader: sa.Connection) -> bool | None:
 
 
 def set_own_sign_offs(writer: sa.Connection, permitted: bool) -> None:
-    """Store whether users may sign off their own runs."""
     writer.execute(sa.delete(ServiceSetting).where(ServiceSetting.key == OWN_SIGN_OFFS))
     writer.execute(sa.insert(ServiceSetting).values(key=OWN_SIGN_OFFS, value=[permitted]))
 

@@ -7,16 +7,15 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.db import labels, refusals, sizes
+from backend.db import refusals, sizes
+from backend.db.continuation import succeed
 from backend.db.engine import now
-from backend.db.queue import submit
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import (
     EvaluationAhead,
     EvaluationChunk,
     Finding,
     Run,
-    RunBaseline,
     RunSources,
     Stage,
     Trace,
@@ -56,14 +55,8 @@ def carry(writer: sa.Connection, run_id: int, campaign: Campaign, catalogue: Cat
     """Queue a new run that continues a waiting one, which is cancelled; None if it does not wait for its code."""
     if not waits(writer, run_id):
         return None
-    old = writer.execute(sa.select(Run.name, Run.tags, Run.owner, Run.priority).where(Run.id == run_id)).one()
     planned = sum(stage.planned for stage in plan(campaign))
-    given = labels.of_runs(writer, [run_id]).get(run_id, {})
-    found = submit(writer, campaign, **old._asdict(), planned=planned, catalogue=catalogue, given=given)
-    writer.execute(sa.update(Run).where(Run.id == found).values(continues=run_id, carries=True))
-    baseline = sa.select(RunBaseline.__table__).where(RunBaseline.run_id == run_id)
-    for row in writer.execute(baseline).mappings().all():
-        writer.execute(sa.insert(RunBaseline).values({**row, "run_id": found}))
+    found = succeed(writer, run_id, campaign, planned, catalogue, carries=True)
     ended = {"state": RunState.CANCELLED, "cancel": True, "finished": now(writer)}
     ended |= {"error": f"It was continued as {run_name(found)}."}
     writer.execute(sa.update(Run).where(Run.id == run_id).values(**ended))

@@ -71,7 +71,6 @@ def published(connection: sa.Connection) -> float | None:
 
 
 def arrive(connection: sa.Connection, name: str) -> None:
-    """Register a worker that has started under this name."""
     at = now(connection)
     gone = sa.or_(Worker.name == name, Worker.beat < at - FORGOTTEN)
     connection.execute(sa.delete(Worker).where(gone))
@@ -79,24 +78,24 @@ def arrive(connection: sa.Connection, name: str) -> None:
     connection.execute(sa.insert(Worker).values(**values))
 
 
-def simulators(connection: sa.Connection, within: float = LIVE) -> list[SimulatorEntry]:
+def simulators(connection: sa.Connection) -> list[SimulatorEntry]:
     """The published simulators that a live worker has; without those of which another version published an entry that
     this one cannot read."""
-    known = connection.execute(sa.select(Worker.simulators).where(Worker.beat > now(connection) - within)).scalars()
+    known = connection.execute(sa.select(Worker.simulators).where(Worker.beat > now(connection) - LIVE)).scalars()
     had = {version for versions in known for version in versions}
     document = connection.scalar(sa.select(CatalogueDocument.document)) or {}
     found = []
-    for given in document.get("simulators", []):
+    for stored_entry in document.get("simulators", []):
         with contextlib.suppress(ValidationError):
-            entry = SimulatorEntry.model_validate(given)
+            entry = SimulatorEntry.model_validate(stored_entry)
             found += [entry] if entry.version in had else []
     return found
 
 
 def doing(connection: sa.Connection, name: str, run_id: int, what: str = "", seconds: float | None = None) -> None:
     """Record what the worker does besides the stages of its run; an empty `what` ends it. `seconds`: its estimate."""
-    told = asdict(Doing(what, run_id, now(connection), seconds)) if what else None
-    connection.execute(sa.update(Worker).where(Worker.name == name).values(doing=told))
+    activity = asdict(Doing(what, run_id, now(connection), seconds)) if what else None
+    connection.execute(sa.update(Worker).where(Worker.name == name).values(doing=activity))
 
 
 def beat(
@@ -106,7 +105,6 @@ def beat(
     simulators: Sequence[str] = (),
     installation: str = "",
 ) -> None:
-    """Record a heartbeat of the worker, the run that it executes, and the simulators and code that it has."""
     values = {"beat": now(connection), "run_id": run_id, "simulators": list(simulators), "installation": installation}
     connection.execute(sa.update(Worker).where(Worker.name == name).values(**values))
 
@@ -124,7 +122,7 @@ def last_seen(connection: sa.Connection) -> float | None:
     return max((at for at in (beaten, left) if at is not None), default=None)
 
 
-def alive(connection: sa.Connection, host: str, within: float = LIVE) -> bool:
-    """Whether a worker on that machine sent a heartbeat within the last `within` [s]."""
-    found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - within)
+def alive(connection: sa.Connection, host: str) -> bool:
+    """Whether a worker on that machine is live."""
+    found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - LIVE)
     return connection.scalar(found.limit(1)) is not None

@@ -29,9 +29,9 @@ def list_drafts(reader: Reader) -> list[DraftSummary]:
     status_code=status.HTTP_201_CREATED,
     responses=problems("too-many-drafts", "idempotency-key-reused", "already-made"),
 )
-def create_draft(given: DraftContent, once: OnceOnly, visitor: CurrentVisitor) -> Draft:
+def create_draft(content: DraftContent, once: OnceOnly, visitor: CurrentVisitor) -> Draft:
     """Store a new draft of a campaign with its original text."""
-    return once.do(Draft, lambda writer: service.create(writer, given, visitor), lambda draft: draft.id)
+    return once.do(Draft, lambda writer: service.create(writer, content, visitor), lambda draft: draft.id)
 
 
 @router.get("/drafts/{draft}", responses=TAGGED | problems("not-found"))
@@ -45,14 +45,14 @@ def get_draft(draft: DraftName, response: Response, reader: Reader) -> Draft:
 @router.put("/drafts/{draft}", responses=TAGGED | problems("not-found", "draft-changed", "changed"))
 def save_draft(
     draft: DraftName,
-    given: DraftReplace,
+    content: DraftReplace,
     response: Response,
     engine: Engine,
     visitor: CurrentVisitor,
     match: IfMatch = None,
 ) -> Draft:
     """Save a draft over the version that was opened; 409 if another user has saved it since."""
-    saved = service.replace(engine, service.number(draft), given, visitor, match)
+    saved = service.replace(engine, service.number(draft), content, visitor, match)
     response.headers["ETag"] = service.etag(saved)
     return saved
 

@@ -54,7 +54,7 @@ def one(reader: sa.Connection, draft_id: int) -> Draft:
     return Draft.model_validate(_draft(row))
 
 
-def create(writer: sa.Connection, given: DraftContent, visitor: Visitor) -> Draft:
+def create(writer: sa.Connection, content: DraftContent, visitor: Visitor) -> Draft:
     """Store a new draft; 409 if there are too many."""
     if (writer.scalar(sa.select(sa.func.count()).select_from(Row)) or 0) >= MOST:
         raise RefusedError(
@@ -62,7 +62,7 @@ def create(writer: sa.Connection, given: DraftContent, visitor: Visitor) -> Draf
         )
     at = now(writer)
     who = {"owner": visitor.user, "saved_by": visitor.user, "created": at, "saved": at}
-    values = given.model_dump() | who | {"version": 1}
+    values = content.model_dump() | who | {"version": 1}
     draft_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
     return one(writer, draft_id)
 
@@ -72,24 +72,24 @@ def etag(draft: Draft) -> str:
     return f'"{draft.id}-{draft.version}"'
 
 
-def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visitor, match: str | None = None) -> Draft:
+def replace(engine: sa.Engine, draft_id: int, new: DraftReplace, visitor: Visitor, match: str | None = None) -> Draft:
     """Save a draft over the named version.
 
     404 if there is no such draft, 403 if it is another user's, 409 if another version was saved since, 412 if `match`
     (If-Match) is not its tag.
     """
-    values: dict[str, object] = given.model_dump(exclude={"version", "run"})
+    values: dict[str, object] = new.model_dump(exclude={"version", "run"})
     with engine.begin() as writer:
         owner = writer.scalar(sa.select(Row.owner).where(Row.id == draft_id).with_for_update())
         require_own(writer, visitor, owner, name(draft_id))
         if match is not None:
             require_match(match, etag(one(writer, draft_id)), name(draft_id))
-        if given.run is not None:
-            values["run_id"] = _run(writer, given.run)
-        values |= {"version": given.version + 1, "saved": now(writer), "saved_by": visitor.user}
-        same = (Row.id == draft_id, Row.version == given.version)
+        if new.run is not None:
+            values["run_id"] = _run(writer, new.run)
+        values |= {"version": new.version + 1, "saved": now(writer), "saved_by": visitor.user}
+        same = (Row.id == draft_id, Row.version == new.version)
         if writer.execute(sa.update(Row).where(*same).values(**values)).rowcount != 1:
-            raise _conflict(one(writer, draft_id), given.version)
+            raise _conflict(one(writer, draft_id), new.version)
         return one(writer, draft_id)
 
 
@@ -104,14 +104,14 @@ def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visit
         if version is not None and version != draft.version:
             raise _conflict(draft, version)
         writer.execute(sa.delete(Row).where(Row.id == draft_id))
-        told = {"name": draft.name, "owner": draft.owner, "version": draft.version}
-        audit.note(writer, visitor, "draft.deleted", draft.id, told)
+        detail = {"name": draft.name, "owner": draft.owner, "version": draft.version}
+        audit.note(writer, visitor, "draft.deleted", draft.id, detail)
 
 
-def _run(reader: sa.Connection, given: str) -> int:
-    run_id = service.number(given)
+def _run(reader: sa.Connection, run: str) -> int:
+    run_id = service.number(run)
     if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
-        raise not_found("run", given)
+        raise not_found("run", run)
     return run_id
 
 

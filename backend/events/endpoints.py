@@ -14,13 +14,10 @@ from fastapi.responses import StreamingResponse
 
 from backend.db.engine import read
 from backend.http.deps import Engine
-from backend.http.errors import Responses, problems
+from backend.http.errors import answers, problems
 from backend.runs import service
 
 router = APIRouter(tags=["events"])
-STREAM: Responses = {
-    200: {"description": "A stream of events.", "content": {"text/event-stream": {"schema": {"type": "string"}}}}
-}
 
 _MARK = re.compile(r"[0-9]{1,12}\.[0-9]{3}")
 
@@ -32,15 +29,13 @@ HEADERS = {"X-Accel-Buffering": "no", "Connection": "close"}
 
 
 class EventStream(StreamingResponse):
-    """A stream of server-sent events."""
-
     media_type = "text/event-stream"
 
 
 @router.get(
     "/events",
     response_class=EventStream,
-    responses=STREAM | problems("not-found", "purged"),
+    responses=answers("A stream of events.", "text/event-stream") | problems("not-found", "purged"),
 )
 async def stream_events(
     request: Request,

@@ -43,19 +43,18 @@ class _Listener:
     def send_all(self, events: list[Event], at: float) -> None:
         """Send the full state in one piece; without an earlier mark all events have the new one."""
         self.greeted, before, self.mark = True, self.mark or _mark(at), _mark(at)
-        told = [event.text(before) for event in events[:-1]] + [event.text(self.mark) for event in events[-1:]]
-        self._put("".join(told) or f"{identified(self.mark)}\n")
+        texts = [event.text(before) for event in events[:-1]] + [event.text(self.mark) for event in events[-1:]]
+        self._put("".join(texts) or f"{identified(self.mark)}\n")
 
     def send(self, events: list[Event], at: float = 0.0) -> None:
-        """Send the events to which this listener subscribed."""
-        wanted = [e for e in events if e.run_id is None or self._asked(e)]
+        wanted = [e for e in events if e.run_id is None or self._subscribes(e)]
         for event in wanted[:-1]:
             self._put(event.text(self.mark))
         for event in wanted[-1:]:
             self.mark = _mark(at)
             self._put(event.text(self.mark))
 
-    def _asked(self, event: Event) -> bool:
+    def _subscribes(self, event: Event) -> bool:
         return event.name == "run" if self.run_id is None else event.run_id == self.run_id
 
     def end(self) -> None:
@@ -82,7 +81,6 @@ class Hub:
 
     @property
     def listeners(self) -> int:
-        """How many streams are open."""
         return len(self._listeners)
 
     async def listen(self, run_id: int | None, since: float | None = None) -> AsyncGenerator[str]:
@@ -104,13 +102,11 @@ class Hub:
             self._listeners.discard(listener)
 
     def stop(self) -> None:
-        """End every stream; new ones end at once."""
         self._ended = True
         for listener in self._listeners:
             listener.end()
 
     async def close(self) -> None:
-        """Stop and wait for the poller."""
         self.stop()
         if self._poller is not None:
             self._poller.cancel()
@@ -150,10 +146,10 @@ class Hub:
             if listener.greeted:
                 listener.send(events, watch.at)
                 continue
-            told = [*roster.everything(), *watch.everything(listener.run_id)]
+            state = [*roster.everything(), *watch.everything(listener.run_id)]
             if listener.run_id is None and listener.since is not None:
-                told += await anyio.to_thread.run_sync(watch.ended, listener.since)
-            listener.send_all(told, watch.at)
+                state += await anyio.to_thread.run_sync(watch.ended, listener.since)
+            listener.send_all(state, watch.at)
 
 
 def _mark(at: float) -> str:

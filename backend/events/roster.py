@@ -19,8 +19,6 @@ PERIOD = 1.0
 
 
 class Roster:
-    """The workers as of the last reading."""
-
     def __init__(self, engine: sa.Engine) -> None:
         self._engine = engine
         self._seen: Workers | None = None
@@ -42,5 +40,4 @@ class Roster:
 
 
 def _lasting(seen: Workers) -> tuple[int, list[WorkerOut]]:
-    """All but the heartbeats of live workers."""
     return seen.queued, [w if w.state == "silent" else w.model_copy(update={"beat": 0.0}) for w in seen.items]

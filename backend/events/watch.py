@@ -16,8 +16,8 @@ import sqlalchemy as sa
 from backend.catalog.service import bounds, described
 from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import Run
-from backend.events.schemas import NewImprovements
 from backend.http.errors import RefusedError
+from backend.http.schema import Schema
 from backend.results.evaluations import Bounds, in_units
 from backend.results.improvements import Improvements
 from backend.runs import listing, service
@@ -52,15 +52,12 @@ def identified(mark: str) -> str:
 
 @dataclass
 class _Watched:
-    """A run with its own listeners."""
-
     paths: list[str]
     bounds: Bounds
     stages: list[StageProgress] = field(default_factory=list)
     steps: dict[int, Improvements] = field(default_factory=dict)
 
     def since(self, steps: Improvements, known: int) -> NewImprovements:
-        """The improvements since index `known`, with the parameters of the last one."""
         last = {}
         if steps.point is not None and len(steps.index) > known:
             last = in_units(steps.point[None], self.paths, self.bounds)
@@ -75,8 +72,6 @@ class _Watched:
 
 
 class Watch:
-    """Stores the state of the last poll."""
-
     def __init__(self, engine: sa.Engine) -> None:
         self._engine = engine
         self._raw: Any = None
@@ -88,7 +83,6 @@ class Watch:
         """Time by the queue's clock up to which everything has been reported: that of the last poll that read."""
 
     def close(self) -> None:
-        """Close the connection."""
         if self._raw is not None:
             self._raw.close()
             self._raw = None
@@ -114,13 +108,13 @@ class Watch:
     def everything(self, run_id: int | None) -> list[Event]:
         """The first events of a new listener: its run in the last known state, or every active run."""
         if run_id is None:
-            return [_event(i, "run", s.model_dump_json()) for i, s in self._seen.items() if s.state in ACTIVE]
-        events = [_event(run_id, "run", self._seen[run_id].model_dump_json())] if run_id in self._seen else []
+            return [Event(i, "run", s.model_dump_json()) for i, s in self._seen.items() if s.state in ACTIVE]
+        events = [Event(run_id, "run", self._seen[run_id].model_dump_json())] if run_id in self._seen else []
         watched = self._watched.get(run_id)
         if watched is None:
             return events
         steps = {str(position): watched.since(steps, 0).model_dump() for position, steps in watched.steps.items()}
-        return [*events, _stage_event(run_id, watched.stages), _event(run_id, "evaluations", json.dumps(steps))]
+        return [*events, _stage_event(run_id, watched.stages), Event(run_id, "evaluations", json.dumps(steps))]
 
     def ended(self, since: float) -> list[Event]:
         """The newest `MOST_ENDED` runs that ended since then [s since 1970], for a reconnecting listener."""
@@ -128,10 +122,9 @@ class Watch:
         with read(self._engine) as reader:
             ids = reader.scalars(over.order_by(Run.finished.desc(), Run.id.desc()).limit(MOST_ENDED)).all()
             found = listing.summaries(reader, Run.id.in_(ids))
-        return [_event(service.number(s.id), "run", s.model_dump_json()) for s in found]
+        return [Event(service.number(s.id), "run", s.model_dump_json()) for s in found]
 
     def _committed(self) -> bool:
-        """Whether anything may have been committed since the last call."""
         if not is_sqlite(self._engine):
             return True
         if self._raw is None:
@@ -149,7 +142,7 @@ class Watch:
         changing = sa.select(Run.id).where(sa.or_(Run.state.in_(ACTIVE), Run.id.in_(ids), Run.id > self._newest))
         found = {service.number(s.id): s for s in listing.summaries(reader, Run.id.in_(changing))}
         events = [
-            _event(run_id, "run", summary.model_dump_json())
+            Event(run_id, "run", summary.model_dump_json())
             for run_id, summary in found.items()
             if self._seen.get(run_id) != summary
         ]
@@ -160,10 +153,10 @@ class Watch:
 
 def _watched(reader: sa.Connection, run_id: int) -> _Watched:
     try:
-        asked = service.campaign(reader, run_id)
+        campaign = service.campaign(reader, run_id)
     except RefusedError:  # its progress is reported nevertheless
         return _Watched([], {})
-    return _Watched(list(asked.uncertain), bounds(asked, described(reader, run_id)))
+    return _Watched(list(campaign.uncertain), bounds(campaign, described(reader, run_id)))
 
 
 def _stages(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event]:
@@ -183,12 +176,25 @@ def _improvements(reader: sa.Connection, run_id: int, watched: _Watched) -> list
         known = len(steps.index)
         steps.catch_up(reader, run_id, stage.position)
         added[str(stage.position)] = watched.since(steps, known).model_dump()
-    return [_event(run_id, "evaluations", json.dumps(added))] if added else []
+    return [Event(run_id, "evaluations", json.dumps(added))] if added else []
 
 
 def _stage_event(run_id: int, stages: list[StageProgress]) -> Event:
-    return _event(run_id, "stages", json.dumps([stage.model_dump() for stage in stages]))
+    return Event(run_id, "stages", json.dumps([stage.model_dump() for stage in stages]))
 
 
-def _event(run_id: int, name: str, data: str) -> Event:
-    return Event(run_id, name, data)
+class NewImprovements(Schema):
+    """Improvements of one stage, as columns of equal length, to be appended by index to those already received.
+
+    The first event after connecting has all of them, later ones only the new ones.
+    """
+
+    index: list[int]
+    seconds: list[float]
+    cost: list[float]
+    evaluations: int
+    """The total number of evaluations of the stage."""
+    elapsed: float
+    """Working time of the stage at the last of them [s]."""
+    parameters: dict[str, float]
+    """The parameters of the last of these improvements, {path: value} in their units; empty if there is none."""

@@ -10,7 +10,7 @@ from fastapi.concurrency import run_in_threadpool
 from backend.db.engine import read
 from backend.exports import service
 from backend.exports.format import Format, known, named
-from backend.exports.schemas import ExportFile
+from backend.exports.service import ExportFile
 from backend.http.capacity import BoundedStream
 from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import RefusedError, Responses, problems

@@ -12,6 +12,7 @@ import re
 from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -20,6 +21,7 @@ from fastapi import Request
 from fastapi.responses import Response
 
 from backend.db.engine import read
+from backend.http.errors import RefusedError
 
 LABEL = "{label}"
 """Stands for the finding or the flight in the name of a file."""
@@ -49,10 +51,6 @@ def words(title: str, text: str, simulated: tuple[str, str] | None = None) -> Ca
     return lambda stored: Words(*simulated) if simulated and stored.simulated else Words(title, text)
 
 
-def always(stored: Stored) -> str | None:
-    return ""
-
-
 @dataclass(frozen=True)
 class Format:
     """One kind of file.
@@ -73,7 +71,7 @@ class Format:
     streamed: Callable[[sa.Engine, int], Iterator[bytes]] | None = None
     answer: Callable[[Request, str, str, bool], Awaitable[Response]] | None = None
     address: str = ""
-    offered: Callable[[Stored], str | None] = always
+    offered: Callable[[Stored], str | None] = lambda _: ""
     needs: Literal["", "flights", "findings"] = ""
     missing: Callable[[], str | None] = lambda: None
 
@@ -92,9 +90,19 @@ class Format:
         return self.missing()
 
 
+def missing(package: str, extra: str) -> str | None:
+    """Why a file that this package writes cannot be written here; None if it can."""
+    return f"needs the package {package}: pip install 'clearance[{extra}]'" if find_spec(package) is None else None
+
+
+def require(missing: Callable[[], str | None]) -> None:
+    """Raise 503 if a package is missing."""
+    if reason := missing():
+        raise RefusedError(503, "no-package", f"the service {reason}")
+
+
 @cache
 def known() -> tuple[Format, ...]:
-    """Every format, in the order of the menu."""
     names = [info.name for info in pkgutil.iter_modules([str(Path(__file__).with_name("formats"))])]
     modules = [importlib.import_module(f"backend.exports.formats.{name}") for name in names]
     return tuple(sorted((module.export for module in modules), key=lambda one: one.order))
@@ -111,7 +119,6 @@ def named(file: str) -> tuple[Format, str] | None:
 
 
 def whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], bytes | Iterator[bytes]]) -> bytes:
-    """What is read in one transaction."""
     with read(engine) as reader:
         content = made(reader, run_id)
         return content if isinstance(content, bytes) else b"".join(content)

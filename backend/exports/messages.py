@@ -87,5 +87,5 @@ def _stamp(time: float) -> dict[str, object]:
     return {"sec": whole // 10**9, "nsec": whole % 10**9}
 
 
-def _vector(given: Iterable[float]) -> dict[str, object]:
-    return dict(zip("xyz", map(float, given), strict=True))
+def _vector(components: Iterable[float]) -> dict[str, object]:
+    return dict(zip("xyz", map(float, components), strict=True))

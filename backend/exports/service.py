@@ -9,9 +9,9 @@ from fastapi import Request
 
 from backend.db.tables import CatalogueDocument, Finding, Trace
 from backend.exports.format import LABEL, Stored, known
-from backend.exports.schemas import ExportFile
 from backend.http.naming import named
 from backend.http.root import at
+from backend.http.schema import Schema
 from backend.runs import service as runs
 from backend.signoffs import service as signoffs
 from campaigns.runs import ENDED
@@ -42,7 +42,6 @@ def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
 
 
 def _stored(reader: sa.Connection, run_id: int) -> Stored:
-    """Names in order: F2 before F10."""
     traces = reader.execute(sa.select(Trace.name, Trace.meta).where(Trace.run_id == run_id)).all()
     simulated = runs.campaign(reader, run_id).scenario is None
     drawn = [row.name for row in traces if not simulated or row.meta.get("scene")]
@@ -77,3 +76,18 @@ def tag(reader: sa.Connection, run_id: int) -> str | None:
     published = reader.scalar(sa.select(sa.func.max(CatalogueDocument.published)))
     parts = [run.model_dump_json(), signoffs.listed(reader, run_id).model_dump_json(), str(published)]
     return f'W/"{hashlib.sha256("".join(parts).encode()).hexdigest()}"'
+
+
+class ExportFile(Schema):
+    """An export file: its name, its content and its address."""
+
+    name: str
+    """R-0001-unicycle-past-a-pillar-evaluations.csv"""
+    file: str
+    """Its name without that of the run: evaluations.csv"""
+    title: str
+    text: str
+    media_type: str
+    href: str
+    unavailable: str | None
+    """The reason why it is not available now; None if it is."""

@@ -5,11 +5,12 @@ Each block of chunks is read in its own transaction, so that a slow download doe
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import starmap
 from typing import Any
 
+import numpy as np
 import sqlalchemy as sa
 
 from backend.catalog.criteria import criteria
@@ -18,6 +19,7 @@ from backend.catalog.service import bounds, described
 from backend.db.engine import read
 from backend.db.rows import as_columns
 from backend.db.tables import EvaluationChunk, Stage
+from backend.http.written import finite_all, headed
 from backend.results.evaluations import Bounds, in_units
 from campaigns import Campaign
 from campaigns.checked.check import parameters
@@ -57,7 +59,7 @@ class Sheet:
     @property
     def columns(self) -> list[str]:
         """The headers of `rows`; `index` counts from 0 within the stage."""
-        return ["index", "status", "reason", "seconds [s]", *map(_headed, [*self.criteria, *self.parameters])]
+        return ["index", "status", "reason", "seconds [s]", *starmap(headed, [*self.criteria, *self.parameters])]
 
     def rows(self, engine: sa.Engine, stage: Evaluated) -> Iterator[list[list[Any]]]:
         """The evaluations of one stage as blocks of rows; missing values are None."""
@@ -74,12 +76,11 @@ class Sheet:
 
     def _block(self, chunk: Any) -> list[list[Any]]:
         columns = as_columns(chunk)
-        ok = columns.status == OK
         units = in_units(columns.points, [path for path, _ in self.parameters], self.limits)
         shares = {path: columns.points[:, k].tolist() for k, (path, _) in enumerate(self.parameters)}
         values = [units.get(path, shares[path]) for path, _ in self.parameters]
-        told = [0.0 - c if turn else c for c, turn in zip(columns.costs.T, self.turned, strict=False)]
-        costs = [_known(column.tolist(), ok.tolist()) for column in told]
+        turned = [0.0 - c if turn else c for c, turn in zip(columns.costs.T, self.turned, strict=False)]
+        costs = [finite_all(np.where(columns.status == OK, column, np.nan)) for column in turned]
         index = range(chunk.first, chunk.first + chunk.count)
         status = [STATUS[code] for code in columns.status.tolist()]
         reasons = [columns.reasons.get(i) for i in index]
@@ -88,28 +89,27 @@ class Sheet:
         ]
 
 
-def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
-    """The sheet of a run in its current state."""
+def sheet(reader: sa.Connection, run_id: int, campaign: Campaign) -> Sheet:
     catalogue = described(reader, run_id)
-    limits = bounds(asked, catalogue)
-    units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(asked, catalogue).items()}
+    limits = bounds(campaign, catalogue)
+    units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(campaign, catalogue).items()}
     query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations)
     rows = reader.execute(query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position))
-    told = criteria(asked.document(), catalogue)[: _width(reader, run_id)]
+    criterion_list = criteria(campaign.document(), catalogue)[: _width(reader, run_id)]
     return Sheet(
         run_id=run_id,
         stages=[Evaluated(*row) for row in rows],
-        criteria=headings(told),
-        turned=[c.worse == "high" for c in told],
-        parameters=[(path, units.get(path, "") if path in limits else SHARE) for path in asked.uncertain],
+        criteria=headings(criterion_list),
+        turned=[c.worse == "high" for c in criterion_list],
+        parameters=[(path, units.get(path, "") if path in limits else SHARE) for path in campaign.uncertain],
         limits=limits,
     )
 
 
-def headings(told: list[CriterionOut]) -> list[tuple[str, str]]:
+def headings(criterion_list: list[CriterionOut]) -> list[tuple[str, str]]:
     """Quantity and unit of every criterion, with unique names."""
     named: list[tuple[str, str]] = []
-    for criterion in told:
+    for criterion in criterion_list:
         name = criterion.quantity or criterion.component
         again = sum(known.partition(" ")[0] == name for known, _ in named)
         named.append((f"{name} {again + 1}" if again else name, criterion.unit))
@@ -117,7 +117,6 @@ def headings(told: list[CriterionOut]) -> list[tuple[str, str]]:
 
 
 def _width(reader: sa.Connection, run_id: int) -> int:
-    """The number of criteria in the stored evaluations."""
     sizes = sa.select(EvaluationChunk.count.label("rows"), sa.func.length(EvaluationChunk.costs).label("bytes"))
     row = reader.execute(sizes.where(EvaluationChunk.run_id == run_id).limit(1)).one_or_none()
     return 1 if row is None else max(1, int(row.bytes) // (8 * int(row.rows)))
@@ -126,12 +125,3 @@ def _width(reader: sa.Connection, run_id: int) -> int:
 def _chunks(reader: sa.Connection, run_id: int, position: int, done: int) -> list[Any]:
     of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position, EvaluationChunk.first >= done)
     return list(reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first).limit(BLOCK)))
-
-
-def _known(values: list[float], ok: list[bool]) -> list[float | None]:
-    return [v if fine and math.isfinite(v) else None for v, fine in zip(values, ok, strict=True)]
-
-
-def _headed(column: tuple[str, str]) -> str:
-    name, unit = column
-    return f"{name} [{unit}]" if unit else name

@@ -42,27 +42,31 @@ class Case:
 
 
 def case(
-    reader: sa.Connection, run_id: int, asked: Campaign, like: str, given: Mapping[str, float], seed: int | None = None
+    reader: sa.Connection,
+    run_id: int,
+    campaign: Campaign,
+    like: str,
+    values: Mapping[str, float],
+    seed: int | None = None,
 ) -> Case:
     """The case `like` with these parameters; raises `RefusedError` for an unknown finding or parameter, or a value
     outside limits."""
     catalogue = described(reader, run_id)
     base = _like(reader, run_id, like)
-    _permit(asked, catalogue, given)
+    _permit(campaign, catalogue, values)
     return Case(
         run_id=run_id,
-        document=asked.document(),
-        digest=asked.digest,
-        threshold=asked.criterion.threshold,
-        criteria=criteria(asked.document(), catalogue),
+        document=campaign.document(),
+        digest=campaign.digest,
+        threshold=campaign.criterion.threshold,
+        criteria=criteria(campaign.document(), catalogue),
         like=like,
-        values=base | dict(given),
+        values=base | dict(values),
         seed=seed,
     )
 
 
 def response(wanted: Case, answer: FlightReply, drawn: str | None, rows: int) -> FlightAnswer:
-    """The response of the API."""
     meta, deciding = answer["meta"], wanted.criteria[0]
     values = [FlightValue(**one.model_dump(), value=meta["values"].get(one.name)) for one in wanted.criteria]
     return FlightAnswer(
@@ -108,25 +112,27 @@ def _like(reader: sa.Connection, run_id: int, label: str) -> dict[str, float]:
     return dict(known[label])
 
 
-def _permit(asked: Campaign, catalogue: Catalogue | None, given: Mapping[str, float]) -> None:
+def _permit(campaign: Campaign, catalogue: Catalogue | None, values: Mapping[str, float]) -> None:
     """Check all paths and values; components that the catalogue does not describe are checked by the simulation.
 
     Raises `RefusedError`.
     """
-    if catalogue is None or any(catalogue.component(role, part.component) is None for _, _, role, part in parts(asked)):
+    if catalogue is None or any(
+        catalogue.component(role, part.component) is None for _, _, role, part in parts(campaign)
+    ):
         return
-    known = parameters(asked, catalogue)
-    unknown = [path for path in given if path not in known]
+    known = parameters(campaign, catalogue)
+    unknown = [path for path in values if path not in known]
     if unknown:
         errors = [
-            Problem(f"parameters.{path}", texts.given(given[path]), f"no such parameter; {texts.known(path, known)}")
+            Problem(f"parameters.{path}", texts.given(values[path]), f"no such parameter; {texts.known(path, known)}")
             for path in unknown
         ]
-        what = "simulator" if asked.scenario is None else "scenario"
+        what = "simulator" if campaign.scenario is None else "scenario"
         detail = f"the {what} has no parameter {unknown[0]!r}; {texts.known(unknown[0], known)}"
         raise RefusedError(422, "unknown-parameter", detail, errors)
-    outside = [path for path, value in given.items() if not known[path][0].low <= value <= known[path][0].high]
+    outside = [path for path, value in values.items() if not known[path][0].low <= value <= known[path][0].high]
     if outside:
-        errors = [Problem(f"parameters.{p}", texts.given(given[p]), texts.limits(known[p][0])) for p in outside]
-        detail = f"{outside[0]} is given as {texts.given(given[outside[0]])}: {texts.limits(known[outside[0]][0])}"
+        errors = [Problem(f"parameters.{p}", texts.given(values[p]), texts.limits(known[p][0])) for p in outside]
+        detail = f"{outside[0]} is given as {texts.given(values[outside[0]])}: {texts.limits(known[outside[0]][0])}"
         raise RefusedError(422, "outside-limits", detail, errors)

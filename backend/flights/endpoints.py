@@ -10,9 +10,9 @@ from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.flights import service
 from backend.flights.case import response
-from backend.flights.drawing import drew, viewer_of
+from backend.flights.drawing import WHAT_IF, drew, in_turn
 from backend.flights.schemas import FlightAnswer, FlightRequest
-from backend.flights.turns import Turn, Turns
+from backend.flights.turns import Turn
 from backend.http.deps import Engine, capacities
 from backend.http.errors import problems
 from backend.http.schema import RunName
@@ -21,23 +21,9 @@ from backend.scenes.viewer.viewer import Viewer
 router = APIRouter(tags=["results"])
 
 
-@router.post(
-    "/runs/{run}/flights",
-    responses=problems(
-        "not-found",
-        "flight-overtaken",
-        "other-version",
-        "purged",
-        "unknown-finding",
-        "unknown-parameter",
-        "outside-limits",
-        "not-flyable",
-        "busy",
-        "flight-failed",
-    ),
-)
+@router.post("/runs/{run}/flights", responses=problems(*WHAT_IF, "flight-failed"))
 async def simulate_flight(
-    run: RunName, given: FlightRequest, request: Request, engine: Engine, visitor: CurrentVisitor
+    run: RunName, flight: FlightRequest, request: Request, engine: Engine, visitor: CurrentVisitor
 ) -> FlightAnswer:
     """Simulate one flight of the run's scenario with other parameters (what-if); stores nothing.
 
@@ -45,19 +31,15 @@ async def simulate_flight(
     seed of a finding the cost is bit-identical to the finding's if the run's version is installed. Of one client's
     pending requests only the newest is processed; older ones return 409.
     """
-    turns: Turns = request.app.state.turns
-    viewer = await viewer_of(request, visitor, run, given.view)
-    client = (visitor.key, run, given.client or given.view)
-    work = partial(_work, request, engine, run, given, viewer)
-    return await turns.run(client, capacities(request).flights, work, request.is_disconnected)
+    work = partial(_work, request, engine, run, flight)
+    return await in_turn(request, visitor, run, flight, capacities(request).flights, work)
 
 
 def _work(
-    request: Request, engine: Engine, run: str, given: FlightRequest, viewer: Viewer | None, turn: Turn
+    request: Request, engine: Engine, run: str, flight: FlightRequest, viewer: Viewer | None, turn: Turn
 ) -> FlightAnswer:
-    """Read, simulate and draw a flight; runs in a thread."""
     with read(engine) as reader:
-        wanted = service.asked(reader, run, given)
-    answer = service.simulated(request.app.state.live, wanted, given.rows)
-    drawn = given.view if drew(viewer, answer, wanted.seed, turn) else None
-    return response(wanted, answer, drawn, given.rows)
+        wanted = service.asked(reader, run, flight)
+    answer = service.simulated(request.app.state.live, wanted, flight.rows)
+    drawn = flight.view if drew(viewer, answer, wanted.seed, turn) else None
+    return response(wanted, answer, drawn, flight.rows)

@@ -15,15 +15,15 @@ from campaigns.runs import run_name
 from campaigns.stored.replies import FlightReply
 
 
-def asked(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
+def asked(reader: sa.Connection, run: str, request: FlightRequest) -> Case:
     """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
     run_id = number(run)
     found = campaign(reader, run_id)
     if found.scenario is None:
         text = f"{run_name(run_id)} evaluates a simulator: it has no flight to simulate"
         raise RefusedError(422, "not-flyable", text)
-    seed = given.seed if given.seed is not None else seeds(reader, run_id).get(given.like)
-    return case(reader, run_id, found, given.like, given.parameters, seed)
+    seed = request.seed if request.seed is not None else seeds(reader, run_id).get(request.like)
+    return case(reader, run_id, found, request.like, request.parameters, seed)
 
 
 def simulated(live: Live, wanted: Case, rows: int) -> FlightReply:

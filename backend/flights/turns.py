@@ -19,8 +19,6 @@ GONE = "the client closed the connection before the answer"
 
 @dataclass(eq=False)
 class Turn:
-    """One request."""
-
     order: int
     """Increases with every request."""
     begun: bool = False

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from fastapi import APIRouter, Request
 
-from backend.health.schemas import Health
+from backend.http.schema import Schema
 
 router = APIRouter(tags=["service"])
+
+
+class Health(Schema):
+    """Minimal, because no authentication is required."""
+
+    status: Literal["ok"]
 
 
 @router.get("/health")

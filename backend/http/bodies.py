@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any, TypeVar
 
-from anyio import CapacityLimiter, to_thread
 from fastapi import Request
 from pydantic import BaseModel, ValidationError
 
@@ -15,55 +13,31 @@ from campaigns import Campaign, CampaignError, Problem, load_text
 from campaigns.asked.problem import MOST
 from campaigns.asked.reading import LONGEST_KEY, repeated
 
-READERS = 2
-"""Number of campaigns parsed at a time: the largest takes seconds, and threads share one interpreter."""
-
-WAITING = 32
-
 MOST_CONTAINERS = 100_000
 """Lists and objects of a body in JSON; each costs half a microsecond, and a campaign has some hundred."""
 
-Value = TypeVar("Value")
 Described = TypeVar("Described", bound=BaseModel)
 JSON_TYPES = frozenset({"application/json"})
 YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml"})
 
 
-class Readers:
-    """A small thread pool for parsing bodies: large ones must not block other requests. Used on one event loop."""
-
-    def __init__(self) -> None:
-        self._turns, self.inside = CapacityLimiter(READERS), 0
-
-    async def read(self, work: Callable[[], Value]) -> Value:
-        """The result of `work`; 503 if the queue is full."""
-        if self.inside >= READERS + WAITING:
-            detail = "other campaigns are being read and the queue is full: try again in a few seconds"
-            raise RefusedError(503, "busy", detail, headers={"Retry-After": "2"})
-        self.inside += 1
-        try:
-            return await to_thread.run_sync(work, limiter=self._turns)
-        finally:
-            self.inside -= 1
-
-
-async def apart(request: Request, work: Callable[[], Value]) -> Value:
-    """Parse a body on the application's `Readers`."""
-    readers: Readers = request.app.state.readers
-    return await readers.read(work)
+def of(schema: str, yaml: bool = True) -> dict[str, object]:
+    """For `openapi_extra=` of a route that reads its body itself: JSON of this schema, or a campaign in YAML."""
+    content = {"application/json": {"schema": {"$ref": f"#/components/schemas/{schema}"}}}
+    text = {"application/yaml": {"schema": {"type": "string"}}} if yaml else {}
+    return {"requestBody": {"required": True, "content": content | text}}
 
 
 def content_type(request: Request) -> str:
     """The body's media type without its parameters; 415 for one that is neither JSON nor YAML."""
-    given = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if given not in JSON_TYPES | YAML_TYPES:
-        detail = f"send a campaign as application/json or application/yaml, given {given or 'no content type'!r}"
+    media_type = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if media_type not in JSON_TYPES | YAML_TYPES:
+        detail = f"send a campaign as application/json or application/yaml, given {media_type or 'no content type'!r}"
         raise RefusedError(415, "unsupported-media-type", detail)
-    return given
+    return media_type
 
 
 def is_yaml(request: Request) -> bool:
-    """Whether the body is YAML; otherwise it is JSON."""
     return content_type(request) in YAML_TYPES
 
 
@@ -108,12 +82,10 @@ def yaml_campaign(body: bytes) -> Campaign:
 
 
 def unreadable(problem: Problem) -> RefusedError:
-    """422 for a body that cannot be parsed."""
     return RefusedError(422, "unreadable", str(problem), [problem])
 
 
 def invalid(error: CampaignError) -> RefusedError:
-    """422 for a campaign that can be parsed but not run."""
     return RefusedError(422, "invalid-campaign", "; ".join(map(str, error.problems)), error.problems)
 
 

@@ -25,9 +25,15 @@ Gone = Callable[[], Awaitable[bool]]
 class Capacity:
     """Limits concurrent and waiting jobs of one kind; used on one event loop."""
 
-    def __init__(self, doing: str, at_once: int, waiting: int, patience: float, retry: int) -> None:
-        """doing: such as "reports are being printed". patience, retry: longest wait, Retry-After [s]."""
-        self.doing, self.at_once, self.waiting, self.patience, self.retry = doing, at_once, waiting, patience, retry
+    def __init__(
+        self, doing: str, at_once: int, waiting: int, patience: float | None, retry: int, sentence: str = ""
+    ) -> None:
+        """doing: such as "reports are being printed"; sentence: the whole refusal instead.
+
+        patience, retry: longest wait, None for any, and Retry-After [s].
+        """
+        self.at_once, self.waiting, self.patience, self.retry = at_once, waiting, patience, retry
+        self.sentence = sentence or f"{at_once} {doing}, and the queue is full: try again in {retry} s"
         self.inside = 0
         """The number of running and waiting jobs."""
         self._turns = asyncio.Semaphore(at_once)
@@ -51,8 +57,7 @@ class Capacity:
     @asynccontextmanager
     async def turn(self) -> AsyncIterator[None]:
         """The turn of one job; raises `RefusedError` (503) if the queue is full or the wait too long."""
-        if self.inside >= self.at_once + self.waiting:
-            raise self._busy()
+        self.refuse_full()
         self.inside += 1
         try:
             try:
@@ -67,16 +72,20 @@ class Capacity:
         finally:
             self.inside -= 1
 
+    def refuse_full(self) -> None:
+        """Raise `RefusedError` (503) if the queue is full."""
+        if self.inside >= self.at_once + self.waiting:
+            raise self._busy()
+
     def _busy(self) -> RefusedError:
-        detail = f"{self.at_once} {self.doing}, and the queue is full: try again in {self.retry} s"
-        return RefusedError(503, "busy", detail, headers={"Retry-After": str(self.retry)})
+        return RefusedError(503, "busy", self.sentence, headers={"Retry-After": str(self.retry)})
 
 
 class BoundedStream(StreamingResponse):
     """A streamed file whose parts are generated in the capacity's threads; its turn ends after the last byte."""
 
-    def __init__(self, capacity: Capacity, parts: Callable[[], Iterator[bytes]], **given: Any) -> None:
-        super().__init__(iter(()), **given)
+    def __init__(self, capacity: Capacity, parts: Callable[[], Iterator[bytes]], **options: Any) -> None:
+        super().__init__(iter(()), **options)
         self._capacity, self._parts = capacity, parts
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -97,8 +106,6 @@ class BoundedStream(StreamingResponse):
 
 
 class Capacities:
-    """All capacities of the service."""
-
     def __init__(self) -> None:
         self.pdf = Capacity("reports are being printed", 2, 4, 60.0, 30)
         self.recordings = Capacity("recordings are being made", 2, 6, 20.0, 5)
@@ -107,3 +114,9 @@ class Capacities:
         self.views = Capacity("3D views are being changed", 8, 64, 20.0, 1)
         self.cases = Capacity("case of a simulator is being evaluated", 1, 4, 60.0, 5)
         self.flights = Capacity("flights are being simulated", 4, 32, 20.0, 1)
+        # The largest campaign takes seconds to parse, and threads share one interpreter.
+        reading = "other campaigns are being read and the queue is full: try again in a few seconds"
+        self.bodies = Capacity("", 2, 32, None, 2, reading)
+        # A password takes 19 MiB and tenths of a second of a core.
+        signing_in = "many users are signing in at the same time: try again in a few seconds"
+        self.passwords = Capacity("", 2, 16, None, 2, signing_in)

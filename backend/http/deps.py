@@ -29,7 +29,6 @@ def reader(engine: Engine) -> Iterator[sa.Connection]:
 
 
 def capacities(request: Request) -> Capacities:
-    """The limits on long work."""
     found = request.app.state.capacities
     assert isinstance(found, Capacities)
     return found

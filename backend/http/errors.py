@@ -51,6 +51,19 @@ class ProblemDocument(Schema):
 Responses = dict[int | str, dict[str, Any]]
 """The `responses=` of a route: parts of an OpenAPI document."""
 
+
+def answers(description: str, media: str, binary: bool = False) -> Responses:
+    """For `responses=` of a route: its answer is not JSON, but a text or a binary file of this media type."""
+    schema = {"type": "string", "format": "binary"} if binary else {"type": "string"}
+    return {200: {"description": description, "content": {media: {"schema": schema}}}}
+
+
+def located(description: str, noun: str) -> Responses:
+    """For `responses=` of a route that makes something: its answer names the address."""
+    location = {"description": f"The address of the {noun}.", "schema": {"type": "string"}}
+    return {201: {"description": description, "headers": {"Location": location}}}
+
+
 PROBLEMS: Responses = {
     "default": {
         "description": "What went wrong, as a problem document (RFC 9457).",
@@ -61,8 +74,6 @@ PROBLEMS: Responses = {
 
 
 class Kind(NamedTuple):
-    """A problem type: its HTTP status and meaning."""
-
     status: int
     when: str
 
@@ -153,11 +164,11 @@ def problems(*kinds: str) -> Responses:
 def declare(responses: Responses, kind: str, key: type[int] | type[str] = int) -> None:
     """Add a problem type to the responses of an operation."""
     status, when = KINDS[kind]
-    told = f"`{_URN}{kind}`: {when}"
+    text = f"`{_URN}{kind}`: {when}"
     found = responses.setdefault(key(status), PROBLEMS["default"] | {"description": "", "x-problem-types": []})
     if _URN + kind not in found["x-problem-types"]:
         found["x-problem-types"] = [*found["x-problem-types"], _URN + kind]
-        found["description"] = f"{found['description']}\n\n{told}".strip()
+        found["description"] = f"{found['description']}\n\n{text}".strip()
     if kind in RETRY:
         found["headers"] = {"Retry-After": RETRY_AFTER}
     elif kind == "not-signed-in":
@@ -180,13 +191,11 @@ class RefusedError(Exception):
         self.errors, self.headers = list(errors), headers
 
 
-def not_found(what: str, given: str) -> RefusedError:
-    """404 for an object that does not exist."""
-    return RefusedError(404, "not-found", f"there is no {what} {given[:LONGEST]!r}")
+def not_found(what: str, name: str) -> RefusedError:
+    return RefusedError(404, "not-found", f"there is no {what} {name[:LONGEST]!r}")
 
 
 def respond(refused: RefusedError, path: str) -> JSONResponse:
-    """The problem document of an error."""
     errors = [
         ProblemError(field=_text(e.field), given=_text(e.given), message=_text(e.message)) for e in refused.errors
     ]
@@ -201,9 +210,9 @@ def respond(refused: RefusedError, path: str) -> JSONResponse:
     return JSONResponse(document.model_dump(), refused.status, dict(refused.headers or {}), MEDIA_TYPE)
 
 
-def _text(given: str) -> str:
+def _text(text: str) -> str:
     """Escape unpaired surrogates, which cannot be encoded."""
-    return given.encode("utf-8", "backslashreplace").decode()
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def broken(path: str) -> JSONResponse:
@@ -215,7 +224,6 @@ def broken(path: str) -> JSONResponse:
 
 
 def install(app: FastAPI) -> None:
-    """Answer every error of the application with a problem document."""
     app.add_exception_handler(RefusedError, _refused)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _invalid)
@@ -280,9 +288,9 @@ _PARTS = {"body", "query", "path", "header"}
 
 def problem_of(error: Mapping[str, Any], location: Iterable[object]) -> Problem:
     """A problem of a request as found by pydantic, at a location in it."""
-    given = error.get("input", "")
+    value = error.get("input", "")
     shortened = (
-        given[:LONGEST] if isinstance(given, str) else shown(given) if isinstance(given, dict | list) else str(given)
+        value[:LONGEST] if isinstance(value, str) else shown(value) if isinstance(value, dict | list) else str(value)
     )
-    given = "" if error["type"] == "missing" else shortened[:LONGEST]
-    return Problem(".".join(map(str, location))[:400], given, str(error["msg"]).removeprefix("Value error, "))
+    value = "" if error["type"] == "missing" else shortened[:LONGEST]
+    return Problem(".".join(map(str, location))[:400], value, str(error["msg"]).removeprefix("Value error, "))

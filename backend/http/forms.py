@@ -9,6 +9,7 @@ from fastapi import Request
 from fastapi.responses import HTMLResponse
 from starlette.types import Scope
 
+from backend.db.passwords import SHORTEST
 from backend.http.errors import RefusedError
 from backend.http.pages import plain
 from backend.http.root import at, inside
@@ -25,22 +26,21 @@ _OR = '<p class="or">or with a name and a password</p>'
 _AUTO = 'autocapitalize="none" spellcheck="false"'
 
 
-def own_path(given: str) -> str:
+def own_path(address: str) -> str:
     """The address if it is one of this service's own pages, else the start page: no open redirect.
 
     Both are as a browser requests them, with the path of the public address. A browser reads `//host`, `/\\host` and a
     tab or newline inside such a prefix as another server (WHATWG URL).
     """
-    plain_text = given.isascii() and given.isprintable() and " " not in given and "\\" not in given
-    own = inside(given)
-    if not plain_text or len(given) > LONGEST or own is None or not own.startswith("/") or own.startswith("//"):
+    plain_text = address.isascii() and address.isprintable() and " " not in address and "\\" not in address
+    own = inside(address)
+    if not plain_text or len(address) > LONGEST or own is None or not own.startswith("/") or own.startswith("//"):
         return at(START)
     path = urllib.parse.unquote(urllib.parse.urlsplit(own).path)
-    return at(START) if path == "/" or path.startswith(_NOWHERE) or path.startswith("//") or "\\" in path else given
+    return at(START) if path == "/" or path.startswith(_NOWHERE) or path.startswith("//") or "\\" in path else address
 
 
 def quoted(address: str) -> str:
-    """An address as the value of a query parameter."""
     return urllib.parse.quote(address, safe="")
 
 
@@ -88,10 +88,9 @@ def _through(provider: str, back: str) -> str:
     return f'<p><a class="button" href="{html.escape(address)}">Sign in with {html.escape(provider)}</a></p>'
 
 
-def invitation(status: int, user: str, code: str, wrong: str = "", shortest: int = 12) -> HTMLResponse:
-    """The page of an invitation: choose a password."""
+def invitation(status: int, user: str, code: str, wrong: str = "") -> HTMLResponse:
     body = (
-        f"<p>You are invited as <b>{html.escape(user)}</b>. Choose a password of at least {shortest} characters; "
+        f"<p>You are invited as <b>{html.escape(user)}</b>. Choose a password of at least {SHORTEST} characters; "
         "several words make a good one.</p>"
         f'{_wrong(wrong)}<form method="post" action="{at("/invite")}">'
         f'<input type="hidden" name="code" value="{html.escape(code)}">'
@@ -103,13 +102,12 @@ def invitation(status: int, user: str, code: str, wrong: str = "", shortest: int
     return plain("Welcome to Clearance", body, status)
 
 
-def no_invitation(status: int = 403) -> HTMLResponse:
-    """The page of an invitation that is not valid."""
+def no_invitation() -> HTMLResponse:
     body = (
         "<p>Each invitation is single-use, expires after three days, and is replaced by a newer one. Ask an "
         f'administrator for a new link. If you have a password already, <a href="{at("/login")}">sign in</a>.</p>'
     )
-    return plain("This invitation is invalid or expired", body, status)
+    return plain("This invitation is invalid or expired", body, 403)
 
 
 def _form(back: str, wrong: str, name: str) -> str:

@@ -45,47 +45,46 @@ class Keyed:
     """Of everything that was sent, to distinguish a repeated request from another one with the same key."""
 
 
-def earlier(reader: sa.Connection, asked: Keyed) -> sa.Row[Any] | None:
+def earlier(reader: sa.Connection, keyed: Keyed) -> sa.Row[Any] | None:
     """What the first request with the key made, and its answer, if there was one; 422 if that was another request."""
-    if asked.key is None:
+    if keyed.key is None:
         return None
     columns = (RequestKey.body, RequestKey.made, RequestKey.answer, RequestKey.created)
-    row: Any = reader.execute(sa.select(*columns).where(*_mine(asked))).one_or_none()
-    if row is not None and row.body != asked.digest:
+    row: Any = reader.execute(sa.select(*columns).where(*_mine(keyed))).one_or_none()
+    if row is not None and row.body != keyed.digest:
         detail = (
-            f"the Idempotency-Key {asked.key!r} was used for another request, which made {row.made}: "
+            f"the Idempotency-Key {keyed.key!r} was used for another request, which made {row.made}: "
             "send the same request again, or another key"
         )
         raise RefusedError(422, "idempotency-key-reused", detail)
     return row  # type: ignore[no-any-return]
 
 
-def claimed(writer: sa.Connection, asked: Keyed) -> sa.Row[Any] | None:
+def claimed(writer: sa.Connection, keyed: Keyed) -> sa.Row[Any] | None:
     """Take the key in this transaction, which must then `keep` it; returns what `earlier` does if it is taken.
 
     Waits for another transaction that has taken the key and not ended.
     """
-    if asked.key is None:
+    if keyed.key is None:
         return None
-    values = {"user": asked.user, "operation": asked.operation, "key": asked.key, "body": asked.digest, "made": ""}
+    values = {"user": keyed.user, "operation": keyed.operation, "key": keyed.key, "body": keyed.digest, "made": ""}
     taken = insert(writer, RequestKey).values(**values, created=now(writer)).on_conflict_do_nothing()
     if writer.scalar(taken.returning(RequestKey.key)) is not None:  # PostgreSQL's rowcount may be -1
         return None
-    return earlier(writer, asked)
+    return earlier(writer, keyed)
 
 
-def keep(writer: sa.Connection, asked: Keyed, made: str, answer: bytes | None = None) -> None:
+def keep(writer: sa.Connection, keyed: Keyed, made: str, answer: bytes | None = None) -> None:
     """Store what the first request with the key made, and its answer unless it is too large."""
-    if asked.key is None:
+    if keyed.key is None:
         return
     kept = None if answer is None or len(answer) > LARGEST else answer
-    writer.execute(sa.update(RequestKey).where(*_mine(asked)).values(made=made[:300], answer=kept))
+    writer.execute(sa.update(RequestKey).where(*_mine(keyed)).values(made=made[:300], answer=kept))
     if kept is not None:
-        _forget(writer, asked.user)
+        _forget(writer, keyed.user)
 
 
 def _forget(writer: sa.Connection, user: str) -> None:
-    """Drop the answers of a user but the newest; their keys stay."""
     answered = (RequestKey.user == user, RequestKey.answer.is_not(None))
     of = sa.select(RequestKey.created).where(*answered).order_by(RequestKey.created.desc()).offset(KEPT - 1).limit(1)
     oldest = writer.scalar(of)
@@ -97,5 +96,5 @@ def _forget(writer: sa.Connection, user: str) -> None:
         writer.execute(sa.update(RequestKey).where(*mine).values(answer=None))
 
 
-def _mine(asked: Keyed) -> tuple[sa.ColumnElement[bool], ...]:
-    return (RequestKey.user == asked.user, RequestKey.operation == asked.operation, RequestKey.key == asked.key)
+def _mine(keyed: Keyed) -> tuple[sa.ColumnElement[bool], ...]:
+    return (RequestKey.user == keyed.user, RequestKey.operation == keyed.operation, RequestKey.key == keyed.key)

@@ -35,14 +35,13 @@ TAGGED: Responses = {
 
 
 def tag(*parts: Any) -> str:
-    """The entity tag of plain JSON values."""
     text = json.dumps(parts, sort_keys=True, ensure_ascii=True)
     return f'"{hashlib.sha256(text.encode()).hexdigest()[:32]}"'
 
 
-def require_match(given: str | None, current: str, what: str) -> None:
+def require_match(tags: str | None, current: str, what: str) -> None:
     """Raise 412 unless the header is absent, `*`, or names the current tag; weak tags never match."""
-    if given is None or given.strip() == "*" or current in _TAG.findall(given):
+    if tags is None or tags.strip() == "*" or current in _TAG.findall(tags):
         return
     detail = f"{what} has changed since it was read: read it again, then repeat the change"
     raise RefusedError(412, "changed", detail)

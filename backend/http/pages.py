@@ -93,7 +93,6 @@ def unbuilt(folder: Path) -> str:
 
 
 def _not_built(folder: Path) -> HTMLResponse:
-    """The sentence that the pages are not built, as a page."""
     sentence = html.escape(unbuilt(folder))
     sentence = re.sub("`(.+?)`|(CLEARANCE_PAGES|frontend/dist)", r"<code>\1\2</code>", sentence)
     return plain("The pages are not built", f"<p>{sentence[:1].upper()}{sentence[1:]}.</p>", 503)
@@ -113,15 +112,14 @@ def _asset(file: Path, headers: Headers) -> Response:
     packed = file.with_name(f"{file.name}.br")
     if not packed.is_file():
         return FileResponse(file, headers=ASSET)
-    given = ASSET | {"Vary": "Accept-Encoding"}
+    answer_headers = ASSET | {"Vary": "Accept-Encoding"}
     if "br" not in {coding.partition(";")[0].strip() for coding in headers.get("accept-encoding", "").split(",")}:
-        return FileResponse(file, headers=given)
+        return FileResponse(file, headers=answer_headers)
     kind = mimetypes.guess_type(file.name)[0]
-    return FileResponse(packed, media_type=kind, headers=given | {"Content-Encoding": "br"})
+    return FileResponse(packed, media_type=kind, headers=answer_headers | {"Content-Encoding": "br"})
 
 
 def _inside(folder: Path, path: str) -> Path | None:
-    """The file at that path, if it is inside the folder."""
     if "\0" in path:
         return None
     root = folder.resolve()

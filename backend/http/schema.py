@@ -39,15 +39,14 @@ class Given(Schema):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _storable(cls, given: Any, info: ValidationInfo) -> Any:
+    def _storable(cls, value: Any, info: ValidationInfo) -> Any:
         if info.field_name not in cls.checked_elsewhere:
-            for reason in _unstorable(given):
+            for reason in _unstorable(value):
                 raise ValueError(reason)
-        return given
+        return value
 
 
 def _unstorable(value: Any) -> Iterator[str]:
-    """The reasons why a JSON value cannot be stored, as sentences."""
     waiting: list[tuple[Place, Any]] = [(None, value)]
     while waiting:
         place, value = waiting.pop()

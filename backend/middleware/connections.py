@@ -47,8 +47,8 @@ class BoundedProtocol(H11Protocol):
     patience: float
     own_headers: Mapping[str, str]
 
-    def __init__(self, *given: Any, **named: Any) -> None:
-        super().__init__(*given, **named)
+    def __init__(self, *arguments: Any, **named: Any) -> None:
+        super().__init__(*arguments, **named)
         self._sending: asyncio.TimerHandle | None = None
         self._reading: asyncio.TimerHandle | None = None
         self._upgraded = False
@@ -157,7 +157,6 @@ class BoundedSocketProtocol(WebSocketsSansIOProtocol):
 
 
 def _cancelled(timer: asyncio.TimerHandle | None) -> asyncio.TimerHandle | None:
-    """Cancel a timer; returns None."""
     if timer is not None:
         timer.cancel()
     return None

@@ -66,9 +66,9 @@ class Frame:
             nonlocal started
             if message["type"] == "http.response.start":
                 started = True
-                given = MutableHeaders(scope=message)
+                headers = MutableHeaders(scope=message)
                 for name, value in self.headers.items():
-                    given.setdefault(name, value)
+                    headers.setdefault(name, value)
             await send(message)
 
         try:
@@ -91,8 +91,8 @@ class Frame:
             if accepted or message["type"] != "websocket.close":
                 await send(message)
                 return
-            given = [(name.encode(), value.encode()) for name, value in self.headers.items()]
-            await send({"type": "websocket.http.response.start", "status": 403, "headers": given})
+            headers = [(name.encode(), value.encode()) for name, value in self.headers.items()]
+            await send({"type": "websocket.http.response.start", "status": 403, "headers": headers})
             await send({"type": "websocket.http.response.body", "body": b""})
 
         await self.app(scope, receive, sent)
@@ -119,10 +119,9 @@ class Frame:
 
 
 def headers(encrypted: bool) -> dict[str, str]:
-    """The headers of every response."""
     return HEADERS | (HSTS if encrypted else {})
 
 
-def _too_large(largest: int, given: str) -> str:
+def _too_large(largest: int, size: str) -> str:
     what = "shorten the campaign" if largest == LARGEST_BODY else "export fewer requirements at a time"
-    return f"a request's body is at most {largest:,} bytes, given {given}: {what}"
+    return f"a request's body is at most {largest:,} bytes, given {size}: {what}"

@@ -14,8 +14,6 @@ OWN = frozenset({"/login"})
 
 
 class Heads:
-    """Forwards HEAD as GET and drops the body."""
-
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
 
@@ -33,11 +31,11 @@ class Heads:
 
         async def until_answered() -> Message:
             # Deliver the request once, then report a disconnect, which ends a stream.
-            if not asked:
-                asked.append(True)
+            if not deliveries:
+                deliveries.append(True)
                 return {"type": "http.request", "body": b"", "more_body": False}
             await answered.wait()
             return {"type": "http.disconnect"}
 
-        asked: list[bool] = []
+        deliveries: list[bool] = []
         await self.app({**scope, "method": "GET"}, until_answered, head_only)

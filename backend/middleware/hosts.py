@@ -29,7 +29,6 @@ class Hosts:
         self._bound = bound.lower()
 
     def allows(self, host: str) -> bool:
-        """Whether a request with this header Host is answered."""
         name = _name(host)
         return self.every or name in self.names or name == self._bound or _is_this_machine(name)
 
@@ -46,7 +45,6 @@ class Hosts:
 
 
 def _name(host: str) -> str:
-    """The name in a header Host, without the port."""
     if host.startswith("["):
         return host[1:].partition("]")[0].lower()
     return host.partition(":")[0].rstrip(".").lower()

@@ -38,7 +38,6 @@ class Preferred:
         await self.app(scope, receive, _Answer(self, scope, send, wanted))
 
     def schema(self, scope: Scope) -> dict[str, Any] | None:
-        """The schema of the JSON that this request is answered with."""
         if not self._operations:
             paths = scope["app"].openapi()["paths"]
             for path, methods in sorted(paths.items(), key=lambda item: "{" in item[0]):
@@ -51,8 +50,6 @@ class Preferred:
 
 
 class _Answer:
-    """Sends an answer, rewritten if it is JSON that is described."""
-
     def __init__(self, owner: Preferred, scope: Scope, send: Send, wanted: frozenset[str]) -> None:
         self.owner, self.scope, self.send, self.wanted = owner, scope, send, wanted
         self.start: Message | None = None
@@ -93,8 +90,8 @@ class _Answer:
 
 def preferences(headers: Headers) -> frozenset[str]:
     """The known preferences of a request; others are ignored, as the standard has it."""
-    given = ",".join(headers.getlist("prefer")).lower()
-    found = {re.sub(r'["\s]', "", part.partition(";")[0]) for part in given.split(",")}
+    header = ",".join(headers.getlist("prefer")).lower()
+    found = {re.sub(r'["\s]', "", part.partition(";")[0]) for part in header.split(",")}
     return frozenset(found & {TIMES, LISTS})
 
 

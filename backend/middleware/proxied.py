@@ -67,8 +67,8 @@ class Proxied:
 
 def _with_host(scope: Scope) -> Scope:
     """The scope with the host that the nearest proxy names: the last one, as proxies may append to those sent."""
-    given = [value for name, value in scope["headers"] if name == b"x-forwarded-host"]
-    host = given[-1].rpartition(b",")[2].strip() if given else b""
+    names = [value for name, value in scope["headers"] if name == b"x-forwarded-host"]
+    host = names[-1].rpartition(b",")[2].strip() if names else b""
     if not _HOST.fullmatch(host):
         return {**scope}
     others = [(name, value) for name, value in scope["headers"] if name != b"host"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request
 
-from backend.catalog.endpoints import CHECK_BODY, given
+from backend.catalog.endpoints import CHECK_BODY, campaign_of
 from backend.http import bodies
 from backend.http.deps import Engine, capacities
 from backend.http.errors import problems
@@ -17,7 +17,7 @@ router = APIRouter(tags=["catalog"])
 
 @router.post(
     "/campaigns/preview",
-    openapi_extra={"requestBody": CHECK_BODY},
+    openapi_extra=CHECK_BODY,
     responses=problems(
         "unsupported-media-type",
         "unreadable",
@@ -36,10 +36,7 @@ async def preview_campaign(request: Request, engine: Engine) -> Preview:
     A new combination of components is compiled first, which takes many seconds. 422 for a campaign that cannot be run,
     503 if it cannot be simulated.
     """
-    yaml = bodies.is_yaml(request)
-    body = await request.body()
-
-    campaign = await bodies.apart(request, lambda: given(body, yaml))
+    campaign = await campaign_of(request)
     if isinstance(campaign, CampaignError):
         raise bodies.invalid(campaign)
     try:

@@ -63,7 +63,6 @@ class Previews:
             self._waiting -= 1
 
     def stop(self) -> None:
-        """End the simulation process; waiting requests are refused."""
         self.live.close()
 
     def _flown(self, campaign: Campaign) -> FlightReply:
@@ -88,7 +87,6 @@ def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:
 
 
 def response(campaign: Campaign, criterion: ComponentEntry, answer: FlightReply, seconds: float) -> Preview:
-    """The response of the API."""
     data, meta = answer["data"], answer["meta"]
     moving = [i for i, obstacle in enumerate(meta["obstacles"]) if obstacle["moving"]]
     intruders = [PreviewIntruder(obstacle=i, **{a: data[f"obstacle.{i}.{a}"] for a in "xyz"}) for i in moving]
@@ -114,11 +112,13 @@ def response(campaign: Campaign, criterion: ComponentEntry, answer: FlightReply,
     )
 
 
-def _closest(given: Mapping[str, Any] | None) -> PreviewClosest | None:
-    return None if given is None else PreviewClosest(**{name: given[name] for name in PreviewClosest.model_fields})
+def _closest(point: Mapping[str, Any] | None) -> PreviewClosest | None:
+    return None if point is None else PreviewClosest(**{name: point[name] for name in PreviewClosest.model_fields})
 
 
-def _realisation(given: Mapping[str, Any] | None) -> PreviewRealisation | None:
-    if given is None:
+def _realisation(realisation: Mapping[str, Any] | None) -> PreviewRealisation | None:
+    if realisation is None:
         return None
-    return PreviewRealisation(seed=given["seed"], seeds=given["seeds"], combine=given["combine"], value=given["cost"])
+    return PreviewRealisation(
+        seed=realisation["seed"], seeds=realisation["seeds"], combine=realisation["combine"], value=realisation["cost"]
+    )

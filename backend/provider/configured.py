@@ -40,11 +40,11 @@ class Configured:
         return max(found, key=ROLES.index) if found else self.default_role
 
 
-def secret_of(given: str, file: Path | None) -> str:
+def secret_of(secret: str, file: Path | None) -> str:
     """The client's secret from the environment or a file. Raises `ValueError`."""
     if file is None:
-        return given
-    if given:
+        return secret
+    if secret:
         raise ValueError("give the client secret in CLEARANCE_OIDC_CLIENT_SECRET or in a file, not both")
     try:
         text = file.read_text(encoding="utf-8").strip()
@@ -58,16 +58,16 @@ def secret_of(given: str, file: Path | None) -> str:
 def roles_of(text: str) -> dict[str, Role]:
     """The roles by group, from a JSON object. Raises `ValueError`."""
     try:
-        given = json.loads(text or "{}")
+        document = json.loads(text or "{}")
     except ValueError:
-        given = None
-    if not isinstance(given, dict) or not all(role in ROLES for role in given.values()):
+        document = None
+    if not isinstance(document, dict) or not all(role in ROLES for role in document.values()):
         allowed = ", ".join(ROLES)
         raise ValueError(
             f"CLEARANCE_OIDC_ROLES must be a JSON object of groups and roles ({allowed}), such as "
             f'{{"safety-engineers": "engineer"}}, given {text[:200]!r}'
         )
-    return given
+    return document
 
 
 def default_of(text: str) -> Role | None:
@@ -93,10 +93,18 @@ def safe_address(address: str) -> bool:
 
 
 def is_loopback(host: str) -> bool:
-    """Whether a host is this machine, by name or address."""
     if host == "localhost":
         return True
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return False
+
+
+@dataclass(frozen=True)
+class Identity:
+    issuer: str
+    subject: str
+    name: str
+    """What the provider calls the user; a wish only, never an identification."""
+    groups: tuple[str, ...]

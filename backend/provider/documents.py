@@ -87,13 +87,13 @@ class Documents:
 
 
 async def fetch(
-    name: str, method: str, address: str, headers: Mapping[str, str] | None = None, **given: Any
+    name: str, method: str, address: str, headers: Mapping[str, str] | None = None, **options: Any
 ) -> dict[str, object]:
     """A JSON object from the provider; redirects are not followed. Raises `SignInError`."""
     named = {"Accept": "application/json", **(headers or {})}
     try:
         async with httpx.AsyncClient(timeout=PATIENCE, follow_redirects=False) as client:
-            answer = await client.request(method, address, headers=named, **given)
+            answer = await client.request(method, address, headers=named, **options)
         found = answer.json() if len(answer.content) <= LARGEST else None
     except (httpx.HTTPError, httpx.InvalidURL, ValueError, OSError) as error:
         raise unreachable(name, f"no answer: {type(error).__name__}") from None

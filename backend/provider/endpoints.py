@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 router = APIRouter(include_in_schema=False)
 
 RETURN = "/login/provider/return"
+BURST, PERIOD = 20, 3.0
+"""Failures that are recorded at once, and time after which one more is [s]: clients must not fill the disk."""
 _log = logging.getLogger(__name__)
 
 
@@ -68,7 +70,7 @@ async def finish(request: Request, engine: Engine) -> Response:
         role = provider.configured.role_of(identity.groups)
         secret = await run_in_threadpool(service.open_session, engine, identity, role, browser)
     except SignInError as error:
-        if error.reason and request.app.state.provider_noted.due():
+        if error.reason and request.app.state.provider_noted.take():
             _log.warning("a sign-in through the provider failed: %s", error.reason)
             await run_in_threadpool(service.note_failure, engine, error.reason, browser.address)
         return _forget(request, _failed(error, ""))

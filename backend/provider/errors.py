@@ -18,7 +18,6 @@ def unreachable(name: str, what: str) -> SignInError:
 
 
 def invalid(name: str, reason: str) -> SignInError:
-    """The provider's answer failed a check."""
     sentence = f"The answer of {name} is not valid ({reason}), so you are not signed in. Try again."
     return SignInError(sentence, 403, reason)
 

@@ -15,10 +15,9 @@ from authlib.oidc.core import CodeIDToken
 from joserfc import jwt
 from joserfc.errors import InvalidKeyIdError, JoseError
 
-from backend.provider.configured import Configured, safe_address
+from backend.provider.configured import Configured, Identity, safe_address
 from backend.provider.documents import Documents, fetch
 from backend.provider.errors import SignInError, invalid
-from backend.provider.identity import Identity
 from backend.provider.pending import Pending, Started
 
 ALGORITHMS = ["RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA"]
@@ -144,11 +143,11 @@ class Provider:
         return found
 
 
-def _listed(given: object) -> tuple[str, ...]:
+def _listed(groups: object) -> tuple[str, ...]:
     """Groups as providers send them: a list, or one name."""
-    if isinstance(given, str):
-        return (given,)
-    return tuple(one for one in given if isinstance(one, str)) if isinstance(given, list) else ()
+    if isinstance(groups, str):
+        return (groups,)
+    return tuple(one for one in groups if isinstance(one, str)) if isinstance(groups, list) else ()
 
 
 def _denied(name: str, error: str) -> SignInError:

@@ -43,7 +43,6 @@ class Pending:
         self._used: dict[str, float] = {}
 
     def start(self, back: str) -> tuple[Started, str]:
-        """A new sign-in and its cookie."""
         state, nonce, verifier = (secrets.token_urlsafe(32) for _ in range(3))
         started = Started(state, nonce, verifier, back, self._clock() + PENDING_LIFETIME)
         return started, jwt.encode({"alg": "HS256"}, asdict(started), self._key)

@@ -8,8 +8,8 @@ from backend.db import access, audit, identities
 from backend.db.access import PROVIDER_SESSION_LIFETIME
 from backend.db.identities import SignedIn
 from backend.db.roles import Role
+from backend.provider.configured import Identity
 from backend.provider.errors import SignInError
-from backend.provider.identity import Identity
 from backend.sessions.failures import UNKNOWN
 from backend.sessions.service import Browser
 
@@ -41,14 +41,14 @@ def _opened(engine: sa.Engine, identity: Identity, key: str, role: Role, browser
         signed = identities.sign_in(writer, key, identity.name, role)
         if signed is None:
             found = identities.user_of(writer, key)
-            told = {"address": browser.address, "reason": "disabled"}
-            audit.note_sign_in(writer, UNKNOWN if found is None else found.name, VIA, "session.failed", told)
+            detail = {"address": browser.address, "reason": "disabled"}
+            audit.note_sign_in(writer, UNKNOWN if found is None else found.name, VIA, "session.failed", detail)
             return None
         secret = access.open_session(
             writer, signed.name, VIA, browser.agent, browser.address, PROVIDER_SESSION_LIFETIME
         )
-        for action, detail in _changes(signed, identity):
-            audit.note_sign_in(writer, signed.name, VIA, action, detail)
+        for action, change in _changes(signed, identity):
+            audit.note_sign_in(writer, signed.name, VIA, action, change)
         audit.note_sign_in(writer, signed.name, VIA, "session.opened", {"address": browser.address})
         return secret
 
@@ -69,9 +69,11 @@ def _withdrawn(engine: sa.Engine, key: str, browser: Browser) -> SignInError:
     )
     with engine.begin() as writer:
         ended = identities.withdraw(writer, key)
-        name, told = (UNKNOWN, {}) if ended is None else ended
-        if ended is not None and (told["sessions"] or told["tokens"]):
-            audit.note_sign_in(writer, name, VIA, "user.access_ended", {"reason": "no group has a role", **told})
+        name, ended_access = (UNKNOWN, {}) if ended is None else ended
+        if ended is not None and (ended_access["sessions"] or ended_access["tokens"]):
+            audit.note_sign_in(
+                writer, name, VIA, "user.access_ended", {"reason": "no group has a role", **ended_access}
+            )
         detail = {"address": browser.address, "reason": "no group has a role"}
         audit.note_sign_in(writer, name, VIA, "session.failed", detail)
     return SignInError(sentence, 403)

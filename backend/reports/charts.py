@@ -5,7 +5,7 @@ from __future__ import annotations
 from markupsafe import Markup
 
 from backend.reports import figures, plan_view, plot, words
-from backend.reports.held import Held
+from backend.reports.record import Record
 from campaigns.claims import numbers
 from campaigns.results import CertifyResult, SearchResult, SensitivityResult
 from campaigns.results.sample import Sample
@@ -14,136 +14,134 @@ from campaigns.results.slices import Curve
 MOST_CURVES = 12
 
 
-def drawn(held: Held) -> dict[str, object]:
+def drawn(record: Record) -> dict[str, object]:
     """Every figure by name; None or empty if there are no stored data for it."""
-    timed = [case for case in held.cases if case.points("t", "separation")]
+    timed = [case for case in record.cases if case.points("t", "separation")]
     return {
-        "plan": plan_view.plan_view(held.cases, held.of) if held.cases else None,
-        "plan_caption": plan_view.caption(held.cases, held.of) if held.cases else "",
-        "separation": figures.separation(timed, held.of) if timed else None,
-        "convergence": _convergence(held),
-        "keys": [(title, colour) for colour, title, _ in _series(held)],
-        "sensitivity": _sensitivity(held),
-        "through_worst": bool(_slices(held)),
-        "tornado": _tornado(held),
-        "histogram": _histogram(held),
-        **_off(held),
+        "plan": plan_view.plan_view(record.cases, record.of) if record.cases else None,
+        "plan_caption": plan_view.caption(record.cases, record.of) if record.cases else "",
+        "separation": figures.separation(timed, record.of) if timed else None,
+        "convergence": _convergence(record),
+        "keys": [(title, colour) for colour, title, _ in _series(record)],
+        "sensitivity": _sensitivity(record),
+        "through_worst": bool(_slices(record)),
+        "tornado": _tornado(record),
+        "histogram": _histogram(record),
+        **_off(record),
     }
 
 
-def _off(held: Held) -> dict[str, bool]:
+def _off(record: Record) -> dict[str, bool]:
     """The figures whose axis does not include the criterion because it is too far away; their captions state so."""
-    limit = held.of.threshold
+    limit = record.of.threshold
     if limit is None:
         return {"off": False, "sensitivity_off": False, "sample_off": False}
-    found = [y for _, _, points in _series(held) for _, y in points]
-    studied = [c for curve in _curves(held) for c in curve.costs if c is not None]
-    stated = sample(held)
+    found = [y for _, _, points in _series(record) for _, y in points]
+    studied = [c for curve in _curves(record) for c in curve.costs if c is not None]
+    stated = sample(record)
     edges = (stated.histogram.edges if stated is not None and stated.histogram is not None else []) or [limit]
     spread = edges[-1] - edges[0] or 1.0
     return {
         "off": bool(found) and figures.is_far(found, limit),
-        "sensitivity_off": bool(studied) and not _holds(held, studied),
+        "sensitivity_off": bool(studied) and not _holds(record, studied),
         "sample_off": not edges[0] - 2 * spread <= limit <= edges[-1] + 2 * spread,
     }
 
 
-def _holds(held: Held, values: list[float]) -> bool:
+def _holds(record: Record, values: list[float]) -> bool:
     """Whether the criterion is near enough to these values to be on their axis."""
     low, high = plot.padded(values, 0.12)
-    limit = held.of.threshold
+    limit = record.of.threshold
     return limit is not None and low - 6 * (high - low) <= limit
 
 
-def _series(held: Held) -> list[tuple[str, str, list[plot.Point]]]:
+def _series(record: Record) -> list[tuple[str, str, list[plot.Point]]]:
     """The convergence history of every search: colour, title, points."""
-    titles = {stage.position: result.title for stage, result in held.results(SearchResult)}
+    titles = {stage.position: result.title for stage, result in record.results(SearchResult)}
     found = []
-    for series in held.evaluations.stages:
+    for series in record.evaluations.stages:
         if series.method is not None:
             steps = zip(series.improvements["index"], series.improvements["cost"], strict=True)
             points = [(index + 1.0, cost) for index, cost in steps]
-            found.append((_colour(held, series.method), titles.get(series.position) or series.method or "", points))
+            found.append((_colour(record, series.method), titles.get(series.position) or series.method or "", points))
     return [row for row in found if row[2]]
 
 
-def _colour(held: Held, method: str | None) -> str:
-    """The colour of a method; grey if it declares none."""
-    look = held.looks.method(method or "")
+def _colour(record: Record, method: str | None) -> str:
+    look = record.looks.method(method or "")
     return plot.NOMINAL if look is None else look.colour
 
 
-def _convergence(held: Held) -> Markup | None:
-    series = _series(held)
-    return figures.convergence(series, held.of) if series else None
+def _convergence(record: Record) -> Markup | None:
+    series = _series(record)
+    return figures.convergence(series, record.of) if series else None
 
 
-def _curves(held: Held) -> list[Curve]:
-    """The sensitivity curves through the nominal point."""
-    study = held.result(SensitivityResult)
+def _curves(record: Record) -> list[Curve]:
+    study = record.result(SensitivityResult)
     return [] if study is None else study.curves
 
 
-def _slices(held: Held) -> dict[str, Curve]:
+def _slices(record: Record) -> dict[str, Curve]:
     """The curves through the worst case by path, if they were evaluated."""
-    through = held.findings[0].slices if held.findings else None
+    through = record.findings[0].slices if record.findings else None
     return {} if through is None else {curve.path: curve for curve in through.curves}
 
 
-def _sensitivity(held: Held) -> list[tuple[Markup, str, Markup]]:
+def _sensitivity(record: Record) -> list[tuple[Markup, str, Markup]]:
     """A small chart for each parameter: symbol, description, drawing."""
-    curves, through = _curves(held), _slices(held)
+    curves, through = _curves(record), _slices(record)
     values = [c for curve in [*curves, *through.values()] for c in curve.costs if c is not None]
     if not values:
         return []
-    near = [held.of.threshold] if held.of.threshold is not None and _holds(held, values) else []
+    near = [record.of.threshold] if record.of.threshold is not None and _holds(record, values) else []
     low, high = plot.padded([*values, *near], 0.1)
     found = []
     for curve in curves[:MOST_CURVES]:
-        about = _about(held, curve)
-        svg = figures.sensitivity(curve, through.get(curve.path), about, (low, high), held.of)
+        about = _about(record, curve)
+        svg = figures.sensitivity(curve, through.get(curve.path), about, (low, high), record.of)
         found.append((words.symbol_html(about.symbol, curve.path), about.text, svg))
     return found
 
 
-def _about(held: Held, curve: Curve) -> figures.About:
+def _about(record: Record, curve: Curve) -> figures.About:
     path = curve.path
-    entry = held.entry(path)
-    nominal, low, high = held.limits.get(path, (curve.values[0], curve.values[0], curve.values[-1]))
+    entry = record.entry(path)
+    nominal, low, high = record.limits.get(path, (curve.values[0], curve.values[0], curve.values[-1]))
     return figures.About(
-        symbol=held.symbol(path),
-        text=held.words(path),
+        symbol=record.symbol(path),
+        text=record.words(path),
         unit=numbers.unit_in_print(entry.unit) if entry else "",
         nominal=nominal,
         low=low,
         high=high,
-        nominal_cost=held.run.nominal_cost if path in held.limits else None,
+        nominal_cost=record.run.nominal_cost if path in record.limits else None,
     )
 
 
-def _tornado(held: Held) -> Markup | None:
-    nominal = held.run.nominal_cost
+def _tornado(record: Record) -> Markup | None:
+    nominal = record.run.nominal_cost
     bars = []
-    for curve in _curves(held):
+    for curve in _curves(record):
         low, high = curve.costs[0], curve.costs[-1]
         if nominal is not None and low is not None and high is not None:
-            bars.append((_about(held, curve).symbol, low - nominal, high - nominal))
+            bars.append((_about(record, curve).symbol, low - nominal, high - nominal))
     bars.sort(key=lambda bar: -max(abs(bar[1]), abs(bar[2])))
-    return figures.tornado(bars, held.of) if bars else None
+    return figures.tornado(bars, record.of) if bars else None
 
 
-def sample(held: Held) -> Sample | None:
+def sample(record: Record) -> Sample | None:
     """The independent sample behind the statistical statement: that of certify, else of the first random search."""
-    certified = held.result(CertifyResult)
+    certified = record.result(CertifyResult)
     if certified is not None:
         return certified.sample
-    searched = [result.sample for _, result in held.results(SearchResult)]
+    searched = [result.sample for _, result in record.results(SearchResult)]
     return next((s for s in searched if s is not None and s.upper_bound is not None), None)
 
 
-def _histogram(held: Held) -> Markup | None:
-    stated = sample(held)
+def _histogram(record: Record) -> Markup | None:
+    stated = sample(record)
     if stated is None or stated.histogram is None or not any(stated.histogram.counts):
         return None
-    worst = held.findings[0].cost if held.findings else None
-    return figures.histogram(stated.histogram.edges, stated.histogram.counts, held.of, held.run.nominal_cost, worst)
+    worst = record.findings[0].cost if record.findings else None
+    return figures.histogram(stated.histogram.edges, stated.histogram.counts, record.of, record.run.nominal_cost, worst)

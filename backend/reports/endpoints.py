@@ -10,7 +10,7 @@ from fastapi.responses import HTMLResponse
 
 from backend.db.engine import now, read
 from backend.http.deps import Engine, Reader, capacities
-from backend.http.errors import Responses, problems
+from backend.http.errors import answers, problems
 from backend.http.schema import RunName
 from backend.reports import listing, pdf, service
 from backend.reports.schemas import ReportPage
@@ -18,11 +18,8 @@ from backend.runs.service import number
 
 router = APIRouter(tags=["reports"])
 
-_HTML: Responses = {
-    200: {"description": "One self-contained file.", "content": {"text/html": {"schema": {"type": "string"}}}}
-}
-_BINARY = {"schema": {"type": "string", "format": "binary"}}
-_PDF: Responses = {200: {"description": "The report on A4 pages.", "content": {"application/pdf": _BINARY}}}
+_HTML = answers("One self-contained file.", "text/html")
+_PDF = answers("The report on A4 pages.", "application/pdf", binary=True)
 
 
 @router.get(

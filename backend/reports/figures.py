@@ -25,8 +25,6 @@ SEPARATION_HEIGHT = 240
 
 @dataclass(frozen=True)
 class Case:
-    """A flight to be drawn: label, colour, stored trace."""
-
     label: str
     colour: str
     head: TraceHead
@@ -40,20 +38,16 @@ class Case:
 
     @property
     def closest(self) -> Closest | None:
-        """The stored closest approach; None if the criterion has none."""
         return self.head.closest
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """The criterion's value: symbol, unit, threshold."""
-
     symbol: str
     unit: str
     threshold: float | None
 
     def formatted(self, value: float | None, decimals: int) -> str:
-        """The value with its unit."""
         return f"{numbers.fixed(value, decimals)} {self.unit}".strip()
 
 

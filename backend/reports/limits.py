@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from backend.reports import words
 from backend.reports.charts import sample
-from backend.reports.held import Held
+from backend.reports.record import Record
 from campaigns.checked.check import SEED, parts
 from campaigns.claims import numbers
 
@@ -16,34 +16,36 @@ _ENDS = {
 """Sentences by the reference point of a criterion."""
 
 
-def conditions(held: Held) -> list[str]:
-    """The conditions under which the evidence holds, as sentences."""
-    return [text for text in (_measured(held), _horizon(held), _excluded(held), _failed(held), *_noise(held)) if text]
+def conditions(record: Record) -> list[str]:
+    return [
+        text
+        for text in (_measured(record), _horizon(record), _excluded(record), _failed(record), *_noise(record))
+        if text
+    ]
 
 
-def _measured(held: Held) -> str:
+def _measured(record: Record) -> str:
     """The description of the criterion, which states the reference point of the distance."""
-    asked = held.campaign.criterion
-    if held.campaign.simulator is not None:
-        return _result(held, held.campaign.simulator.name)
-    entry = held.catalogue.component("criterion", asked.component) if held.catalogue else None
+    criterion = record.campaign.criterion
+    if record.campaign.simulator is not None:
+        return _result(record, record.campaign.simulator.name)
+    entry = record.catalogue.component("criterion", criterion.component) if record.catalogue else None
     if entry is None:
         return (
-            f"Criterion {asked.component}: its description is unknown, and so is whether a distance is measured to "
+            f"Criterion {criterion.component}: its description is unknown, and so is whether a distance is measured to "
             "the obstacles’ centres or to their surfaces."
         )
     first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
     text = f"What the criterion measures ({entry.title}): {first or 'it has no description'}."
-    ends = _ENDS[held.run.criteria[0].measured_to] if held.run.criteria else ""
+    ends = _ENDS[record.run.criteria[0].measured_to] if record.run.criteria else ""
     return f"{text} {ends}".strip()
 
 
-def _result(held: Held, simulator: str) -> str:
-    """The deciding result of a simulator, and what is unknown about it."""
-    entry = held.catalogue.simulator(simulator) if held.catalogue else None
-    result = None if entry is None else entry.result(held.campaign.criterion.result)
+def _result(record: Record, simulator: str) -> str:
+    entry = record.catalogue.simulator(simulator) if record.catalogue else None
+    result = None if entry is None else entry.result(record.campaign.criterion.result)
     if entry is None or result is None:
-        return f"Result {held.campaign.criterion.result} of {simulator}: its description is unknown."
+        return f"Result {record.campaign.criterion.result} of {simulator}: its description is unknown."
     text = f": {result.text.rstrip('.')}" if result.text else ""
     return (
         f"The deciding result is {result.title} of {entry.title}{text}. This report examines neither what the "
@@ -51,18 +53,18 @@ def _result(held: Held, simulator: str) -> str:
     )
 
 
-def _horizon(held: Held) -> str:
-    if held.campaign.scenario is None:
+def _horizon(record: Record) -> str:
+    if record.campaign.scenario is None:
         return ""
-    horizon = numbers.plain(held.campaign.scenario.horizon)
+    horizon = numbers.plain(record.campaign.scenario.horizon)
     return f"Every simulation ends at the horizon of {horizon} s. Later events are not covered."
 
 
-def _excluded(held: Held) -> str:
-    run = held.run
+def _excluded(record: Record) -> str:
+    run = record.run
     if not run.excluded_evaluations:
         return ""
-    stated = sample(held)
+    stated = sample(record)
     drawn = 0 if stated is None else stated.excluded
     draws = f", {numbers.count(drawn)} of them draws of the sample" if drawn else ""
     verb = "evaluation was" if run.excluded_evaluations == 1 else "evaluations were"
@@ -72,8 +74,8 @@ def _excluded(held: Held) -> str:
     )
 
 
-def _failed(held: Held) -> str:
-    failed = held.run.failed_evaluations
+def _failed(record: Record) -> str:
+    failed = record.run.failed_evaluations
     if not failed:
         return ""
     verb = "evaluation" if failed == 1 else "evaluations"
@@ -83,19 +85,19 @@ def _failed(held: Held) -> str:
     )
 
 
-def _noise(held: Held) -> list[str]:
-    if held.campaign.scenario is None or not _random(held):
+def _noise(record: Record) -> list[str]:
+    if record.campaign.scenario is None or not _random(record):
         return []
-    asked = held.campaign.scenario.realisations
-    seeds = ", ".join(str(seed) for seed in asked.seeds)
-    if len(asked.seeds) == 1:
+    realisations = record.campaign.scenario.realisations
+    seeds = ", ".join(str(seed) for seed in realisations.seeds)
+    if len(realisations.seeds) == 1:
         searched = f"Searches simulated one noise realisation, that of seed {seeds}. Another realisation may be worse."
     else:
         searched = (
-            f"Searches simulated the noise realisations of the seeds {seeds} and used the {asked.combine} of them. "
-            "Another realisation may be worse."
+            f"Searches simulated the noise realisations of the seeds {seeds} and used the {realisations.combine} of "
+            "them. Another realisation may be worse."
         )
-    stated = sample(held)
+    stated = sample(record)
     if stated is not None and stated.noise == "drawn":
         drawn = "The sample drew a new noise realisation for every simulation."
     elif stated is not None:
@@ -105,13 +107,13 @@ def _noise(held: Held) -> list[str]:
     return [f"{searched} {drawn}".strip()]
 
 
-def _random(held: Held) -> bool:
+def _random(record: Record) -> bool:
     """Whether a component of the scenario takes a seed."""
-    if held.catalogue is None:
-        return bool(held.campaign.given_scenario.faults)
+    if record.catalogue is None:
+        return bool(record.campaign.given_scenario.faults)
     entries = [
-        held.catalogue.component(role, part.component)
-        for _, _, role, part in parts(held.campaign)
+        record.catalogue.component(role, part.component)
+        for _, _, role, part in parts(record.campaign)
         if role in ("environment", "fault")
     ]
     return any(parameter.name == SEED for entry in entries if entry for parameter in entry.parameters)

@@ -31,7 +31,6 @@ _log = logging.getLogger(__name__)
 
 
 def browser() -> str | None:
-    """The path of the Chromium executable, or None."""
     return next((found for name in NAMES if (found := shutil.which(name))), None)
 
 

@@ -9,8 +9,8 @@ from markupsafe import Markup
 
 from backend.http.errors import RefusedError
 from backend.reports import figures, plan_view
-from backend.reports.held import Held, load
 from backend.reports.plot import INK, INK2
+from backend.reports.record import Record, load
 from campaigns.claims.legible import legible
 from campaigns.claims.numbers import signed
 
@@ -23,44 +23,43 @@ FONT = "system-ui, sans-serif"
 
 def picture(reader: sa.Connection, run_id: int) -> bytes:
     """The SVG; 404 if there is no such run, or no flight of it is stored; 410 if it was purged."""
-    held = load(reader, run_id)
-    drawn = _drawn(held)
+    record = load(reader, run_id)
+    drawn = _drawn(record)
     if drawn is None:
-        detail = f"{held.run.id} has no picture of a worst case: no flight of it is stored"
+        detail = f"{record.run.id} has no picture of a worst case: no flight of it is stored"
         raise RefusedError(404, "not-found", detail)
     figure, caption, height = drawn
     lines = textwrap.wrap(caption, LONGEST)
     width, whole = figures.WIDE + 2 * PAD, height + HEAD + LINE * len(lines) + PAD
     row = Markup('<text x="{}" y="{}" fill="{}">{}</text>')
-    told = Markup("").join(row.format(PAD, height + HEAD + LINE * k, INK2, line) for k, line in enumerate(lines, 1))
+    rows = Markup("").join(row.format(PAD, height + HEAD + LINE * k, INK2, line) for k, line in enumerate(lines, 1))
     form = (
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" font-family="{2}" '
         'font-size="9.5"><title>{3}</title><rect width="{0}" height="{1}" fill="#fff"/>'
         '<text x="{4}" y="20" fill="{5}" font-size="13" font-weight="600">{3}</text>'
         '<text x="{4}" y="36" fill="{6}">{7}</text><g transform="translate({4} {8})">{9}</g>{10}</svg>\n'
     )
-    values = (width, whole, FONT, _title(held), PAD, INK, INK2, legible(held.run.name), HEAD, figure, told)
+    values = (width, whole, FONT, _title(record), PAD, INK, INK2, legible(record.run.name), HEAD, figure, rows)
     return str(Markup(form).format(*values)).encode()
 
 
-def _drawn(held: Held) -> tuple[Markup, str, float] | None:
-    """Figure, caption and height."""
-    if not held.cases:
+def _drawn(record: Record) -> tuple[Markup, str, float] | None:
+    if not record.cases:
         return None
-    plan = plan_view.plan_view(held.cases, held.of)
+    plan = plan_view.plan_view(record.cases, record.of)
     if plan is not None:
-        return plan, plan_view.caption(held.cases, held.of), plan_view.HEIGHT
-    timed = [case for case in held.cases if case.points("t", "separation")]
+        return plan, plan_view.caption(record.cases, record.of), plan_view.HEIGHT
+    timed = [case for case in record.cases if case.points("t", "separation")]
     if not timed:
         return None
-    return figures.separation(timed, held.of), f"{held.of.symbol} over time.", figures.SEPARATION_HEIGHT
+    return figures.separation(timed, record.of), f"{record.of.symbol} over time.", figures.SEPARATION_HEIGHT
 
 
-def _title(held: Held) -> str:
+def _title(record: Record) -> str:
     """R-0001: violated, worst case F1 with a margin of -0.02 m."""
-    word = held.run.verdict or held.run.state
-    if not held.findings:
-        return f"{held.run.id}: {word}"
-    worst = held.findings[0]
-    margin = f"{signed(worst.margin)} {held.of.unit}".rstrip()
-    return f"{held.run.id}: {word}, worst case {worst.label} with a margin of {margin}"
+    word = record.run.verdict or record.run.state
+    if not record.findings:
+        return f"{record.run.id}: {word}"
+    worst = record.findings[0]
+    margin = f"{signed(worst.margin)} {record.of.unit}".rstrip()
+    return f"{record.run.id}: {word}, worst case {worst.label} with a margin of {margin}"

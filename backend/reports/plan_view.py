@@ -48,7 +48,6 @@ def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
 
 
 def _axes_of(head: TraceHead) -> tuple[str, str]:
-    """The columns that point east and north."""
     return ("y", "x") if head.frame == "ned" else ("x", "y")
 
 
@@ -121,7 +120,6 @@ def _obstacles(axes: Axes, case: Case, axis: tuple[str, str], of: Quantity) -> N
 
 
 def _free(obstacle: TraceObstacle) -> float:
-    """Radius of the disc that must stay free [m]; 0 if there is none."""
     return obstacle.free_radius or 0.0
 
 
@@ -157,7 +155,6 @@ def _landmarks(axes: Axes, head: TraceHead, axis: tuple[str, str]) -> None:
 
 
 def caption(cases: Sequence[Case], of: Quantity) -> str:
-    """The caption of the figure."""
     drawn = "; ".join(f"{case.label}: {HUES.get(case.colour, 'dashed')}" for case in cases)
     limit = f" Dashed: the criterion of {numbers.plain(of.threshold)} {of.unit}." if of.threshold else ""
     return f"Flights seen from above. {drawn}.{limit} Moving obstacles are shown at the time of the closest approach."

@@ -34,7 +34,6 @@ def linear_ticks(low: float, high: float, about: float) -> list[float]:
 
 
 def log_ticks(low: float, high: float) -> list[float]:
-    """Powers of ten within a range."""
     return [10.0**k for k in range(math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9) + 1)]
 
 
@@ -74,7 +73,6 @@ class Axes:
     parts: list[Markup] = field(default_factory=list)
 
     def x(self, value: float) -> float:
-        """The position of a value of x [px]."""
         low, high = self.x_range
         share = (
             math.log(max(value, low) / low) / math.log(high / low) if self.x_log else (value - low) / (high - low or 1)
@@ -82,7 +80,6 @@ class Axes:
         return self.left + share * (self.width - self.left - self.right)
 
     def y(self, value: float) -> float:
-        """The position of a value of y [px]."""
         low, high = self.y_range
         return self.height - self.bottom - (value - low) / (high - low or 1) * (self.height - self.bottom - self.top)
 
@@ -101,7 +98,6 @@ class Axes:
         self.parts.append(Markup(form).format(x, y, anchor, colour, weight, words))
 
     def rule(self, x0: float, y0: float, x1: float, y1: float, colour: str, width: float = 1, dash: str = "") -> None:
-        """A straight line between two positions [px]."""
         form = '<path d="M{:.1f} {:.1f}L{:.1f} {:.1f}" stroke="{}" stroke-width="{}" fill="none"{}/>'
         dashed = Markup(' stroke-dasharray="{}"').format(dash) if dash else ""
         self.add(form, x0, y0, x1, y1, colour, width, dashed)
@@ -145,7 +141,6 @@ class Axes:
         self.add(form, "".join(path), colour, width, self.clip, dashed)
 
     def dot(self, x: float, y: float, colour: str, radius: float = 3.4) -> None:
-        """A mark at a point in the units of the data."""
         form = '<circle cx="{:.1f}" cy="{:.1f}" r="{}" fill="{}" stroke="#fff" stroke-width="1.3"/>'
         self.add(form, self.x(x), self.y(y), radius, colour)
 
@@ -158,7 +153,6 @@ class Axes:
         self.add(tint, self.left, at, self.width - self.left - self.right, foot - at, WORST)
 
     def criterion(self, value: float, words: str, right: bool = True) -> None:
-        """The criterion as a dashed line."""
         if not self.y_range[0] <= value <= self.y_range[1]:
             return
         at = self.y(value)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 from markupsafe import Markup
 
-from backend.reports import figures, words
-from backend.reports.held import Held
+from backend.reports import figures, validated, words
+from backend.reports.record import Record
 from backend.signoffs.schemas import Signoff
 from campaigns.asked.distributions import Uncertain
 from campaigns.asked.spec import Part, Simulator
-from campaigns.catalogue import ParameterEntry
+from campaigns.catalogue import ComponentEntry, ParameterEntry, SimulatorEntry
 from campaigns.checked.check import parts
 from campaigns.checked.simulated import PREFIX
 from campaigns.claims import numbers
@@ -25,85 +24,77 @@ Row = dict[str, object]
 """One row of a table, by the names that the template uses."""
 
 
-def uncertain(held: Held) -> list[Row]:
-    """The uncertain parameters: bounds, distribution, worst case."""
-    worst = held.findings[0].parameters if held.findings else {}
+def uncertain(record: Record) -> list[Row]:
+    worst = record.findings[0].parameters if record.findings else {}
     rows = []
-    for path, asked in held.campaign.uncertain.items():
-        entry, limits = held.entry(path), held.limits.get(path)
-        nominal, low, high = limits or (None, asked.low, asked.high)
+    for path, parameter in record.campaign.uncertain.items():
+        entry, limits = record.entry(path), record.limits.get(path)
+        nominal, low, high = limits or (None, parameter.low, parameter.high)
         value = worst.get(path)
         rows.append({
             "path": path,
-            "symbol": _symbol(held, path),
-            "named": held.symbol(path) != path,
-            "text": held.words(path) if entry else "not described",
-            "unit": numbers.unit_in_print(entry.unit if entry else asked.unit or ""),
+            "symbol": _symbol(record, path),
+            "named": record.symbol(path) != path,
+            "text": record.words(path) if entry else "not described",
+            "unit": numbers.unit_in_print(entry.unit if entry else parameter.unit or ""),
             "nominal": numbers.plain(nominal),
             "low": numbers.plain(low),
             "high": numbers.plain(high),
             "worst": numbers.plain(value),
-            "at": held.findings[0].at_bounds.get(path, "") if held.findings else "",
-            "distribution": _distribution(asked),
+            "at": record.findings[0].at_bounds.get(path, "") if record.findings else "",
+            "distribution": _distribution(parameter),
             "within": figures.within(limits[1], limits[2], limits[0], value) if limits else "",
         })  # fmt: skip
     return rows
 
 
-def _distribution(asked: Uncertain) -> str:
-    values = asked.distribution.model_dump()
+def _distribution(parameter: Uncertain) -> str:
+    values = parameter.distribution.model_dump()
     kind = values.pop("kind").replace("_", " ")
-    given = ", ".join(f"{name} {numbers.plain(value)}" for name, value in values.items())
-    return f"{kind} ({given})" if given else kind
+    options = ", ".join(f"{name} {numbers.plain(value)}" for name, value in values.items())
+    return f"{kind} ({options})" if options else kind
 
 
-def correlations(held: Held) -> list[str]:
-    """The correlations of the random samples, as sentences."""
-    return [f"{' and '.join(c.between)}: {numbers.plain(c.value)}" for c in held.campaign.correlations]
+def correlations(record: Record) -> list[str]:
+    return [f"{' and '.join(c.between)}: {numbers.plain(c.value)}" for c in record.campaign.correlations]
 
 
-def model(held: Held) -> list[Row]:
+def model(record: Record) -> list[Row]:
     """Every component of the scenario, or the simulator, with its text and its parameters' values."""
     rows = []
-    if held.campaign.simulator is not None:
-        rows.append(_simulator(held, held.campaign.simulator))
-    for prefix, _, role, part in parts(held.campaign):
-        entry = None if held.catalogue is None else held.catalogue.component(role, part.component)
-        values = [_value(held, f"{prefix}.{p.name}", p, part) for p in entry.parameters] if entry else _bare(part)
+    if (simulator := record.campaign.simulator) is not None:
+        described = None if record.catalogue is None else record.catalogue.simulator(simulator.name)
+        own = described.parameters if described else ()
+        values = [_value(record, f"{PREFIX}.{p.name}", p, simulator) for p in own] if described else _bare(simulator)
+        rows.append(_part("Simulator", simulator.name, described, values))
+    for prefix, _, role, part in parts(record.campaign):
+        entry = None if record.catalogue is None else record.catalogue.component(role, part.component)
+        values = [_value(record, f"{prefix}.{p.name}", p, part) for p in entry.parameters] if entry else _bare(part)
         if role == "vehicle" and entry:
-            values += [_value(held, f"start.{p.name}", p, None) for p in entry.starts]
+            values += [_value(record, f"start.{p.name}", p, None) for p in entry.starts]
         if role == "avoider" and entry:
-            values += [_value(held, f"goal.{p.name}", p, None) for p in entry.goals]
-        rows.append({
-            "role": role.capitalize() if role != "avoider" else "Avoidance",
-            "title": entry.title if entry else part.component,
-            "name": part.component,
-            "text": entry.text if entry else "",
-            "known": entry is not None,
-            "values": values,
-        })  # fmt: skip
+            values += [_value(record, f"goal.{p.name}", p, None) for p in entry.goals]
+        rows.append(_part("Avoidance" if role == "avoider" else role.capitalize(), part.component, entry, values))
     return rows
 
 
-def _simulator(held: Held, asked: Simulator) -> Row:
-    entry = None if held.catalogue is None else held.catalogue.simulator(asked.name)
-    values = [_value(held, f"{PREFIX}.{p.name}", p, asked) for p in entry.parameters] if entry else _bare(asked)
+def _part(role: str, name: str, entry: ComponentEntry | SimulatorEntry | None, values: list[Row]) -> Row:
     return {
-        "role": "Simulator",
-        "title": entry.title if entry else asked.name,
-        "name": asked.name,
+        "role": role,
+        "title": entry.title if entry else name,
+        "name": name,
         "text": entry.text if entry else "",
         "known": entry is not None,
         "values": values,
     }
 
 
-def _value(held: Held, path: str, entry: ParameterEntry, part: Part | Simulator | None) -> Row:
-    given = part.parameters if part else _position(held, path)
+def _value(record: Record, path: str, entry: ParameterEntry, part: Part | Simulator | None) -> Row:
+    values = part.parameters if part else _position(record, path)
     name = path.partition(".")[2] if part is None else entry.name
-    known = held.known.get(path)
-    how = "uncertain" if path in held.campaign.uncertain else "given" if name in given else "default"
-    value = known[1] if known else given.get(name)
+    known = record.known.get(path)
+    how = "uncertain" if path in record.campaign.uncertain else "given" if name in values else "default"
+    value = known[1] if known else values.get(name)
     prefix = {"start": "Start", "goal": "Goal"}.get(path.partition(".")[0], "")
     text = entry.text if not prefix or entry.text.startswith(prefix) else f"{prefix}: {entry.text}"
     return {
@@ -115,8 +106,8 @@ def _value(held: Held, path: str, entry: ParameterEntry, part: Part | Simulator 
     }
 
 
-def _position(held: Held, path: str) -> dict[str, float]:
-    scenario = held.campaign.given_scenario
+def _position(record: Record, path: str) -> dict[str, float]:
+    scenario = record.campaign.given_scenario
     return scenario.start if path.startswith("start.") else scenario.goal
 
 
@@ -127,27 +118,26 @@ def _bare(part: Part | Simulator) -> list[Row]:
     ]
 
 
-def methods(held: Held) -> list[Row]:
-    """The requested searches: settings, budget and, once started, what each found and how it ended."""
-    validated, ended = held.result(ValidateResult), {s.position: r for s, r in held.results(SearchResult)}
+def methods(record: Record) -> list[Row]:
+    validated, ended = record.result(ValidateResult), {s.position: r for s, r in record.results(SearchResult)}
     compared = {} if validated is None else {row.position: row for row in validated.comparison}
-    begun = [stage for stage in held.stages if stage.method is not None]
+    begun = [stage for stage in record.stages if stage.method is not None]
     bests = [stage.best for stage in begun]
     decimals = numbers.decimals_apart(bests, 4, 6)
     lowest = min((b for b in bests if b is not None), default=None)
     rows = []
-    for i, asked in enumerate(held.campaign.stages.search):
+    for i, search in enumerate(record.campaign.stages.search):
         stage = begun[i] if i < len(begun) else None
         result, comparison = (ended.get(stage.position), compared.get(stage.position)) if stage else (None, None)
-        entry = held.catalogue.method(asked.method) if held.catalogue else None
+        entry = record.catalogue.method(search.method) if record.catalogue else None
         best = stage.best if stage else None
         above = None if best is None or lowest is None else best - lowest
         rows.append({
-            "title": result.title if result else (entry.title if entry else asked.method),
+            "title": result.title if result else (entry.title if entry else search.method),
             "how": entry.how if entry else "",
             "source": entry.source if entry else "",
             "evaluations": numbers.count(stage.evaluations if stage else 0),
-            "budget": numbers.count(asked.evaluations),
+            "budget": numbers.count(search.evaluations),
             "failed": numbers.count(stage.failed if stage else 0),
             "excluded": numbers.count(stage.excluded if stage else 0),
             "best": numbers.fixed(best, decimals),
@@ -157,8 +147,8 @@ def methods(held: Held) -> list[Row]:
             "stop": result.stop.statement if result and result.stop else say("not ended"),
             "findings": (", ".join(comparison.findings) or "none") if comparison else NONE,
             "basin": (comparison.basin or "no listed finding") if comparison else NONE,
-            "options": _options(asked.options),
-            "starts": len(asked.starts),
+            "options": ", ".join(f"{name} = {value}" for name, value in search.options.items()) or "as published",
+            "starts": len(search.starts),
         })  # fmt: skip
     return rows
 
@@ -170,13 +160,9 @@ def _near(other: Compared | None) -> str:
     return numbers.count(other.to_near_best) if other.to_near_best else "not reached"
 
 
-def _options(options: Mapping[str, object]) -> str:
-    return ", ".join(f"{name} = {value}" for name, value in options.items()) or "as published"
-
-
-def stages(held: Held) -> list[Row]:
+def stages(record: Record) -> list[Row]:
     """All stages with their evaluations, so that every simulation is counted."""
-    titles = _titles(held)
+    titles = _titles(record)
     rows: list[Row] = [
         {
             "name": stage.title + (f", {titles.get(stage.method, stage.method)}" if stage.method else ""),
@@ -186,26 +172,25 @@ def stages(held: Held) -> list[Row]:
             "excluded": numbers.count(stage.excluded),
             "seconds": numbers.duration(stage.seconds),
         }
-        for stage in held.stages
+        for stage in record.stages
     ]
-    run, time = held.run, numbers.duration(sum(s.seconds for s in held.stages))
+    run, time = record.run, numbers.duration(sum(s.seconds for s in record.stages))
     total = {"failed": numbers.count(run.failed_evaluations), "excluded": numbers.count(run.excluded_evaluations)}
     counted = numbers.count(run.evaluations)
     return [*rows, {"name": "Total", "state": "", "evaluations": counted, "seconds": time, **total}] if rows else []
 
 
-def _titles(held: Held) -> dict[str, str]:
-    return {m.name: m.title for m in held.catalogue.methods} if held.catalogue else {}
+def _titles(record: Record) -> dict[str, str]:
+    return {m.name: m.title for m in record.catalogue.methods} if record.catalogue else {}
 
 
-def _symbol(held: Held, path: str) -> Markup:
-    return words.symbol_html(held.symbol(path), path)
+def _symbol(record: Record, path: str) -> Markup:
+    return words.symbol_html(record.symbol(path), path)
 
 
-def findings(held: Held) -> list[Row]:
-    """The distinct worst cases."""
-    decimals = numbers.decimals_apart([f.cost for f in held.findings], 4, 7)
-    titles = _titles(held)
+def findings(record: Record) -> list[Row]:
+    decimals = numbers.decimals_apart([f.cost for f in record.findings], 4, 7)
+    titles = _titles(record)
     return [
         {
             "label": f.label,
@@ -213,28 +198,23 @@ def findings(held: Held) -> list[Row]:
             "margin": numbers.difference(f.margin, decimals),
             "violates": f.margin <= 0,
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
-            "bounds": [(_symbol(held, path), side) for path, side in f.at_bounds.items()],
+            "bounds": [(_symbol(record, path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
-            "seed": _seed(None if f.validation is None else f.validation.realisation),
+            "seed": validated.seed(f.validation),
             "boundary": () if f.boundary is None else f.boundary.statement,
         }
-        for f in held.findings
+        for f in record.findings
     ]
 
 
-def _seed(seed: int | None) -> str:
-    """The noise realisation of a finding."""
-    return "" if seed is None else f"noise seed {seed}"
-
-
-def criteria(held: Held) -> list[Row]:
+def criteria(record: Record) -> list[Row]:
     """Every criterion of a campaign with several: its value in the nominal case and in each worst case."""
-    if len(held.run.criteria) < 2:
+    if len(record.run.criteria) < 2:
         return []
     rows: list[Row] = []
-    for i, criterion in enumerate(held.run.criteria):
-        values = [None if held.nominal is None else held.nominal.values.get(criterion.name)]
-        values += [finding.values.get(criterion.name) for finding in held.findings]
+    for i, criterion in enumerate(record.run.criteria):
+        values = [None if record.nominal is None else record.nominal.values.get(criterion.name)]
+        values += [finding.values.get(criterion.name) for finding in record.findings]
         decimals = numbers.decimals_apart(values, 4, 6)
         rows.append({
             "title": criterion.title,
@@ -247,28 +227,27 @@ def criteria(held: Held) -> list[Row]:
     return rows
 
 
-def doubts(held: Held) -> list[str]:
+def doubts(record: Record) -> list[str]:
     """Warnings that the component descriptions (texts, defaults, bounds) may differ from those of the run."""
-    if held.catalogue is None:
+    if record.catalogue is None:
         return ["this installation has no catalogue of components: units, bounds and texts are unknown"]
     found = []
-    clearance = None if held.verdict is None else held.verdict.provenance.clearance
-    if clearance is not None and clearance != held.catalogue.version:
-        kept = "are described by" if held.changes is None else "were stored with the run as described by"
+    clearance = None if record.verdict is None else record.verdict.provenance.clearance
+    if clearance is not None and clearance != record.catalogue.version:
+        kept = "are described by" if record.changes is None else "were stored with the run as described by"
         found.append(
-            f"the run used clearance {clearance}, and the components {kept} {held.catalogue.version}: "
+            f"the run used clearance {clearance}, and the components {kept} {record.catalogue.version}: "
             "their texts and default values may differ from those of the run"
         )
-    nominal = {} if held.nominal is None else held.nominal.parameters
-    for path, (value, _, _) in held.limits.items():
+    nominal = {} if record.nominal is None else record.nominal.parameters
+    for path, (value, _, _) in record.limits.items():
         if path in nominal and not math.isclose(nominal[path], value, rel_tol=1e-12, abs_tol=1e-300):
             flew, here = numbers.plain(nominal[path], 12), numbers.plain(value, 12)
             found.append(f"{path} was {flew} in the nominal case of the run; its nominal value here is {here}")
     return found
 
 
-def signoffs(held: Held) -> list[Row]:
-    """The sign-offs with their status: valid, of earlier results, or withdrawn."""
+def signoffs(record: Record) -> list[Row]:
     return [
         {
             "name": s.name,
@@ -280,7 +259,7 @@ def signoffs(held: Held) -> list[Row]:
             "good": s.current and s.withdrawn is None,
             "standing": _standing(s),
         }
-        for s in held.signoffs.items
+        for s in record.signoffs.items
     ]
 
 
@@ -291,7 +270,7 @@ def _standing(signoff: Signoff) -> str:
     return f"{statement}, by the user who launched the run" if signoff.own else statement
 
 
-def components(held: Held) -> dict[str, str]:
+def components(record: Record) -> dict[str, str]:
     """Titles of vehicle, controller and avoider, or of the simulator, by role."""
-    rows = [row for row in model(held) if row["role"] in ("Vehicle", "Controller", "Avoidance", "Simulator")]
+    rows = [row for row in model(record) if row["role"] in ("Vehicle", "Controller", "Avoidance", "Simulator")]
     return {str(row["role"]).lower(): str(row["title"]) for row in rows}

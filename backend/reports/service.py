@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from backend.http.naming import named
 from backend.reports import charts, limits, sections, since, validated, words
-from backend.reports.held import Held, load
+from backend.reports.record import Record, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
 from campaigns.results import SensitivityResult, TraceHead, ValidateResult
@@ -29,6 +29,7 @@ FONTS = (
 )
 """Font family, prefix of its file name among the built pages, Unicode range."""
 
+ELSEWHERE = " on other machines, whose processors are not recorded"
 _VERDICTS = {
     "cleared": ("ok", "Cleared", "M20 6 9 17l-5-5"),
     "violated": ("bad", "Violated", "M18 6 6 18M6 6l12 12"),
@@ -55,21 +56,21 @@ class Page:
 
 def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> Page:
     """The current report; `at` is its time of creation [s since 1970]; fonts from the built pages, if present."""
-    held = load(reader, run_id)
-    style = _fonts(pages) + (HERE / "report.css").read_text(encoding="utf-8") + _margins(held)
+    record = load(reader, run_id)
+    style = _fonts(pages) + (HERE / "report.css").read_text(encoding="utf-8") + _margins(record)
     digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
     policy = (
         f"default-src 'none'; style-src 'sha256-{digest}'; font-src data:; img-src data:; base-uri 'none'; "
         "form-action 'none'"
     )
     html = (
-        _environment().get_template("report.html.j2").render(**_context(held, at), style=Markup(style), policy=policy)
+        _environment().get_template("report.html.j2").render(**_context(record, at), style=Markup(style), policy=policy)
     )  # the style contains no text written by users
-    return Page(html, policy, named(held.run.id, held.run.name, "safety-case-report"))
+    return Page(html, policy, named(record.run.id, record.run.name, "safety-case-report"))
 
 
-def _context(held: Held, at: float) -> dict[str, object]:
-    run, verdict = held.run, held.verdict
+def _context(record: Record, at: float) -> dict[str, object]:
+    run, verdict = record.run, record.verdict
     tone, word, icon = _VERDICTS.get(
         run.verdict or "", ("err", f"{run.state.capitalize()}: no verdict", "M12 8v5M12 16v.01")
     )
@@ -77,36 +78,36 @@ def _context(held: Held, at: float) -> dict[str, object]:
     sentence = stated if run.verdict else say(_STATES[run.state])
     return {
         "run": run,
-        "held": held,
-        "report": f"CLR-{run.id}-{held.digest[:8]}",
+        "record": record,
+        "report": f"CLR-{run.id}-{record.digest[:8]}",
         "day": words.day(at),
         "made": words.moment(at),
         "version": VERSION,
         "verdict": {"tone": tone, "word": word, "icon": icon, "sentence": sentence, "error": run.error},
         "scope": () if verdict is None else verdict.holds_for,
-        "of": held.of,
-        "parts": sections.components(held),
-        "uncertain": sections.uncertain(held),
-        "criteria": sections.criteria(held),
-        "correlations": sections.correlations(held),
-        "model": sections.model(held),
-        "methods": sections.methods(held),
-        "stages": sections.stages(held),
-        "findings": sections.findings(held),
-        "since": since.changes(held),
-        "validation": held.result(ValidateResult),
-        "cases": validated.cases(held),
-        "again": validated.again(held),
-        "encounter": validated.encounter(held),
-        "limits": limits.conditions(held),
+        "of": record.of,
+        "parts": sections.components(record),
+        "uncertain": sections.uncertain(record),
+        "criteria": sections.criteria(record),
+        "correlations": sections.correlations(record),
+        "model": sections.model(record),
+        "methods": sections.methods(record),
+        "stages": sections.stages(record),
+        "findings": sections.findings(record),
+        "since": since.changes(record),
+        "validation": record.result(ValidateResult),
+        "cases": validated.cases(record),
+        "again": validated.again(record),
+        "encounter": validated.encounter(record),
+        "limits": limits.conditions(record),
         "checks": [] if verdict is None else verdict.checks,
-        "sample": charts.sample(held),
-        "sensitivity": held.result(SensitivityResult),
-        "fig": charts.drawn(held),
-        "doubts": sections.doubts(held),
-        "signoffs": sections.signoffs(held),
-        "flights": _flights(held),
-        "origin": _origin(held),
+        "sample": charts.sample(record),
+        "sensitivity": record.result(SensitivityResult),
+        "fig": charts.drawn(record),
+        "doubts": sections.doubts(record),
+        "signoffs": sections.signoffs(record),
+        "flights": _flights(record),
+        "origin": _origin(record),
         "w": words,
         "n": numbers,
         "paragraphs": words.paragraphs,
@@ -114,14 +115,13 @@ def _context(held: Held, at: float) -> dict[str, object]:
     }
 
 
-def _flights(held: Held) -> list[str]:
-    """A sentence about each drawn flight, with its noise realisation."""
-    approaches = [(case, case.closest) for case in held.cases]
+def _flights(record: Record) -> list[str]:
+    approaches = [(case, case.closest) for case in record.cases]
     known = [(case, closest) for case, closest in approaches if closest is not None]
     decimals = numbers.decimals_for([closest.value for _, closest in known])
     form = "{}: {} at {} s{}.".format
     return [
-        form(case.label, held.of.formatted(at.value, decimals), numbers.fixed(at.time), _shown(case.head))
+        form(case.label, record.of.formatted(at.value, decimals), numbers.fixed(at.time), _shown(case.head))
         for case, at in known
     ]
 
@@ -134,21 +134,20 @@ def _shown(head: TraceHead) -> str:
     return f", noise seed {realised.seed}{of}"
 
 
-def _origin(held: Held) -> list[tuple[str, str]]:
-    """Provenance as rows; missing values are reported as not stored."""
-    versions, verdict = held.run.flown, held.verdict
+def _origin(record: Record) -> list[tuple[str, str]]:
+    versions, verdict = record.run.flown, record.verdict
     known: Versions = verdict.provenance if verdict is not None else versions or Versions()
     seed = verdict.provenance.seed if verdict is not None else None
     unknown = "not recorded"
     cpu = known.cpu or Processor()
     packages = ", ".join(f"{name} {version}" for name, version in known.packages.items())
     return [
-        ("Campaign", f"sha256 {held.run.campaign_digest}"),
-        ("Results", f"sha256 {held.digest}"),
-        ("Components", _components(held)),
+        ("Campaign", f"sha256 {record.run.campaign_digest}"),
+        ("Results", f"sha256 {record.digest}"),
+        ("Components", _components(record)),
         ("Source digest", f"sha256 {versions.code}" if versions and versions.code else "not stored when the run began"),
         ("Loop digest", known.loop or unknown),
-        ("Seed", str(held.campaign.seed if seed is None else seed)),
+        ("Seed", str(record.campaign.seed if seed is None else seed)),
         ("Clearance", known.clearance or unknown),
         ("Python", known.python or unknown),
         ("Packages", packages or unknown),
@@ -156,33 +155,28 @@ def _origin(held: Held) -> list[tuple[str, str]]:
             "Machine",
             ", ".join(v for v in (known.system, cpu.model, cpu.target) if v) or unknown,
         ),
-        *([("Evaluated by", _elsewhere(known.evaluator))] if known.evaluator else []),
+        *([("Evaluated by", known.evaluator + ELSEWHERE)] if known.evaluator else []),
         *([("Command", f"{known.command} (from the campaign file)")] if known.command else []),
         ("Lanes", str(known.lanes or unknown)),
-        ("Worker, attempts", f"{held.run.worker or 'none'}, {held.run.attempts}"),
-        ("Submitted", f"{words.moment(held.run.created)} by {held.run.owner or 'unknown'}"),
-        ("Started", words.moment(held.run.started)),
-        ("Finished", words.moment(held.run.finished)),
-        ("Extends", held.run.continues or "no earlier run"),
+        ("Worker, attempts", f"{record.run.worker or 'none'}, {record.run.attempts}"),
+        ("Submitted", f"{words.moment(record.run.created)} by {record.run.owner or 'unknown'}"),
+        ("Started", words.moment(record.run.started)),
+        ("Finished", words.moment(record.run.finished)),
+        ("Extends", record.run.continues or "no earlier run"),
     ]
 
 
-def _elsewhere(evaluator: str) -> str:
-    return f"{evaluator} on other machines, whose processors are not recorded"
-
-
-def _components(held: Held) -> str:
-    """Whether the component descriptions were stored."""
-    digest = held.run.components_digest
+def _components(record: Record) -> str:
+    digest = record.run.components_digest
     return f"sha256 {digest}" if digest else "not stored: descriptions are those of the current installation"
 
 
-def _margins(held: Held) -> str:
+def _margins(record: Record) -> str:
     """Header and footer of every printed page; they contain no text written by users."""
-    right = "" if held.run.verdict else '@top-right{content:"No verdict: no evidence for a safety case"}'
+    right = "" if record.run.verdict else '@top-right{content:"No verdict: no evidence for a safety case"}'
     return (
-        f'@page{{{right}@top-left{{content:"Verification report CLR-{held.run.id}-{held.digest[:8]}"}}'
-        f'@bottom-left{{content:"Clearance {VERSION}, results sha256 {held.digest[:16]}"}}}}'
+        f'@page{{{right}@top-left{{content:"Verification report CLR-{record.run.id}-{record.digest[:8]}"}}'
+        f'@bottom-left{{content:"Clearance {VERSION}, results sha256 {record.digest[:16]}"}}}}'
     )
 
 

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from backend.reports.held import Held
+from backend.reports.record import Record
 from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import say
 from campaigns.results.regression import Standing
 
 
-def changes(held: Held) -> dict[str, object] | None:
+def changes(record: Record) -> dict[str, object] | None:
     """The comparison with the baseline, or the sentence on why there is none; None without a baseline."""
-    regression = None if held.verdict is None else held.verdict.regression
+    regression = None if record.verdict is None else record.verdict.regression
     if regression is None:
-        asked = held.run.baseline
-        if asked is None:
+        baseline = record.run.baseline
+        if baseline is None:
             return None
-        told = (
-            asked.sentence
-            if asked.run is None
-            else f"{asked.sentence} The run has no verdict, so nothing was compared."
+        text = (
+            baseline.sentence
+            if baseline.run is None
+            else f"{baseline.sentence} The run has no verdict, so nothing was compared."
         )
-        return {"run": asked.run or "", "cases": [], "statement": say(told), "lost": []}
+        return {"run": baseline.run or "", "cases": [], "statement": say(text), "lost": []}
     decimals = numbers.decimals_for(
         [m for c in regression.cases for m in (c.margin_before, c.margin_again, c.margin)], 5
     )

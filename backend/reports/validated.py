@@ -8,7 +8,7 @@ from __future__ import annotations
 from markupsafe import Markup
 
 from backend.reports import words
-from backend.reports.held import Held
+from backend.reports.record import Record
 from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import count, joined, number, say, symbol
@@ -26,12 +26,16 @@ _AT = {
 }
 
 
-def cases(held: Held) -> list[Row]:
-    """The validation of each case: the nominal one, then the findings."""
-    validated = held.result(ValidateResult)
+def cases(record: Record) -> list[Row]:
+    validated = record.result(ValidateResult)
     nominal = None if validated is None else validated.nominal
-    found = [nominal, *(finding.validation for finding in held.findings)]
+    found = [nominal, *(finding.validation for finding in record.findings)]
     return [_case(case) for case in found if case is not None]
+
+
+def seed(case: Validation | None) -> str:
+    """The noise realisation of a case."""
+    return "" if case is None or case.realisation is None else f"noise seed {case.realisation}"
 
 
 def _case(case: Validation) -> Row:
@@ -39,7 +43,7 @@ def _case(case: Validation) -> Row:
     half, other, neighbours = case.half_step, case.integrator or case.again, case.neighbours
     return {
         "name": case.name,
-        "seed": "" if case.realisation is None else f"noise seed {case.realisation}",
+        "seed": seed(case),
         "cost": numbers.fixed(case.cost, decimals),
         "half": numbers.fixed(None if half is None else half.cost, decimals),
         "half_by": numbers.plain(None if half is None else half.difference, 2),
@@ -54,12 +58,12 @@ def _case(case: Validation) -> Row:
     }
 
 
-def again(held: Held) -> list[Spans]:
+def again(record: Record) -> list[Spans]:
     """The repeated violations and random evaluations, and their differences."""
-    result = held.result(ValidateResult)
+    result = record.result(ValidateResult)
     if result is None:
         return []
-    first = held.result(NominalResult)
+    first = record.result(NominalResult)
     measured = [] if first is None or first.measured is None else [say("the simulator ", first.measured.statement)]
     found = measured + [
         part.statement for part in (result.violations, result.spot_checks) if part is not None and part.statement
@@ -67,44 +71,44 @@ def again(held: Held) -> list[Spans]:
     at = None if result.spot_checks is None else result.spot_checks.at
     if at is not None:
         seed = "" if at.realisation is None else f", noise seed {at.realisation}"
-        symbols = {path: symbol(path, held.symbol(path)) for path in at.parameters}
+        symbols = {path: symbol(path, record.symbol(path)) for path in at.parameters}
         values = joined(", ", [say(symbols[path], " = ", number(value)) for path, value in at.parameters.items()])
         found.append(
             say(
                 *("the largest difference is at evaluation ", count(at.index + 1), f" of stage {at.position + 1} ("),
-                *(values, seed, "): ", number(at.cost, held.of.unit, digits=9), " and "),
-                number(at.reference, held.of.unit, digits=9),
+                *(values, seed, "): ", number(at.cost, record.of.unit, digits=9), " and "),
+                number(at.reference, record.of.unit, digits=9),
             )
         )
     return found
 
 
-def encounter(held: Held) -> list[tuple[Markup, Markup]]:
+def encounter(record: Record) -> list[tuple[Markup, Markup]]:
     """The evidence that avoidance was exercised, as (quantity, result); empty if it was not examined."""
-    validated, of = held.result(ValidateResult), held.of
+    validated, of = record.result(ValidateResult), record.of
     shown = None if validated is None else validated.encounter
     if shown is None:
         return []
     quantity = words.symbol_html(of.symbol)
     spread = shown.spread
-    rows = [] if shown.unseen is None else _shown(held, shown, shown.unseen)
+    rows = [] if shown.unseen is None else _shown(record, shown, shown.unseen)
     if spread.lowest is not None:
         low, high = numbers.plain(spread.lowest), numbers.plain(spread.highest)
         text = f"{low} to {high} {of.unit} over {numbers.count(spread.evaluations)} evaluations"
         rows.append((Markup("Range of {}").format(quantity), Markup.escape(text)))
     changes = [
-        Markup("{} {}").format(words.symbol_html(held.symbol(path), path), f"{numbers.plain(by, 3)} {of.unit}")
+        Markup("{} {}").format(words.symbol_html(record.symbol(path), path), f"{numbers.plain(by, 3)} {of.unit}")
         for path, by in shown.influence.items()
     ]
     rows.append((Markup("Largest change of {} on a slice").format(quantity), Markup("; ").join(changes)))
     return rows
 
 
-def _shown(held: Held, shown: Encounter, unseen: Unseen) -> list[tuple[Markup, Markup]]:
+def _shown(record: Record, shown: Encounter, unseen: Unseen) -> list[tuple[Markup, Markup]]:
     """Closest approach, path and the case without avoidance, for a system that provides them."""
-    of = held.of
+    of = record.of
     value = f"{numbers.plain(unseen.cost)} {of.unit}" if unseen.cost is not None else f"fails: {unseen.reason}"
-    approaches = [("nominal", shown.closest), *((f.label, f.closest) for f in held.findings)]
+    approaches = [("nominal", shown.closest), *((f.label, f.closest) for f in record.findings)]
     closest = "; ".join(_closest(name, approach) for name, approach in approaches if approach is not None)
     rows = [(Markup.escape("Closest approach"), Markup.escape(closest))]
     moved = "not known" if shown.moved is None else f"{numbers.plain(shown.moved)} m"

@@ -20,7 +20,6 @@ _GREEK = {
 
 
 def moment(at: float | None) -> str:
-    """A time [s since 1970] in UTC."""
     if at is None:
         return "not recorded"
     at_utc = datetime.datetime.fromtimestamp(at, datetime.UTC)
@@ -28,7 +27,6 @@ def moment(at: float | None) -> str:
 
 
 def day(at: float) -> str:
-    """The day of a time [s since 1970] in UTC."""
     at_utc = datetime.datetime.fromtimestamp(at, datetime.UTC)
     return f"{at_utc.day} {at_utc:%B %Y}"
 
@@ -55,7 +53,6 @@ def symbol_html(symbol: str, path: str = "") -> Markup:
 
 
 def svg_symbol(symbol: str) -> Markup:
-    """A symbol as in print, inside an SVG text."""
     if is_path(symbol):
         return Markup("<tspan>{}</tspan>").format(symbol)
     own, part = apart(symbol)

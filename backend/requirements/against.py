@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import unicodedata
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +18,7 @@ import sqlalchemy as sa
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunRequirement, Stage
 from backend.requirements import present
-from backend.requirements.present import CHUNK
+from backend.requirements.present import chunks
 from backend.requirements.standing import Edge, Model
 from campaigns.asked.requirements import question
 from campaigns.results.verdict import VerdictWord
@@ -47,10 +47,9 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     worst = lowest.scalar_subquery().label("worst")
     columns = (Run.id, Run.state, Run.verdict, Run.threshold, Run.worst_cost, Run.campaign_digest, CampaignRow.name)
     rows: list[Any] = []
-    ordered = sorted(highest)
-    for first in range(0, len(ordered), CHUNK):
+    for some in chunks(highest):
         of = sa.select(*columns, worst).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-        of = of.where(CampaignRow.name.in_(ordered[first : first + CHUNK]), Run.removed.is_(None), Run.purged.is_(None))
+        of = of.where(CampaignRow.name.in_(some), Run.removed.is_(None), Run.purged.is_(None))
         rows += reader.execute(of)
     found = []
     for row in rows:
@@ -58,13 +57,13 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
         value = min(values, default=math.inf)
         if judged(row.state, row.verdict) == VerdictWord.VIOLATED or value <= highest[row.name]:
             found.append((row, value))
-    asked = _questions(reader, sorted({row.campaign_digest for row, _ in found}))
-    flown = models(reader, sorted(row.id for row, _ in found))
+    questions = _questions(reader, {row.campaign_digest for row, _ in found})
+    flown = models(reader, [row.id for row, _ in found])
     return [
         Edge(
             row.id,
             row.name,
-            asked[row.campaign_digest],
+            questions[row.campaign_digest],
             judged(row.state, row.verdict),
             flown[row.id],
             threshold=row.threshold,
@@ -74,28 +73,24 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
     ]
 
 
-def _questions(reader: sa.Connection, digests: Sequence[str]) -> dict[str, str]:
+def _questions(reader: sa.Connection, digests: Collection[str]) -> dict[str, str]:
     found: dict[str, str] = {}
-    for first in range(0, len(digests), CHUNK):
-        of = sa.select(CampaignRow.digest, CampaignRow.document)
-        of = of.where(CampaignRow.digest.in_(digests[first : first + CHUNK]))
+    for some in chunks(digests):
+        of = sa.select(CampaignRow.digest, CampaignRow.document).where(CampaignRow.digest.in_(some))
         found |= {row.digest: question(row.document) for row in reader.execute(of)}
     return found
 
 
-def models(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, Model]:
-    """What ran these runs."""
+def models(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Model]:
     found: dict[int, Model] = {}
-    for first in range(0, len(run_ids), CHUNK):
-        of = sa.select(Run.id, Run.flown).where(Run.id.in_(run_ids[first : first + CHUNK]))
+    for some in chunks(run_ids):
+        of = sa.select(Run.id, Run.flown).where(Run.id.in_(some))
         found |= {run_id: present.model(flown) for run_id, flown in reader.execute(of)}
     return found
 
 
 @dataclass(frozen=True)
 class Ignored:
-    """Runs of a requirement that do not count."""
-
     removed: int = 0
     sweeps: int = 0
     violated: tuple[int, ...] = ()
@@ -103,7 +98,6 @@ class Ignored:
 
 
 def ignored(reader: sa.Connection, ids: Sequence[str]) -> dict[str, Ignored]:
-    """The runs of each requirement that are removed or of sweeps."""
     gone = sa.or_(Run.removed.is_not(None), Run.purged.is_not(None))
     columns = (RunRequirement.requirement, Run.id, gone.label("gone"), Run.verdict)
     of = sa.select(*columns).join(Run, Run.id == RunRequirement.run_id)

@@ -14,12 +14,11 @@ from backend.access.once import OnceOnly
 from backend.db import codes
 from backend.db.engine import now, read
 from backend.db.tables import Run
-from backend.http import bodies
 from backend.http.deps import Engine, Reader, capacities
-from backend.http.errors import Responses, problems
+from backend.http.errors import answers, problems
 from backend.http.matches import TAGGED, IfMatch
 from backend.requirements import gsn, matrix, reqif, service, sheet
-from backend.requirements.present import CHUNK
+from backend.requirements.present import chunks
 from backend.requirements.schemas import (
     FileKind,
     Imported,
@@ -46,10 +45,6 @@ FileNumber = Annotated[int, Path(ge=1, le=2**31 - 1, description="The number of 
 Attribute = Annotated[str, Query(max_length=120)]
 
 
-def _made(text: str, media: str) -> Responses:
-    return {200: {"description": text, "content": {media: {"schema": {"type": "string"}}}}}
-
-
 @router.get("/requirements", responses=problems("bad-cursor"))
 def list_requirements(
     reader: Reader,
@@ -64,10 +59,10 @@ def list_requirements(
 
 @router.put("/requirements", responses=TAGGED | problems("requirement-conflict", "changed"))
 def write_requirement(
-    given: RequirementGiven, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
+    requirement: RequirementGiven, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
 ) -> RequirementRow:
     """Add a requirement, or change the text of one; 409 for one of a ReqIF file."""
-    row = service.write(engine, given, visitor, match)
+    row = service.write(engine, requirement, visitor, match)
     response.headers["ETag"] = row.etag
     return row
 
@@ -110,7 +105,9 @@ async def import_requirements(
 ) -> Imported:
     """Import a CSV or ReqIF file, the body; all of it or nothing."""
     body = await request.body()
-    found, skipped = await bodies.apart(request, lambda: service.read(kind, body, id_attribute, text_attribute))
+    found, skipped = await capacities(request).bodies.run(
+        lambda: service.read(kind, body, id_attribute, text_attribute)
+    )
 
     def work(writer: sa.Connection) -> Imported:
         return service.import_file(writer, service.Upload(name, kind, body, found, skipped), visitor)
@@ -127,7 +124,7 @@ def delete_import(file: FileNumber, engine: Engine, visitor: CurrentVisitor) -> 
 @router.get(
     "/requirements/files/{file}/content",
     response_class=Response,
-    responses=_made("The file.", "application/octet-stream") | problems("not-found"),
+    responses=answers("The file.", "application/octet-stream") | problems("not-found"),
 )
 def get_import(file: FileNumber, reader: Reader) -> Response:
     """An imported file, byte by byte as it was."""
@@ -138,35 +135,35 @@ def get_import(file: FileNumber, reader: Reader) -> Response:
 @router.get(
     "/requirements/export/requirements.csv",
     response_class=Response,
-    responses=_made("Id, text, status and attributes.", "text/csv") | problems("busy"),
+    responses=answers("Id, text, status and attributes.", "text/csv") | problems("busy"),
 )
 async def export_texts(request: Request, engine: Engine) -> Response:
     """All requirements with their status as CSV."""
-    made = await _whole(request, engine, lambda reader: b"".join(sheet.requirements(service.whole(reader))))
+    made = await _whole(request, engine, lambda reader: b"".join(sheet.requirements(matrix.every(reader, 0))))
     return Response(made, headers=_saved("requirements.csv"), media_type="text/csv")
 
 
 @router.get(
     "/requirements/export/matrix.csv",
     response_class=Response,
-    responses=_made("A line for each requirement and run.", "text/csv") | problems("busy"),
+    responses=answers("A line for each requirement and run.", "text/csv") | problems("busy"),
 )
 async def export_matrix(request: Request, engine: Engine) -> Response:
     """The matrix as CSV: a line for each requirement and run, one for a requirement without a run."""
-    made = await _whole(request, engine, lambda reader: b"".join(sheet.matrix(service.whole(reader, RUNS_EXPORTED))))
+    made = await _whole(request, engine, lambda reader: b"".join(sheet.matrix(matrix.every(reader, RUNS_EXPORTED))))
     return Response(made, headers=_saved("matrix.csv"), media_type="text/csv")
 
 
 @router.get(
     "/requirements/export/requirements.reqif",
     response_class=Response,
-    responses=_made("A ReqIF file.", "application/xml") | problems("busy"),
+    responses=answers("A ReqIF file.", "application/xml") | problems("busy"),
 )
 async def export_reqif(request: Request, engine: Engine) -> Response:
     """All requirements as one ReqIF file, with their status; an imported file is at its own address, unchanged."""
 
     def made(reader: sa.Connection) -> bytes:
-        rows = ((row.id, row.text, row.status, row.sentence) for row in service.whole(reader))
+        rows = ((row.id, row.text, row.status, row.sentence) for row in matrix.every(reader, 0))
         return reqif.write(rows, now(reader), f"Clearance {VERSION}")
 
     content = await _whole(request, engine, made)
@@ -176,7 +173,7 @@ async def export_reqif(request: Request, engine: Engine) -> Response:
 @router.get(
     "/requirements/export/argument.gsn.yaml",
     response_class=Response,
-    responses=_made("The argument in Goal Structuring Notation.", "application/yaml") | problems("busy"),
+    responses=answers("The argument in Goal Structuring Notation.", "application/yaml") | problems("busy"),
 )
 async def export_argument(request: Request, engine: Engine) -> Response:
     """The argument as YAML in Goal Structuring Notation, for gsn2x: every leaf with claim, digest and link."""
@@ -184,7 +181,7 @@ async def export_argument(request: Request, engine: Engine) -> Response:
     address = settings.public_url.rstrip("/") or str(request.base_url).rstrip("/")
 
     def made(reader: sa.Connection) -> str:
-        rows = list(service.whole(reader))
+        rows = list(matrix.every(reader, 0))
         return gsn.argument(rows, _claims(reader, rows), address, now(reader), codes.published(reader))
 
     text = await _whole(request, engine, made)
@@ -192,19 +189,15 @@ async def export_argument(request: Request, engine: Engine) -> Response:
 
 
 def _claims(reader: sa.Connection, rows: list[RequirementRow]) -> dict[str, str]:
-    """The sentence of the verdict of each run, by its name."""
     names = {run.id for row in rows for run in row.runs}
-    ordered = sorted(run_number(name) or 0 for name in names)
     found: dict[int, str] = {}
-    for first in range(0, len(ordered), CHUNK):
-        of = sa.select(Run.id, Run.reason).where(Run.id.in_(ordered[first : first + CHUNK]))
+    for some in chunks(run_number(name) or 0 for name in names):
+        of = sa.select(Run.id, Run.reason).where(Run.id.in_(some))
         found |= {row.id: row.reason or "" for row in reader.execute(of)}
     return {name: found.get(run_number(name) or 0, "") for name in names}
 
 
 async def _whole(request: Request, engine: sa.Engine, made: Callable[[sa.Connection], Any]) -> Any:
-    """A file, made in the turn of one export."""
-
     def work() -> Any:
         with read(engine) as reader:
             return made(reader)

@@ -32,7 +32,6 @@ class _Text(Dumper):
     """Writes lists on one line, and no aliases."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """Write no aliases, which gsn2x does not need."""
         return True
 
 
@@ -130,7 +129,6 @@ def _context(nodes: Nodes, name: str, run: RequirementRun, claims: Mapping[str, 
 
 
 def _leaf(run: RequirementRun, claims: Mapping[str, str], address: str) -> Element:
-    """A run as evidence: its claim, its digests, its address."""
     parts = [f"{run.id} is {run.verdict or run.state}"]
     if run.margin is not None:
         parts.append(f"worst margin {signed(run.margin)} {run.unit}".strip())

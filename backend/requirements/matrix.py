@@ -20,7 +20,7 @@ from backend.db.tables import Requirement, RequirementFile, Run, RunRequirement,
 from backend.http.errors import RefusedError
 from backend.http.matches import tag
 from backend.requirements import against, present
-from backend.requirements.present import CHUNK
+from backend.requirements.present import chunks
 from backend.requirements.schemas import EdgeSignoff, RequirementPage, RequirementRow, RequirementRun
 from backend.requirements.standing import Edge, Model, Standing, standing
 from backend.runs.outcomes import Outcome, outcomes
@@ -32,8 +32,6 @@ _UNKNOWN = Model(None)
 
 @dataclass(frozen=True)
 class Known:
-    """A run that is read in full."""
-
     outcome: Outcome
     signoffs: list[EdgeSignoff]
     changes: tuple[str, ...]
@@ -41,7 +39,6 @@ class Known:
 
     @property
     def signed(self) -> bool:
-        """Whether a sign-off covers its results."""
         return any(one.current for one in self.signoffs)
 
 
@@ -62,11 +59,10 @@ def page(reader: sa.Connection, q: str, cursor: str | None, limit: int, runs: in
     )
 
 
-def every(reader: sa.Connection, runs: int, size: int = 200) -> Iterator[RequirementRow]:
-    """All rows, in the order of the ids."""
+def every(reader: sa.Connection, runs: int) -> Iterator[RequirementRow]:
     cursor = None
     while True:
-        found = page(reader, "", cursor, size, runs)
+        found = page(reader, "", cursor, 200, runs)
         yield from found.items
         cursor = found.next_cursor
         if cursor is None:
@@ -74,10 +70,11 @@ def every(reader: sa.Connection, runs: int, size: int = 200) -> Iterator[Require
 
 
 def rows(reader: sa.Connection, ids: Sequence[str], most: int) -> list[RequirementRow]:
-    """The rows of these requirements."""
     edges = _edges(reader, ids)
     others = against.against(reader, edges)
-    registered = {row.id: row for row in reader.execute(_registered(ids))}
+    stored = sa.select(Requirement.__table__, RequirementFile.name.label("file"))
+    stored = stored.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id)
+    registered = {row.id: row for row in reader.execute(stored.where(Requirement.id.in_(ids)))}
     now = present.present(reader, {e.campaign for found in edges.values() for e in found})
     shown = {key: _shown(standing(found, others), found, most) for key, found in edges.items()}
     known = _known(reader, {n for found in shown.values() for n in found}, now)
@@ -125,14 +122,14 @@ def _edges(reader: sa.Connection, ids: Sequence[str]) -> dict[str, list[Edge]]:
     found: dict[str, list[Edge]] = defaultdict(list)
     compared: set[int] = set()
     newest: set[tuple[str, str]] = set()
-    for key, run_id, asked, state, word, name, threshold in reader.execute(of):
+    for key, run_id, question, state, word, name, threshold in reader.execute(of):
         verdict = against.judged(state, word)
-        found[key].append(Edge(run_id, name, asked, verdict, _UNKNOWN, threshold=threshold))
+        found[key].append(Edge(run_id, name, question, verdict, _UNKNOWN, threshold=threshold))
         if verdict == VerdictWord.VIOLATED or (verdict is not None and (key, name) not in newest):
             compared.add(run_id)
         if verdict is not None:
             newest.add((key, name))
-    models = against.models(reader, sorted(compared))
+    models = against.models(reader, compared)
     return {
         key: [replace(e, model=models[e.run_id]) if e.run_id in models else e for e in edges]
         for key, edges in found.items()
@@ -147,11 +144,8 @@ def _shown(now: Standing, edges: Sequence[Edge], most: int) -> list[int]:
 
 
 def _known(reader: sa.Connection, run_ids: Collection[int], now: present.Present) -> dict[int, Known]:
-    """The runs in full: outcome, sign-offs against their results, and what has changed."""
     known: dict[int, Known] = {}
-    ordered = sorted(run_ids)
-    for first in range(0, len(ordered), CHUNK):
-        some = ordered[first : first + CHUNK]
+    for some in chunks(run_ids):
         signed = _signoffs(reader, some)
         of = sa.select(Run.id, Run.flown, Run.created, CampaignRow.name, CampaignRow.document)
         of = of.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(some))
@@ -183,11 +177,6 @@ def _signoffs(reader: sa.Connection, run_ids: Sequence[int]) -> dict[int, list[E
         )
         found[row.run_id].append(one)
     return found
-
-
-def _registered(ids: Sequence[str]) -> sa.Select[Any]:
-    of = sa.select(Requirement.__table__, RequirementFile.name.label("file"))
-    return of.outerjoin(RequirementFile, RequirementFile.id == Requirement.file_id).where(Requirement.id.in_(ids))
 
 
 def _texts(reader: sa.Connection, ids: Sequence[str]) -> dict[str, dict[int, str]]:

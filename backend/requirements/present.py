@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import sqlalchemy as sa
 
@@ -20,8 +20,15 @@ from campaigns.identity.code import code_of
 from campaigns.runs import run_name
 from campaigns.versions import CodeParts, Versions, short
 
+Value = TypeVar("Value", int, str)
 CHUNK = 500
 """Values that are read in one statement."""
+
+
+def chunks(values: Iterable[Value]) -> Iterator[list[Value]]:
+    """The values in order, as many at a time as one statement reads."""
+    ordered = sorted(values)
+    return (ordered[first : first + CHUNK] for first in range(0, len(ordered), CHUNK))
 
 
 @dataclass(frozen=True)
@@ -34,22 +41,18 @@ class Present:
 
 
 def counted() -> tuple[sa.ColumnElement[bool], ...]:
-    """Runs that count: neither removed nor of a sweep."""
     return Run.removed.is_(None), Run.purged.is_(None), ~in_sweep()
 
 
 def in_sweep() -> sa.ColumnElement[bool]:
-    """Runs of sweeps."""
     return sa.exists().where(SweepRun.run_id == Run.id)
 
 
 def present(reader: sa.Connection, names: Collection[str]) -> Present:
-    """What is current, for the campaigns of these names."""
     newest: dict[str, tuple[int, str]] = {}
-    ordered = sorted(names)
-    for first in range(0, len(ordered), CHUNK):
+    for some in chunks(names):
         of = sa.select(sa.func.max(Run.id)).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-        last = of.where(CampaignRow.name.in_(ordered[first : first + CHUNK]), *counted()).group_by(CampaignRow.name)
+        last = of.where(CampaignRow.name.in_(some), *counted()).group_by(CampaignRow.name)
         found = sa.select(Run.id, CampaignRow.name, CampaignRow.document)
         found = found.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(Run.id.in_(last))
         newest |= {row.name: (int(row.id), definition(row.document)) for row in reader.execute(found)}
@@ -57,7 +60,6 @@ def present(reader: sa.Connection, names: Collection[str]) -> Present:
 
 
 def model(flown: Any) -> Model:
-    """What ran a run, from the versions stored with it."""
     versions = Versions.of(flown)
     return Model(versions.code, tuple(sorted(versions.components.items())), versions.simulator, versions.model)
 
@@ -85,13 +87,13 @@ def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], f
 
 
 def _simulator(catalogue: Catalogue, versions: Versions, document: Mapping[str, Any]) -> Iterator[str]:
-    asked = (document.get("simulator") or {}).get("name")
-    if asked is None:
+    name = (document.get("simulator") or {}).get("name")
+    if name is None:
         return
-    installed = catalogue.digests.get(asked)
+    installed = catalogue.digests.get(name)
     if versions.simulator is None:
         yield "the digest of its simulator is not stored, so a change cannot be excluded"
     elif installed is None:
-        yield f"no worker publishes the digest of the simulator {asked}, so a change cannot be excluded"
+        yield f"no worker publishes the digest of the simulator {name}, so a change cannot be excluded"
     elif installed != versions.simulator:
-        yield f"the simulator {asked} has changed (sha256 {short(versions.simulator)}, now {short(installed)})"
+        yield f"the simulator {name} has changed (sha256 {short(versions.simulator)}, now {short(installed)})"

@@ -64,7 +64,6 @@ class _Builder(Xml.TreeBuilder):
         raise CannotRead("the file has a document type declaration (<!DOCTYPE), which ReqIF does not allow: remove it")
 
     def start(self, tag: str, attrs: dict[str, str]) -> Xml.Element:
-        """Count, and drop the namespace."""
         self.depth += 1
         self.elements += 1
         if self.depth > DEEPEST:
@@ -74,7 +73,6 @@ class _Builder(Xml.TreeBuilder):
         return super().start(tag.rpartition("}")[2], attrs)
 
     def end(self, tag: str) -> Xml.Element:
-        """Close an element, whose name is without its namespace."""
         self.depth -= 1
         return super().end(tag.rpartition("}")[2])
 
@@ -239,9 +237,9 @@ def _object(
     objects: Xml.Element, children: Xml.Element, number: int, values: tuple[str, ...], stamp: dict[str, str]
 ) -> None:
     thing = _in(objects, "SPEC-OBJECT", IDENTIFIER=f"object-{number}", **stamp)
-    held = _in(thing, "VALUES")
+    cells = _in(thing, "VALUES")
     for key, value in zip(("id", "text", "status", "sentence"), values, strict=True):
-        one = _in(held, "ATTRIBUTE-VALUE-STRING", **{"THE-VALUE": FORBIDDEN.sub("\ufffd", value)})
+        one = _in(cells, "ATTRIBUTE-VALUE-STRING", **{"THE-VALUE": FORBIDDEN.sub("\ufffd", value)})
         _in(_in(one, "DEFINITION"), "ATTRIBUTE-DEFINITION-STRING-REF").text = f"attribute-{key}"
     _in(_in(thing, "TYPE"), "SPEC-OBJECT-TYPE-REF").text = "type"
     place = _in(children, "SPEC-HIERARCHY", IDENTIFIER=f"place-{number}", **stamp)

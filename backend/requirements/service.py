@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +18,7 @@ from backend.db.tables import Requirement, RequirementFile
 from backend.http.errors import RefusedError, not_found
 from backend.http.matches import require_match, tag
 from backend.requirements import matrix, reqif, sheet
-from backend.requirements.present import CHUNK
+from backend.requirements.present import chunks
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import FileKind, Imported, RequirementFileOut, RequirementGiven, RequirementRow
 from campaigns import Problem
@@ -114,8 +114,8 @@ def _imported(writer: sa.Connection, upload: Upload, visitor: Visitor) -> Import
         writer.execute(sa.insert(Requirement), added)
     _forget(writer, gone)
     new = [str(row["id"]) for row in added]
-    told = {"sha256": digest, "added": _some(new), "changed": _some(changed), "gone": _some(gone)}
-    audit.note(writer, visitor, "requirements.imported", name[:80], told)
+    detail = {"sha256": digest, "added": _some(new), "changed": _some(changed), "gone": _some(gone)}
+    audit.note(writer, visitor, "requirements.imported", name[:80], detail)
     (file,) = [one for one in files(writer) if one.id == file_id]
     same = len(found) - len(new) - len(changed)
     return Imported(file=file, added=new, changed=changed, unchanged=same, gone=gone, skipped=upload.skipped)
@@ -143,7 +143,6 @@ def _stored(writer: sa.Connection, name: str, stored: dict[str, object]) -> int:
 
 
 def files(reader: sa.Connection) -> list[RequirementFileOut]:
-    """The imported files, by name."""
     columns = [getattr(RequirementFile, key) for key in ("id", "name", "kind", "digest", "imported", "imported_by")]
     size = sa.func.length(RequirementFile.content).label("size")
     count = sa.select(sa.func.count()).where(Requirement.file_id == RequirementFile.id).scalar_subquery()
@@ -163,39 +162,39 @@ def content(reader: sa.Connection, file_id: int) -> tuple[str, FileKind, bytes]:
 def delete_file(engine: sa.Engine, file_id: int, visitor: Visitor) -> None:
     """Delete a file and its requirements; those that runs state stay rows of the matrix. 404 if there is none."""
     with engine.begin() as writer:
-        name, _, held = content(writer, file_id)
+        name, _, file_bytes = content(writer, file_id)
         of = sa.select(Requirement.id).where(Requirement.file_id == file_id).order_by(Requirement.id)
         gone = list(writer.scalars(of))
         _forget(writer, gone)
         writer.execute(sa.delete(RequirementFile).where(RequirementFile.id == file_id))
-        told = {"sha256": hashlib.sha256(held).hexdigest(), "gone": _some(gone)}
-        audit.note(writer, visitor, "requirements.deleted", name[:80], told)
+        detail = {"sha256": hashlib.sha256(file_bytes).hexdigest(), "gone": _some(gone)}
+        audit.note(writer, visitor, "requirements.deleted", name[:80], detail)
 
 
-def write(engine: sa.Engine, given: RequirementGiven, visitor: Visitor, match: str | None = None) -> RequirementRow:
+def write(engine: sa.Engine, new: RequirementGiven, visitor: Visitor, match: str | None = None) -> RequirementRow:
     """Add a requirement, or change the text of one that was written here or imported as CSV.
 
     409 for one of a ReqIF file: it is changed where it was written, and imported again. 412 unless it is the one that
     `match` names.
     """
     with engine.begin() as writer:
-        at, old = now(writer), _one(writer, given.id, hold=True)
-        require_match(match, tag(given.id, None if old is None else old.text), given.id)
+        at, old = now(writer), _one(writer, new.id, hold=True)
+        require_match(match, tag(new.id, None if old is None else old.text), new.id)
         if old is None:
             if (writer.scalar(sa.select(sa.func.count()).select_from(Requirement)) or 0) >= MOST:
                 raise _conflict(f"there are already {MOST:,} requirements, which is the limit: delete some first")
-            writer.execute(sa.insert(Requirement).values(**_row(Read(given.id, given.text, {}), None, at, visitor)))
-            audit.note(writer, visitor, "requirement.added", given.id[:80], {"id": given.id, "text": given.text})
+            writer.execute(sa.insert(Requirement).values(**_row(Read(new.id, new.text, {}), None, at, visitor)))
+            audit.note(writer, visitor, "requirement.added", new.id[:80], {"id": new.id, "text": new.text})
         elif old.kind == "reqif":
             raise _conflict(
-                f"{given.id} is from {old.file}: change it in the tool that wrote the file, and import it again"
+                f"{new.id} is from {old.file}: change it in the tool that wrote the file, and import it again"
             )
-        elif old.text != given.text:
-            values = {"text": given.text, "changed": at, "changed_by": visitor.user}
-            writer.execute(sa.update(Requirement).where(Requirement.id == given.id).values(**values))
-            told = {"id": given.id, "before": old.text, "text": given.text}
-            audit.note(writer, visitor, "requirement.changed", given.id[:80], told)
-        return matrix.rows(writer, [given.id], 5)[0]
+        elif old.text != new.text:
+            values = {"text": new.text, "changed": at, "changed_by": visitor.user}
+            writer.execute(sa.update(Requirement).where(Requirement.id == new.id).values(**values))
+            detail = {"id": new.id, "before": old.text, "text": new.text}
+            audit.note(writer, visitor, "requirement.changed", new.id[:80], detail)
+        return matrix.rows(writer, [new.id], 5)[0]
 
 
 def delete(engine: sa.Engine, key: str, visitor: Visitor, match: str | None = None) -> None:
@@ -209,11 +208,6 @@ def delete(engine: sa.Engine, key: str, visitor: Visitor, match: str | None = No
             raise _conflict(f"{key} is from {old.file}: delete it there and import the file again, or delete the file")
         _forget(writer, [key])
         audit.note(writer, visitor, "requirement.deleted", key[:80], {"id": key, "text": old.text})
-
-
-def whole(reader: sa.Connection, runs: int = 0) -> Iterator[RequirementRow]:
-    """All rows for an export."""
-    return matrix.every(reader, runs)
 
 
 def _one(reader: sa.Connection, key: str, hold: bool = False) -> Any:
@@ -237,13 +231,11 @@ def _cut(attributes: dict[str, str]) -> dict[str, str]:
 
 
 def _forget(writer: sa.Connection, ids: Sequence[str]) -> None:
-    for first in range(0, len(ids), CHUNK):
-        some = ids[first : first + CHUNK]
+    for some in chunks(ids):
         writer.execute(sa.delete(Requirement).where(Requirement.id.in_(some)))
 
 
 def _some(ids: Sequence[str]) -> dict[str, object]:
-    """How many there are, and the first of them."""
     return {"count": len(ids), "ids": list(ids[:NAMED])}
 
 

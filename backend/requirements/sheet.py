@@ -8,15 +8,14 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 
+from backend.http.written import lines as written
 from backend.requirements.reqif import CannotRead, Read
 from backend.requirements.schemas import RequirementRow, RequirementRun
-from campaigns.cells import Writer, plain
+from campaigns.cells import plain
 
 IDS = ("id", "requirement", "requirement id", "uid", "reqif.foreignid")
 TEXTS = ("text", "description", "statement", "object text", "reqif.text")
 """Headers of the columns, in any case."""
-LONGEST_FIELD = 131_072
-"""Characters; the limit of Python's reader."""
 MOST_COLUMNS = 200
 """Attributes with a column of their own."""
 
@@ -72,8 +71,8 @@ def _requirements(lines: Iterator[list[str]], id_name: str, text_name: str) -> t
 def _column(header: list[str], names: Iterable[str], what: str) -> int:
     wanted = [name.lower() for name in names]
     for name in wanted:
-        for i, given in enumerate(header):
-            if given.lower() == name:
+        for i, heading in enumerate(header):
+            if heading.lower() == name:
                 return i
     raise CannotRead(
         f"no column for the {what}: the header has {', '.join(header)[:200] or 'nothing'}; it needs {wanted[0]!r}, or "
@@ -91,22 +90,22 @@ def requirements(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
     used = Counter(name for row in listed for name in row.attributes if name not in fixed)
     more = sorted(name for name, _ in used.most_common(MOST_COLUMNS))
     rest = set(used) - set(more)
-    yield _line([*fixed, *more, *(["other attributes"] if rest else [])])
+    yield written([[*fixed, *more, *(["other attributes"] if rest else [])]])
     for row in listed:
         values = (row.id, row.text, row.status, row.sentence, row.file or "")
-        told = "; ".join(f"{name}: {value}" for name, value in row.attributes.items() if name in rest)
-        yield _line([*values, *(row.attributes.get(name, "") for name in more), *([told] if rest else [])])
+        others = "; ".join(f"{name}: {value}" for name, value in row.attributes.items() if name in rest)
+        yield written([[*values, *(row.attributes.get(name, "") for name in more), *([others] if rest else [])]])
 
 
 def matrix(rows: Iterable[RequirementRow]) -> Iterator[bytes]:
     """A line for each requirement and run, the runs that count first; one line for a requirement without a run."""
-    yield _line(_MATRIX)
+    yield written([_MATRIX])
     for row in rows:
         before = [row.id, row.text, row.status, row.sentence]
         if not row.runs:
-            yield _line([*before, *[""] * (len(_MATRIX) - len(before))])
+            yield written([[*before, *[""] * (len(_MATRIX) - len(before))]])
         for run in row.runs:
-            yield _line([*before, *_run(run)])
+            yield written([[*before, *_run(run)]])
 
 
 def _run(run: RequirementRun) -> list[object]:
@@ -126,9 +125,3 @@ def _statement(current: bool, own: bool) -> str:
 
 def _date(at: float) -> str:
     return datetime.fromtimestamp(at, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-
-
-def _line(cells: Iterable[object]) -> bytes:
-    out = io.StringIO(newline="")
-    Writer(out).writerow(cells)
-    return out.getvalue().encode()

@@ -61,8 +61,6 @@ class Edge:
 
 @dataclass(frozen=True)
 class Standing:
-    """The status of a requirement, why, and the runs that it rests on."""
-
     status: Status
     sentence: str
     evidence: frozenset[int] = frozenset()
@@ -81,7 +79,7 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = ()) -> Standing:
         return Standing("no evidence", "No run states this requirement.")
     found = [
         _of_campaign(name, [e for e in edges if e.campaign == name], [e for e in others if e.campaign == name])
-        for name in _names(edges)
+        for name in dict.fromkeys(e.campaign for e in edges)
     ]
     worst = min((one.status for one in found), key=ORDER.index)
     sentences = [one.sentence for one in found if one.status == worst]
@@ -95,12 +93,7 @@ def standing(edges: Sequence[Edge], others: Sequence[Edge] = ()) -> Standing:
     )
 
 
-def _names(edges: Sequence[Edge]) -> list[str]:
-    return list(dict.fromkeys(e.campaign for e in edges))
-
-
 def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> Standing:
-    """The standing of the runs of one campaign."""
     judged = sorted((e for e in edges if e.verdict is not None), key=lambda e: -e.run_id)
     if not judged:
         text = f"{name}: no run has a verdict."
@@ -135,7 +128,6 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
 
 
 def _before(judged: Sequence[Edge]) -> str:
-    """The violations of another question or model, which do not count, as a sentence."""
     runs = [run_name(e.run_id) for e in judged[1:] if e.verdict == VerdictWord.VIOLATED]
     return f" Before, another campaign of that name or another model violated it: {', '.join(runs)}." if runs else ""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple, cast
 
@@ -13,14 +12,15 @@ from numpy.typing import NDArray
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, described
-from backend.db.rows import as_columns
+from backend.db.rows import as_columns, stored_columns
 from backend.db.tables import EvaluationChunk, Stage
+from backend.http.written import finite_all
 from backend.results import noise
 from backend.results.schemas import EvaluationFailure, Evaluations, EvaluationSeries
 from backend.runs.service import campaign
 from campaigns import cube, thin
 from campaigns.results.base import EXCLUDED, OK, STATUS, TIMEOUT
-from campaigns.stored.records import Columns, join
+from campaigns.stored.records import Columns
 
 MOST_FAILURES = 200
 
@@ -29,21 +29,21 @@ Bounds = Mapping[str, tuple[float, float, float]]
 
 def read(reader: sa.Connection, run_id: int, most: int, position: int | None) -> Evaluations:
     """At most `most` evaluations of each stage, and the first failures with reasons; 404 if there is no such run."""
-    asked = campaign(reader, run_id)
+    run_campaign = campaign(reader, run_id)
     catalogue = described(reader, run_id)
-    limits = bounds(asked, catalogue)
-    drawn = noise.drawn(reader, run_id, asked)
-    told = criteria(asked.document(), catalogue)
-    paths = list(asked.uncertain)
+    limits = bounds(run_campaign, catalogue)
+    drawn = noise.drawn(reader, run_id, run_campaign)
+    listed = criteria(run_campaign.document(), catalogue)
+    paths = list(run_campaign.uncertain)
     query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations, Stage.failed, Stage.excluded)
     query = query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
     if position is not None:
         query = query.where(Stage.position == position)
-    found = Evaluations(criteria=told, stages=[], failures=[])
+    found = Evaluations(criteria=listed, stages=[], failures=[])
     for stage in reader.execute(query).all():
-        columns = _columns(reader, run_id, stage.position)
+        columns = stored_columns(reader, run_id, stage.position)
         if columns is not None:
-            found.stages.append(_series(stage, columns, most, paths, limits, told, drawn.get(stage.position, [])))
+            found.stages.append(_series(stage, columns, most, paths, limits, listed, drawn.get(stage.position, [])))
             found.failures += _failures(stage.position, columns, paths, limits)[: MOST_FAILURES - len(found.failures)]
     return found
 
@@ -61,27 +61,23 @@ class Evaluated(NamedTuple):
 
 def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) -> list[Evaluated]:
     """A stage's first `most` non-excluded evaluations."""
-    asked = campaign(reader, run_id)
+    run_campaign = campaign(reader, run_id)
     of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
-    drawn = noise.drawn(reader, run_id, asked).get(position, [])
+    drawn = noise.drawn(reader, run_id, run_campaign).get(position, [])
     found: list[Evaluated] = []
     for row in reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first)):
         columns = as_columns(row)
         evaluated = np.flatnonzero(columns.status != EXCLUDED)[: most - len(found)]
-        values = in_units(columns.points[evaluated], list(asked.uncertain), bounds(asked, described(reader, run_id)))
+        values = in_units(
+            columns.points[evaluated], list(run_campaign.uncertain), bounds(run_campaign, described(reader, run_id))
+        )
         rows = [dict(zip(values, one, strict=True)) for one in zip(*values.values(), strict=True)]
         costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)[evaluated]
         index = row.first + evaluated
-        found += map(Evaluated, index.tolist(), rows, _known(costs), _seeds(drawn, index))
+        found += map(Evaluated, index.tolist(), rows, finite_all(costs), _seeds(drawn, index))
         if len(found) >= most:
             break
     return found
-
-
-def _columns(reader: sa.Connection, run_id: int, position: int) -> Columns | None:
-    of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
-    rows = reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
-    return join([as_columns(row) for row in rows])
 
 
 def _series(
@@ -90,7 +86,7 @@ def _series(
     most: int,
     paths: list[str],
     limits: Bounds,
-    told: list[CriterionOut],
+    listed: list[CriterionOut],
     drawn: list[int],
 ) -> EvaluationSeries:
     costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)
@@ -106,8 +102,8 @@ def _series(
         excluded=stage.excluded,
         index=chosen.tolist(),
         seconds=columns.seconds[chosen].tolist(),
-        cost=_known(costs[chosen]),
-        further=_further(columns, chosen, told),
+        cost=finite_all(costs[chosen]),
+        further=_further(columns, chosen, listed),
         status=[STATUS[code] for code in columns.status[chosen].tolist()],
         parameters=in_units(columns.points[chosen], paths, limits),
         seeds=_seeds(drawn, chosen) if drawn else [],
@@ -115,22 +111,18 @@ def _series(
     )
 
 
-def _further(columns: Columns, chosen: thin.Indices, told: list[CriterionOut]) -> dict[str, list[float | None]]:
+def _further(columns: Columns, chosen: thin.Indices, listed: list[CriterionOut]) -> dict[str, list[float | None]]:
     """The other criteria's values of the chosen evaluations in their own sign; costs are always lower when worse."""
     found = {}
-    for k, criterion in enumerate(told[1 : columns.costs.shape[1]], 1):
+    for k, criterion in enumerate(listed[1 : columns.costs.shape[1]], 1):
         costs = np.where(columns.status[chosen] == OK, columns.costs[chosen, k], np.nan)
-        found[criterion.name] = _known(0.0 - costs if criterion.worse == "high" else costs)
+        found[criterion.name] = finite_all(0.0 - costs if criterion.worse == "high" else costs)
     return found
 
 
 def _seeds(drawn: list[int], index: thin.Indices) -> list[int | None]:
     """The noise seeds of these evaluations of a stage whose first ones drew `drawn`."""
     return [drawn[at] if at < len(drawn) else None for at in index.tolist()]
-
-
-def _known(values: thin.Floats) -> list[float | None]:
-    return [value if math.isfinite(value) else None for value in values.tolist()]
 
 
 def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> dict[str, list[float]]:

@@ -31,7 +31,6 @@ class Improvements:
     """The best point (n,) on the unit cube."""
 
     def catch_up(self, reader: sa.Connection, run_id: int, position: int) -> None:
-        """Read the new chunks."""
         chunk = EvaluationChunk
         known = len(self.index)
         query = sa.select(chunk.first, chunk.count, chunk.costs, chunk.status, chunk.seconds)

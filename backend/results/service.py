@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from backend.catalog.service import bounds, described
 from backend.db.tables import Finding, Trace
 from backend.http.errors import not_found
+from backend.http.written import finite_all
 from backend.results.schemas import FindingDetail, TraceData, TraceInfo
 from backend.runs.earlier import Terms, terms_of
 from backend.runs.service import campaign, require
@@ -41,8 +41,8 @@ def _finding(row: Any, limits: Limits, head: TraceHead | None, terms: Terms) -> 
     nominal, low, high = ({path: triple[k] for path, triple in limits.items()} for k in range(3))
     columns = ("label", "cost", "margin", "parameters", "methods", "found", "at_bounds", "validation")
     values = {column: getattr(row, column) for column in (*columns, "slices", "boundary", "closest")}
-    told = {"nominal": nominal, "low": low, "high": high, "values": {} if head is None else head.values}
-    return FindingDetail.model_validate(earlier.spoken(values, terms) | told)
+    others = {"nominal": nominal, "low": low, "high": high, "values": {} if head is None else head.values}
+    return FindingDetail.model_validate(earlier.spoken(values, terms) | others)
 
 
 def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:
@@ -69,17 +69,15 @@ def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData
         rows=row.rows,
         columns=columns,
         meta=head,
-        data={column.name: _numbers(data[chosen, k]) for k, column in enumerate(columns)},
+        data={column.name: finite_all(data[chosen, k]) for k, column in enumerate(columns)},
     )
 
 
 def stored(reader: sa.Connection, run_id: int, name: str) -> Any:
-    """The row of a flight, or None."""
     return reader.execute(sa.select(Trace).where(Trace.run_id == run_id, Trace.name == name)).one_or_none()
 
 
 def table(row: Any) -> NDArray[np.float64]:
-    """A flight's data, (rows, columns)."""
     return np.frombuffer(row.data, dtype="<f8").reshape(row.rows, len(row.columns))
 
 
@@ -91,7 +89,3 @@ def closest_row(head: TraceHead, columns: list[TraceColumn], data: NDArray[np.fl
     if "separation" in groups and not np.isnan(data[:, groups.index("separation")]).all():
         return int(np.nanargmin(data[:, groups.index("separation")]))
     return 0
-
-
-def _numbers(column: NDArray[np.float64]) -> list[float | None]:
-    return [value if math.isfinite(value) else None for value in column.tolist()]

@@ -17,8 +17,6 @@ from campaigns.labels import MOST, parsed
 
 
 class Parts(TypedDict, total=False):
-    """Fields of a submission."""
-
     labels: dict[str, str]
     baseline: str
     reuse: bool
@@ -32,13 +30,13 @@ class Asked:
 
     parts: Parts
 
-    def with_body(self, given: RunSubmit) -> RunSubmit:
+    def with_body(self, body: RunSubmit) -> RunSubmit:
         """The submission with both; raises `CampaignError` for a part that is given twice."""
-        twice = [name for name in self.parts if name in given.model_fields_set]
+        twice = [name for name in self.parts if name in body.model_fields_set]
         if twice:
             message = "given in the address and in the body: give it once"
             raise CampaignError("request", [Problem(name, "", message) for name in twice])
-        return given.model_copy(update=self.parts)
+        return body.model_copy(update=self.parts)
 
     def digest(self, body: bytes) -> str:
         """The digest of the whole request: it distinguishes a repeated request from another one with the same key."""

@@ -42,7 +42,6 @@ def _code(reader: sa.Connection, run_id: int) -> str | None:
 
 
 def _used(campaign: Campaign) -> set[str]:
-    """The names of the components and search methods of a campaign; each is one source file of that name."""
     return {part.component for *_, part in parts(campaign)} | {search.method for search in campaign.stages.search}
 
 

@@ -19,15 +19,15 @@ from campaigns.versions import Versions
 
 def components(reader: sa.Connection, run_id: int) -> RunComponents:
     """As stored with the run; if nothing was stored, as described now. 404 if there is no such run."""
-    asked = service.campaign(reader, run_id)
+    campaign = service.campaign(reader, run_id)
     kept = snapshots.of_run(reader, run_id)
     digest, versions = reader.execute(sa.select(Run.snapshot, Run.flown).where(Run.id == run_id)).one()
-    then, now = Versions.of(versions).code, code_of(asked, codes.installed(reader))
+    then, now = Versions.of(versions).code, code_of(campaign, codes.installed(reader))
     others = [] if then == now else codes.changed(reader, then)
     changes_of_code = [*others, *_own(Versions.of(versions), published(reader))]
     described = partial(RunComponents, code=then, code_installed=now, code_changes=changes_of_code)
     if kept is None:
-        return described(digest=None, catalogue=snapshot(asked, required(reader)), changes=[])
+        return described(digest=None, catalogue=snapshot(campaign, required(reader)), changes=[])
     return described(digest=digest, catalogue=kept, changes=changed(kept, published(reader)))
 
 
@@ -38,7 +38,6 @@ def _own(then: Versions, installed: Catalogue | None) -> list[str]:
 
 
 def changed(kept: Catalogue, installed: Catalogue | None) -> list[str]:
-    """The differences of the installed descriptions, as sentences."""
     if installed is None:
         return []
     return [f"{clause[0].upper()}{clause[1:]}." for clause in changes(kept, installed)]

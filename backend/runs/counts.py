@@ -25,9 +25,9 @@ COLUMNS = (
 
 def of(row: Any, excluded: int) -> dict[str, int]:
     """The counts of one run; excluded: the total of its stage rows."""
-    told = [getattr(row, f"verdict_{key}") for key in _TOLD]
+    verdict_counts = [getattr(row, f"verdict_{key}") for key in _TOLD]
     counted = [row.evaluations, row.failed_evaluations, excluded]
-    chosen = counted if any(number is None for number in told) else told
+    chosen = counted if any(number is None for number in verdict_counts) else verdict_counts
     return dict(zip(NAMES, chosen, strict=True))
 
 

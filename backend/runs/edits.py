@@ -10,7 +10,6 @@ import sqlalchemy as sa
 from backend.access.own import require_own
 from backend.db import audit, queue
 from backend.db.access import Visitor
-from backend.db.engine import read
 from backend.db.tables import Run
 from backend.http.errors import RefusedError, not_found
 from backend.http.matches import require_match, tag
@@ -32,32 +31,31 @@ def etag(reader: sa.Connection, run_id: int) -> str:
     return tag(*row)
 
 
-def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor, match: str | None = None) -> None:
+def edit(engine: sa.Engine, run_id: int, changes: RunEdit, visitor: Visitor, match: str | None = None) -> None:
     """Change the given fields. 404 if there is no such run, 403 if it is another user's, 422 if no field is given, 409
     if the notes have changed or the run is removed, 412 if `match` (If-Match) is not its tag.
     """
-    values = given.model_dump(exclude_unset=True, exclude={"notes_before"})
+    values = changes.model_dump(exclude_unset=True, exclude={"notes_before"})
     empty = [key for key, value in values.items() if value is None]
     if empty or not values:
         message = "give at least one of name, tags, notes and pinned; omitted fields stay unchanged"
         raise RefusedError(422, "invalid", message, [Problem(key, "null", message) for key in empty])
-    if given.tags is not None:
-        values["tags"] = list(dict.fromkeys(given.tags))
+    if changes.tags is not None:
+        values["tags"] = list(dict.fromkeys(changes.tags))
     with engine.begin() as writer:
         refuse_removed(writer, run_id)
         owner = writer.scalar(sa.select(Run.owner).where(Run.id == run_id))
         require_own(writer, visitor, owner, run_name(run_id))
         if match is not None:
             require_match(match, etag(writer, run_id), run_name(run_id))
-        if given.notes is not None and given.notes_before is not None:
-            _unchanged(writer, run_id, given.notes_before)
+        if changes.notes is not None and changes.notes_before is not None:
+            _unchanged(writer, run_id, changes.notes_before)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
             raise not_found("run", run_name(run_id))
         audit.note(writer, visitor, "run.edited", run_name(run_id), _audited(values))
 
 
 def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
-    """Raise 409 unless the run's notes are still those that were read."""
     stored = writer.scalar(sa.select(Run.notes).where(Run.id == run_id).with_for_update())
     if stored is not None and stored != notes:
         detail = "another user has changed these notes since they were read: read them again, then add your text"
@@ -89,6 +87,4 @@ def cancel(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[
             states.append((run_id, queue.request_cancel(writer, run_id)))
         for run_id, state in states:
             audit.note(writer, visitor, "run.cancelled", run_name(run_id), {"state": state})
-    with read(engine) as reader:
-        found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}
-    return [found[run_name(run_id)] for run_id in dict.fromkeys(run_ids)]
+    return listing.named(engine, run_ids)

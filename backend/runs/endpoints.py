@@ -12,8 +12,8 @@ from pydantic import Field
 from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.http import bodies
-from backend.http.deps import Engine, Reader
-from backend.http.errors import Responses, problems
+from backend.http.deps import Engine, Reader, capacities
+from backend.http.errors import answers, located, problems
 from backend.http.keys import Key
 from backend.http.matches import TAGGED, IfMatch, require_match
 from backend.http.root import at
@@ -44,25 +44,8 @@ from campaigns.runs import RunState, run_name
 
 router = APIRouter(tags=["runs"])
 
-SUBMIT_BODY = {
-    "required": True,
-    "content": {
-        "application/json": {"schema": {"$ref": "#/components/schemas/RunSubmit"}},
-        "application/yaml": {"schema": {"type": "string"}},
-    },
-}
-LOCATION: Responses = {
-    201: {
-        "description": "The run that was queued, now or earlier with the same key, or the one that is reused.",
-        "headers": {"Location": {"description": "The address of the run.", "schema": {"type": "string"}}},
-    }
-}
-CAMPAIGN_FILE: Responses = {
-    200: {
-        "description": "YAML, or JSON if it was submitted as JSON.",
-        "content": {"application/yaml": {"schema": {"type": "string"}}},
-    }
-}
+LOCATION = located("The run that was queued, now or earlier with the same key, or the one that is reused.", "run")
+CAMPAIGN_FILE = answers("YAML, or JSON if it was submitted as JSON.", "application/yaml")
 MOST = 50
 """Alternative values of one filter."""
 Word = Annotated[str, Field(max_length=200)]
@@ -71,7 +54,7 @@ Word = Annotated[str, Field(max_length=200)]
 @router.post(
     "/runs",
     status_code=status.HTTP_201_CREATED,
-    openapi_extra={"requestBody": SUBMIT_BODY},
+    openapi_extra=bodies.of("RunSubmit"),
     responses=LOCATION
     | problems(
         "unsupported-media-type",
@@ -84,22 +67,22 @@ Word = Annotated[str, Field(max_length=200)]
     ),
 )
 async def submit_run(
-    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, asked: AskedFor, key: Key = None
+    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, parts: AskedFor, key: Key = None
 ) -> RunSubmitted:
     """Queue a run of a campaign, given as JSON or as YAML; labels, baseline and reuse in the address or in the JSON."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
-    given = await bodies.apart(request, lambda: _submission(body, yaml, asked))
-    run = await run_in_threadpool(submission.submit, engine, given, visitor, key, request.app.state.quota)
+    run_request = await capacities(request).bodies.run(lambda: _submission(body, yaml, parts))
+    run = await run_in_threadpool(submission.submit, engine, run_request, visitor, key, request.app.state.quota)
     response.headers["Location"] = at(f"{request.url.path}/{run.id}")
     return run
 
 
-def _submission(body: bytes, yaml: bool, asked: Asked) -> submission.Submission:
+def _submission(body: bytes, yaml: bool, parts: Asked) -> submission.Submission:
     try:
         if yaml:
-            return submission.from_yaml(body, asked)
-        return submission.from_json(body, bodies.described(body, RunSubmit), asked)
+            return submission.from_yaml(body, parts)
+        return submission.from_json(body, bodies.described(body, RunSubmit), parts)
     except CampaignError as error:
         raise bodies.invalid(error) from None
 
@@ -153,21 +136,21 @@ def list_facets(reader: Reader) -> RunFacets:
 
 
 @router.post("/runs/cancel", responses=problems("not-found", "purged"))
-def cancel_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
+def cancel_runs(named: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Cancel several runs; those that have ended are unchanged."""
-    return edits.cancel(engine, [service.number(run) for run in given.runs], visitor)
+    return edits.cancel(engine, [service.number(run) for run in named.runs], visitor)
 
 
 @router.post("/runs/remove", responses=problems("not-found", "not-removable", "purged"))
-def remove_runs(given: RunsRemoved, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
+def remove_runs(named: RunsRemoved, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Remove several runs from the lists, all or none; see the removal of one."""
-    return removal.remove(engine, [service.number(run) for run in given.runs], given.reason, visitor)
+    return removal.remove(engine, [service.number(run) for run in named.runs], named.reason, visitor)
 
 
 @router.post("/runs/restore", responses=problems("not-found", "purged"))
-def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
+def restore_runs(named: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Restore several removed runs to the lists; those that are listed are unchanged."""
-    return removal.restore(engine, [service.number(run) for run in given.runs], visitor)
+    return removal.restore(engine, [service.number(run) for run in named.runs], visitor)
 
 
 @router.patch(
@@ -176,10 +159,10 @@ def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> l
     | problems("not-found", "notes-changed", "removed", "other-version", "purged", "invalid", "changed"),
 )
 def edit_run(
-    run: RunName, given: RunEdit, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
+    run: RunName, changes: RunEdit, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
 ) -> RunDetail:
     """Change a run's name, tags, notes or pin; omitted fields stay unchanged."""
-    edits.edit(engine, service.number(run), given, visitor, match)
+    edits.edit(engine, service.number(run), changes, visitor, match)
     with read(engine) as reader:
         response.headers["ETag"] = edits.etag(reader, service.number(run))
         return service.detail(reader, service.number(run))

@@ -18,7 +18,6 @@ MOST = 200
 
 
 def facets(reader: sa.Connection) -> RunFacets:
-    """The values with their numbers of runs, most frequent first."""
     digests = _counted(reader, Run.campaign_digest)
     names = {row.digest: row.name for row in reader.execute(sa.select(CampaignRow.digest, CampaignRow.name))}
     campaigns: Counter[str] = Counter()
@@ -42,7 +41,6 @@ def _counted(reader: sa.Connection, column: Any) -> Counter[str]:
 
 
 def labels_of(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[Facet]:
-    """The labels of the runs that fulfil the conditions and are not removed."""
     of = sa.select(RunLabel.key, RunLabel.value, sa.func.count()).join(Run, Run.id == RunLabel.run_id)
     of = of.where(Run.removed.is_(None), labels.GIVEN, *conditions).group_by(RunLabel.key, RunLabel.value)
     return _listed(Counter({f"{key}={value}": number for key, value, number in reader.execute(of)}))

@@ -44,7 +44,6 @@ class Filters:
     """Keys and values: alternatives of the same key, every key required."""
 
     def conditions(self) -> list[sa.ColumnElement[bool]]:
-        """All conditions."""
         found = self.found()
         if self.state:
             found.append(Run.state.in_(self.state))
@@ -84,16 +83,15 @@ class Filters:
         return [Run.removed.is_(None)]
 
 
-def labelled(given: Sequence[str]) -> list[tuple[str, str]]:
+def labelled(texts: Sequence[str]) -> list[tuple[str, str]]:
     """Keys and values of labels; 422 with a sentence for anything else."""
     try:
-        return [pair(text) for text in given]
+        return [pair(text) for text in texts]
     except ValueError as error:
         raise RefusedError(422, "invalid-request", f"{error}", [Problem("label", "", f"{error}")]) from None
 
 
 def _contains(word: str) -> sa.ColumnElement[bool]:
-    """The word occurs in a name, a tag, the owner or the number."""
     columns = [Run.name, Run.owner, sa.cast(Run.tags, sa.Text), _printed_id()]
     named = sa.select(CampaignRow.digest).where(CampaignRow.name.icontains(word, autoescape=True))
     here = [column.icontains(word, autoescape=True) for column in columns]

@@ -5,6 +5,7 @@ Filters are in `backend.runs.filters`, orders and cursors in `backend.runs.order
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +13,7 @@ import sqlalchemy as sa
 
 from backend.catalog.service import published
 from backend.db import groups, labels
+from backend.db.engine import read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from backend.runs import counts, waiting
@@ -41,14 +43,21 @@ def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None
     return RunPage(items=[by_id[run_name(i)] for i in ids], next_cursor=following, counts=counts)
 
 
+def named(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
+    """The summaries of these runs, in this order."""
+    with read(engine) as reader:
+        found = {item.id: item for item in summaries(reader, Run.id.in_(run_ids))}
+    return [found[run_name(run_id)] for run_id in dict.fromkeys(run_ids)]
+
+
 def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[RunSummary]:
     """Summaries of the runs that fulfil the conditions, newest first; purged runs are omitted."""
-    asked = CampaignRow.document
-    named = [asked["criterion"][k].as_string().label(k) for k in ("component", "result")]
-    simulator = asked["simulator"]["name"].as_string().label("simulator")
-    told = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
+    document = CampaignRow.document
+    named = [document["criterion"][k].as_string().label(k) for k in ("component", "result")]
+    simulator = document["simulator"]["name"].as_string().label("simulator")
+    verdicts = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
     columns = [getattr(Run, column) for column in _PLAIN]
-    query = sa.select(*columns, CampaignRow.name.label("campaign_name"), *named, simulator, *told, *counts.COLUMNS)
+    query = sa.select(*columns, CampaignRow.name.label("campaign_name"), *named, simulator, *verdicts, *counts.COLUMNS)
     query = query.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows = reader.execute(query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc())).all()
     working = _working(reader, [row.id for row in rows if row.state in HELD])
@@ -63,17 +72,14 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
             row,
             units,
             counts.of(row, excluded.get(row.id, 0))
-            | {"stage": working.get(row.id), **_waiting(waits.get(row.id)), "doing": doing.get(row.id)}
+            | {"stage": working.get(row.id), "doing": doing.get(row.id)}
+            | waits.get(row.id, waiting.Waits(None))._asdict()
             | {"labels": labelled.get(row.id, {})}
             | {"group": None, "superseded_by": None}
             | grouped.get(row.id, {}),
         )
         for row in rows
     ]
-
-
-def _waiting(found: waiting.Waits | None) -> dict[str, str | None]:
-    return {"waits": found and found.text, "other_code": found and found.other_code}
 
 
 def _summary(row: Any, units: Units, others: dict[str, Any]) -> RunSummary:
@@ -97,7 +103,6 @@ def _units(reader: sa.Connection) -> Units:
 
 
 def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
-    """The running stage of each run."""
     if not ids:
         return {}
     columns = [getattr(Stage, field) for field in StageProgress.model_fields]

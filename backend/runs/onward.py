@@ -47,7 +47,6 @@ def carry_on(engine: sa.Engine, run_id: int, visitor: Visitor) -> RunSummary:
 
 
 def _usable(reader: sa.Connection, run_id: int) -> tuple[Campaign, Catalogue]:
-    """The campaign and the catalogue, if the newest worker may use evaluations of the run."""
     campaign, catalogue = service.campaign(reader, run_id), required(reader)
     if problems := check(campaign, catalogue):
         raise bodies.invalid(CampaignError(run_name(run_id), problems))

@@ -57,12 +57,10 @@ class Order:
 
     @property
     def value(self) -> sa.ColumnElement[Any]:
-        """The sort value."""
         return _VALUES[self.sort.lstrip("-")]
 
     @property
     def columns(self) -> list[sa.ColumnElement[Any]]:
-        """The columns for ORDER BY."""
         down = self.sort.startswith("-")
         if self.sort.endswith("created"):
             return [Run.pinned.desc(), Run.id.desc() if down else Run.id.asc()]
@@ -77,7 +75,6 @@ class Order:
         return sa.or_(Run.pinned.is_(False), behind)
 
     def _after(self, value: Any, run_id: int) -> sa.ColumnElement[bool]:
-        """The condition among rows with the same pin."""
         down = self.sort.startswith("-")
         if self.sort.endswith("created"):
             return Run.id < run_id if down else Run.id > run_id

@@ -12,7 +12,7 @@ import sqlalchemy as sa
 
 from backend.db import audit
 from backend.db.access import Visitor
-from backend.db.engine import now, read
+from backend.db.engine import now
 from backend.db.tables import Run, Signoff
 from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, tombstones
@@ -41,7 +41,7 @@ def remove(
         writer.execute(sa.update(Run).where(Run.id.in_([row.id for row in listed])).values(**values))
         for row in listed:
             audit.note(writer, visitor, "run.removed", run_name(row.id), {"reason": reason})
-    return _summaries(engine, run_ids)
+    return listing.named(engine, run_ids)
 
 
 def restore(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[RunSummary]:
@@ -51,9 +51,9 @@ def restore(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list
         values = dict.fromkeys(("removed", "removed_by", "removed_reason"))
         writer.execute(sa.update(Run).where(Run.id.in_([row.id for row in removed])).values(**values))
         for row in removed:
-            told = {"removed_by": row.removed_by, "reason": row.removed_reason}
-            audit.note(writer, visitor, "run.restored", run_name(row.id), told)
-    return _summaries(engine, run_ids)
+            detail = {"removed_by": row.removed_by, "reason": row.removed_reason}
+            audit.note(writer, visitor, "run.restored", run_name(row.id), detail)
+    return listing.named(engine, run_ids)
 
 
 def refuse_removed(writer: sa.Connection, run_id: int) -> None:
@@ -77,7 +77,6 @@ def _locked(writer: sa.Connection, run_ids: Sequence[int]) -> list[Any]:
 
 
 def _standing(writer: sa.Connection, rows: Sequence[Any]) -> list[Problem]:
-    """The reasons why runs cannot be removed."""
     ids = [row.id for row in rows if row.removed is None]
     of = sa.select(Signoff.run_id, Signoff.name).where(Signoff.run_id.in_(ids), Signoff.withdrawn.is_(None))
     signed = {row.run_id: row.name for row in writer.execute(of.order_by(Signoff.id.desc()))}
@@ -98,9 +97,3 @@ def _refuse(problems: Sequence[Problem]) -> None:
         more = f"; and {len(problems) - 3} more" if len(problems) > 3 else ""
         none = ". None was removed" if len(problems) > 1 else ""
         raise RefusedError(409, "not-removable", refused + more + none, problems)
-
-
-def _summaries(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
-    with read(engine) as reader:
-        found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}
-    return [found[run_name(run_id)] for run_id in dict.fromkeys(run_ids)]

@@ -36,15 +36,14 @@ def reusable(reader: sa.Connection, campaign: Campaign) -> int | None:
             not versions.simulator or catalogue.digests.get(campaign.simulator.name) != versions.simulator
         ):
             continue
-        told = components(reader, run_id)
-        if told.digest is None or told.changes or told.code_changes:
+        descriptions = components(reader, run_id)
+        if descriptions.digest is None or descriptions.changes or descriptions.code_changes:
             continue
         return int(run_id)
     return None
 
 
 def sentence(reader: sa.Connection, run_id: int) -> str:
-    """Why a run is the answer."""
     name = run_name(run_id)
     campaign, flown = reader.execute(sa.select(Run.campaign_digest, Run.flown).where(Run.id == run_id)).one()
     code = Versions.of(flown).code or ""

@@ -72,7 +72,16 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         criteria=stated,
         components_digest=snapshot,
         flown=None if versions is None else Versions.of(versions),
-        plan=_plan(campaign),
+        plan=[
+            StageSummary(
+                kind=stage.kind,
+                title=stage.title,
+                description=stage.description(campaign),
+                estimated=stage.of_findings,
+            )
+            for stage in declared().values()
+            if stage.planned(campaign)
+        ],
         stages=stages,
         summary=_verdict(reader, run_id, campaign, parts, base.failed_evaluations),
         rate=rate,
@@ -81,45 +90,33 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
 
 
 def baseline(reader: sa.Connection, run_id: int) -> RunBaseline | None:
-    """The baseline that a run was launched with; None without one."""
     launched = baselines.of_run(reader, run_id)
     if launched is None:
         return None
-    asked, found = launched
+    request, found = launched
     if found is None:
-        return RunBaseline(asked=asked, run=None, sentence=baselines.none_found(asked))
+        return RunBaseline(asked=request, run=None, sentence=baselines.none_found(request))
     name = run_name(found)
-    how = "" if asked == name else f", the newest run with the label {asked.removeprefix(baselines.LABEL)} at launch"
-    return RunBaseline(asked=asked, run=name, sentence=f"Baseline: {name}{how}.")
-
-
-def _plan(campaign: Campaign) -> list[StageSummary]:
-    return [
-        StageSummary(
-            kind=stage.kind,
-            title=stage.title,
-            description=stage.description(campaign),
-            estimated=stage.of_findings,
-        )
-        for stage in declared().values()
-        if stage.planned(campaign)
-    ]
+    how = (
+        "" if request == name else f", the newest run with the label {request.removeprefix(baselines.LABEL)} at launch"
+    )
+    return RunBaseline(asked=request, run=name, sentence=f"Baseline: {name}{how}.")
 
 
 def _verdict(
-    reader: sa.Connection, run_id: int, asked: Campaign, parts: dict[str, object] | None, failed: int
+    reader: sa.Connection, run_id: int, campaign: Campaign, parts: dict[str, object] | None, failed: int
 ) -> RunVerdict | None:
     """The stored verdict with its checks; those of an inconclusive one with their remedies."""
     if not parts or not parts.get("verdict"):
         return None
     with readable("the verdict of this run"):
         verdict = Verdict.model_validate(earlier.spoken(parts, terms_of(reader, run_id)))
-    ran = _ran(reader, run_id, asked, verdict) if verdict.verdict is VerdictWord.INCONCLUSIVE else None
+    ran = _ran(reader, run_id, campaign, verdict) if verdict.verdict is VerdictWord.INCONCLUSIVE else None
     checks = verdicts.described(verdict.checks, failed, ran)
     return RunVerdict.model_validate(verdict.model_dump() | {"checks": checks})
 
 
-def _ran(reader: sa.Connection, run_id: int, asked: Campaign, verdict: Verdict) -> Ran | None:
+def _ran(reader: sa.Connection, run_id: int, campaign: Campaign, verdict: Verdict) -> Ran | None:
     """What remedies are derived from; None if a stage has a result that this version cannot read."""
     try:
         found = [stage.result for stage in stages(reader, run_id)]
@@ -127,7 +124,7 @@ def _ran(reader: sa.Connection, run_id: int, asked: Campaign, verdict: Verdict) 
         return None
     searches = [result for result in found if isinstance(result, SearchResult)]
     installed = published(reader)
-    return Ran(asked, searches, verdict.statistics, [] if installed is None else installed.methods)
+    return Ran(campaign, searches, verdict.statistics, [] if installed is None else installed.methods)
 
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:

@@ -47,30 +47,30 @@ class Submission:
     group: str | None
 
 
-def from_yaml(body: bytes, asked: Asked) -> Submission:
+def from_yaml(body: bytes, parts: Asked) -> Submission:
     """A submission whose body is the campaign itself."""
     campaign = bodies.yaml_campaign(body)  # first: text that is a campaign can be stored
-    given = asked.with_body(RunSubmit(campaign={}, text=bodies.text(body)))
-    return _submission(campaign, given, asked.digest(body))
+    request = parts.with_body(RunSubmit(campaign={}, text=bodies.text(body)))
+    return _submission(campaign, request, parts.digest(body))
 
 
-def from_json(body: bytes, given: RunSubmit, asked: Asked) -> Submission:
+def from_json(body: bytes, request: RunSubmit, parts: Asked) -> Submission:
     """A submission from JSON; raises `CampaignError`, also if its text describes another campaign."""
-    campaign = load_document(given.campaign, "request")
-    if given.text is not None and load_text(given.text, "text").digest != campaign.digest:
+    campaign = load_document(request.campaign, "request")
+    if request.text is not None and load_text(request.text, "text").digest != campaign.digest:
         text = "the text describes a different campaign than `campaign`: make both equal, or omit the text"
         raise CampaignError("request", [Problem("text", "", text)])
-    return _submission(campaign, asked.with_body(given), asked.digest(body))
+    return _submission(campaign, parts.with_body(request), parts.digest(body))
 
 
-def _submission(campaign: Campaign, given: RunSubmit, digest: str) -> Submission:
-    tags = campaign.tags if given.tags is None else list(dict.fromkeys(given.tags))
+def _submission(campaign: Campaign, request: RunSubmit, digest: str) -> Submission:
+    tags = campaign.tags if request.tags is None else list(dict.fromkeys(request.tags))
     if campaign.baseline is not None:
         text = "a baseline is added at launch: leave it out, and give the run next to the campaign, as baseline: R-0001"
         raise CampaignError("request", [Problem("campaign.baseline", campaign.baseline.run, text)])
-    name = given.name or campaign.name
-    labelled = (given.labels, given.baseline, given.reuse, given.group)
-    return Submission(campaign, name, tags, given.priority, digest, given.text, *labelled)
+    name = request.name or campaign.name
+    labelled = (request.labels, request.baseline, request.reuse, request.group)
+    return Submission(campaign, name, tags, request.priority, digest, request.text, *labelled)
 
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None, quota: Quota) -> RunSubmitted:
@@ -84,8 +84,8 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         problems = check(submission.campaign, catalogue)
         if problems:
             raise bodies.invalid(CampaignError("request", problems))
-        asked = _compared(reader, submission)
-        reused = reuse.reusable(reader, asked.campaign) if submission.reuse else None
+        resolved = _compared(reader, submission)
+        reused = reuse.reusable(reader, resolved.campaign) if submission.reuse else None
     with engine.begin() as writer:
         repeated = _run(keys.claimed(writer, keyed))
         if submission.group is not None and repeated is None:
@@ -96,21 +96,20 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
             run_id, at = reused, now(writer)
         else:
             refuse_beyond(writer, quota, visitor)
-            run_id, at = _queue(writer, submission, asked, visitor, catalogue), now(writer)
+            run_id, at = _queue(writer, submission, resolved, visitor, catalogue), now(writer)
         if repeated is None:
             keys.keep(writer, keyed, run_name(run_id))
         cancelled = _supersede(writer, submission, visitor, run_id) if repeated is None else []
         if repeated is None and reused is None:
-            audit.note(writer, visitor, "run.submitted", run_name(run_id), _noted(submission, asked))
+            audit.note(writer, visitor, "run.submitted", run_name(run_id), _noted(submission, resolved))
         for other, state in cancelled:
             noted = {"state": state, "group": submission.group, "superseded_by": run_name(run_id)}
             audit.note(writer, visitor, "run.cancelled", run_name(other), noted)
     with read(engine) as reader:
-        return _answer(reader, run_id, at, asked)
+        return _answer(reader, run_id, at, resolved)
 
 
 def _compared(reader: sa.Connection, submission: Submission) -> Resolved:
-    """The campaign with the baseline that was asked for; 422 if there is none."""
     if submission.baseline is None:
         return Resolved(submission.campaign, None, "")
     try:
@@ -121,24 +120,24 @@ def _compared(reader: sa.Connection, submission: Submission) -> Resolved:
 
 
 def _queue(
-    writer: sa.Connection, submission: Submission, asked: Resolved, visitor: Visitor, catalogue: Catalogue
+    writer: sa.Connection, submission: Submission, resolved: Resolved, visitor: Visitor, catalogue: Catalogue
 ) -> int:
     run_id = queue.submit(
         writer,
-        asked.campaign,
+        resolved.campaign,
         name=submission.name,
         tags=submission.tags,
         owner=visitor.user,
         priority=submission.priority,
-        planned=sum(stage.planned for stage in plan(asked.campaign)),
+        planned=sum(stage.planned for stage in plan(resolved.campaign)),
         catalogue=catalogue,
-        given=submission.labels,
+        labelled=submission.labels,
     )
     if submission.text is not None:
         writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
         sizes.grow(writer, run_id, len(submission.text.encode("utf-8", "surrogatepass")))
     if submission.baseline is not None:
-        baselines.store(writer, run_id, submission.baseline, asked.run_id)
+        baselines.store(writer, run_id, submission.baseline, resolved.run_id)
     if submission.group is not None:
         groups.store(writer, run_id, submission.group)
     return run_id
@@ -160,21 +159,21 @@ def _supersede(
     return found
 
 
-def _noted(submission: Submission, asked: Resolved) -> dict[str, object]:
-    told: dict[str, object] = {"campaign": asked.campaign.digest, "name": submission.name}
-    told |= {"labels": submission.labels} if submission.labels else {}
-    told |= {} if submission.group is None else {"group": submission.group}
-    return told | ({} if submission.baseline is None else {"baseline": submission.baseline})
+def _noted(submission: Submission, resolved: Resolved) -> dict[str, object]:
+    detail: dict[str, object] = {"campaign": resolved.campaign.digest, "name": submission.name}
+    detail |= {"labels": submission.labels} if submission.labels else {}
+    detail |= {} if submission.group is None else {"group": submission.group}
+    return detail | ({} if submission.baseline is None else {"baseline": submission.baseline})
 
 
-def _answer(reader: sa.Connection, run_id: int, at: float, asked: Resolved | None = None) -> RunSubmitted:
+def _answer(reader: sa.Connection, run_id: int, at: float, resolved: Resolved | None = None) -> RunSubmitted:
     """The run; at: when it was asked for first. One that had ended by then is reused."""
     found = summary(reader, run_id)
     earlier = found.finished is not None and found.finished <= at
     reused = reuse.sentence(reader, run_id) if earlier else None
     compared = baseline(reader, run_id)
-    if compared is None and asked is not None and asked.given:  # the run that is reused was launched without it
-        compared = RunBaseline(asked=asked.given, run=None, sentence=asked.sentence)
+    if compared is None and resolved is not None and resolved.given:  # the run that is reused was launched without it
+        compared = RunBaseline(asked=resolved.given, run=None, sentence=resolved.sentence)
     others = [run_name(other) for other in groups.superseded(reader, run_id)]
     return RunSubmitted(**dict(found), reused=reused, baseline=compared, superseded=others)
 

@@ -16,5 +16,5 @@ def readable(what: str) -> Iterator[None]:
     try:
         yield
     except ValidationError:
-        told = f"{what} was stored by another version of Clearance and can only be read by that version"
-        raise RefusedError(409, "other-version", told) from None
+        detail = f"{what} was stored by another version of Clearance and can only be read by that version"
+        raise RefusedError(409, "other-version", detail) from None

@@ -26,7 +26,7 @@ _COMPILING = "Compiling your closed loop{about}, once: it is stored for later ru
 class Waits(NamedTuple):
     """Why a run waits, a sentence; other_code: what differs from the code that began it, where it waits for that."""
 
-    text: str
+    waits: str | None
     other_code: str | None = None
 
 
@@ -35,10 +35,10 @@ def reasons(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, Waits]
 
     Times in it are rounded, so that a page that receives every change does not receive one every second.
     """
-    asked = sa.select(Run.id, Run.needs, Run.not_before, Run.evaluations).where(
+    query = sa.select(Run.id, Run.needs, Run.not_before, Run.evaluations).where(
         Run.id.in_(run_ids), Run.state == RunState.QUEUED
     )
-    queued = reader.execute(asked).all()
+    queued = reader.execute(query).all()
     if not queued:
         return {}
     at = now(reader)
@@ -57,10 +57,10 @@ def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing
     """What the workers of these running runs do besides their stages; only of those that do anything."""
     if not run_ids:
         return {}
-    held = sa.select(Worker.run_id, Worker.doing, Worker.name, Run.worker).join(Run, Run.id == Worker.run_id)
+    query = sa.select(Worker.run_id, Worker.doing, Worker.name, Run.worker).join(Run, Run.id == Worker.run_id)
     live = sa.and_(Worker.run_id.in_(run_ids), Run.state == RunState.RUNNING, Worker.beat > now(reader) - SEEN)
     found = {}
-    for row in reader.execute(held.where(live)):
+    for row in reader.execute(query.where(live)):
         known = Doing.of(row.doing, row.run_id) if row.name == row.worker else None
         if known is not None:
             found[row.run_id] = told(known)
@@ -68,7 +68,6 @@ def doing(reader: sa.Connection, run_ids: Collection[int]) -> dict[int, RunDoing
 
 
 def told(known: Doing) -> RunDoing:
-    """What a worker does, as a sentence."""
     about = "" if known.seconds is None else f", about {max(1, math.ceil(known.seconds))} s"
     return RunDoing(sentence=_COMPILING.format(about=about), since=known.since, seconds=known.seconds)
 

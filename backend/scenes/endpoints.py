@@ -20,9 +20,8 @@ from backend.http.root import at
 from backend.runs.service import number
 from backend.scenes.base import setting
 from backend.scenes.base.address import Address, parse
-from backend.scenes.base.dress import dressed, font_inside
+from backend.scenes.base.dress import OPENED_ALONE, SANDBOX, dressed, font_inside
 from backend.scenes.base.progress import Progress
-from backend.scenes.base.sandbox import OPENED_ALONE, SANDBOX
 from backend.scenes.control.relay import relay
 from backend.scenes.control.viewers import Handle, Viewers
 from backend.scenes.viewer.viewer import Viewer

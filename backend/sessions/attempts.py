@@ -32,7 +32,6 @@ class Attempts:
 
     @property
     def over(self) -> bool:
-        """Whether the rate of wrong codes is exceeded."""
         return self._wrong >= BURST
 
     async def good(self, code: str) -> bool:

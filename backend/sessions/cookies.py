@@ -11,7 +11,6 @@ from backend.sessions.service import Browser
 
 
 def put_session(request: Request, response: Response, secret: str, lifetime: float) -> None:
-    """Set the cookie of a new session. lifetime: [s]."""
     response.set_cookie(
         request.app.state.settings.cookie,
         secret,
@@ -29,7 +28,6 @@ def secure(request: Request) -> bool:
 
 
 def browser_of(request: Request) -> Browser:
-    """The browser's description of itself, and its address."""
     agent = "".join(c for c in request.headers.get("user-agent", "") if c.isprintable())
     return Browser(agent[:200], "" if request.client is None else request.client.host)
 

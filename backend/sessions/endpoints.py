@@ -8,11 +8,10 @@ from fastapi import APIRouter, Path, Request, Response, status
 
 from backend.access.auth import CurrentVisitor
 from backend.db import access
-from backend.http.deps import Engine, Reader
+from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import RefusedError, problems
 from backend.http.root import cookie_path
 from backend.sessions import service
-from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout, seconds
 from backend.sessions.schemas import BrowserSession, PasswordChange, SessionInfo
 
@@ -50,17 +49,16 @@ def end_session(request: Request, engine: Engine, visitor: CurrentVisitor) -> Re
     status_code=status.HTTP_204_NO_CONTENT,
     responses=problems("wrong-password", "scope-too-narrow"),
 )
-async def change_password(given: PasswordChange, request: Request, engine: Engine, visitor: CurrentVisitor) -> None:
+async def change_password(change: PasswordChange, request: Request, engine: Engine, visitor: CurrentVisitor) -> None:
     """Change your own password; your other browsers are signed out. After wrong attempts there is a pause."""
     lockout: Lockout = request.app.state.lockout
-    hashing: Hashing = request.app.state.hashing
     wait = lockout.enter(visitor.account, "")
     if wait:
         detail = f"too many wrong passwords: try again in {seconds(wait)} s"
         raise RefusedError(429, "too-many-requests", detail, headers={"Retry-After": str(seconds(wait))})
-    current = None if given.current is None else given.current.get_secret_value()
-    new = given.new.get_secret_value()
-    await hashing.run(lambda: service.change_password(engine, current, new, visitor))
+    current = None if change.current is None else change.current.get_secret_value()
+    new = change.new.get_secret_value()
+    await capacities(request).passwords.run(lambda: service.change_password(engine, current, new, visitor))
     lockout.succeeded(visitor.account, "")
 
 

@@ -12,11 +12,10 @@ from fastapi.responses import RedirectResponse
 from backend.access.door import Door
 from backend.db import access, passwords, users
 from backend.http import forms
-from backend.http.deps import Engine
+from backend.http.deps import Engine, capacities
 from backend.sessions import service
 from backend.sessions.cookies import browser_of, put_session
 from backend.sessions.failures import INVITATION, LINK
-from backend.sessions.hashing import Hashing
 from backend.sessions.lockout import Lockout, seconds
 
 router = APIRouter(include_in_schema=False)
@@ -49,12 +48,11 @@ async def open_session(request: Request, engine: Engine, code: str = "", next: s
 @router.post("/login")
 async def sign_in(request: Request, engine: Engine) -> Response:
     """Sign in with name and password; after several failures there is a pause, which doubles."""
-    given = await forms.fields(request)
-    name, back, browser = _name(given.get("name", "")), given.get("next", ""), browser_of(request)
+    fields = await forms.fields(request)
+    name, back, browser = _name(fields.get("name", "")), fields.get("next", ""), browser_of(request)
     lockout: Lockout = request.app.state.lockout
-    hashing: Hashing = request.app.state.hashing
-    if hashing.full is not None:
-        raise hashing.full
+    hashing = capacities(request).passwords
+    hashing.refuse_full()
     wait = lockout.enter(name, browser.address)
     if wait:
         again = f"Too many failed attempts. Try again in {seconds(wait)} s."
@@ -62,7 +60,7 @@ async def sign_in(request: Request, engine: Engine) -> Response:
         answer.headers["Retry-After"] = str(seconds(wait))
         return answer
     stored = await _door(request).ask(lambda reader: users.password_of(reader, name))
-    password = given.get("password", "")
+    password = fields.get("password", "")
     right = await hashing.run(lambda: passwords.matches(stored, password))
     secret = await run_in_threadpool(service.open_by_password, engine, name, browser) if right else None
     if secret is None:
@@ -84,18 +82,18 @@ async def show_invitation(request: Request, code: str = "") -> Response:
 @router.post("/invite")
 async def accept_invitation(request: Request, engine: Engine) -> Response:
     """Set the password of the invited user, and sign in."""
-    given = await forms.fields(request)
-    code, password = given.get("code", ""), given.get("password", "")
+    fields = await forms.fields(request)
+    code, password = fields.get("code", ""), fields.get("password", "")
     user = await _door(request).ask(lambda reader: users.invited(reader, code))
     if user is None:
         request.app.state.failures.wrong(INVITATION, browser_of(request).address)
         return forms.no_invitation()
     wrong = passwords.problem(password, user)
-    if wrong is None and password != given.get("again", ""):
+    if wrong is None and password != fields.get("again", ""):
         wrong = "the two passwords differ"
     if wrong is not None:
         return forms.invitation(422, user, code, wrong[0].upper() + wrong[1:] + ".")
-    hashing: Hashing = request.app.state.hashing
+    hashing = capacities(request).passwords
     secret = await hashing.run(lambda: service.accept(engine, code, password, browser_of(request)))
     return forms.no_invitation() if secret is None else _signed_in(request, secret, "")
 

@@ -6,13 +6,13 @@ codes are not recorded.
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from collections.abc import Callable
 
 import sqlalchemy as sa
 
 from backend.access.door import Door
+from backend.access.rates import Bucket
 from backend.db import audit
 
 BURST = 10
@@ -31,20 +31,16 @@ INVITATION = "user.invitation_failed"
 class Failures:
     """Counts wrong codes, and records them; used on one event loop."""
 
-    def __init__(self, door: Door, clock: Callable[[], float] = time.monotonic) -> None:
-        self._door, self._clock = door, clock
-        self._rows, self._since = float(BURST), clock()
+    def __init__(self, door: Door) -> None:
+        self._door, self._rows = door, Bucket(BURST, PERIOD)
         self._counts: Counter[str] = Counter()
         self._address = ""
 
     def wrong(self, action: str, address: str) -> None:
         """Count an attempt; recorded now, or together with a later one."""
-        at = self._clock()
-        self._rows, self._since = min(float(BURST), self._rows + (at - self._since) / PERIOD), at
         self._counts[action] += 1
         self._address = address
-        if self._rows >= 1.0:
-            self._rows -= 1.0
+        if self._rows.take():
             self._door.later(*self._due())
 
     async def flush(self) -> None:
@@ -59,7 +55,7 @@ class Failures:
 
         def write(writer: sa.Connection) -> None:
             for action, attempts in sorted(counts.items()):
-                told: dict[str, object] = {"address": address[:64], "attempts": attempts}
-                audit.note_sign_in(writer, UNKNOWN, "link", action, told)
+                detail: dict[str, object] = {"address": address[:64], "attempts": attempts}
+                audit.note_sign_in(writer, UNKNOWN, "link", action, detail)
 
         return write, lambda: self._counts.update(counts)

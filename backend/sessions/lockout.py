@@ -73,7 +73,6 @@ class Lockout:
             count.until = count.last + limit.pause(count.failures)
 
     def failures(self, name: str) -> int:
-        """The number of failures of an account that are remembered."""
         count = self._counts.get(("account", name))
         return 0 if count is None else count.failures
 

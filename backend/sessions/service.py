@@ -16,8 +16,6 @@ from campaigns import Problem
 
 @dataclass(frozen=True)
 class Browser:
-    """What a sign-in records of the client."""
-
     agent: str
     address: str
 
@@ -55,12 +53,11 @@ def note_failure(engine: sa.Engine, name: str, failures: int, address: str) -> N
     """Record a failed sign-in, with the name only if a user has it: what was typed there may be a password."""
     with engine.begin() as writer:
         known = name if users.role_of(writer, name) is not None else UNKNOWN
-        told = {"address": address, "failures": failures}
-        audit.note_sign_in(writer, known, "password", "session.failed", told)
+        detail = {"address": address, "failures": failures}
+        audit.note_sign_in(writer, known, "password", "session.failed", detail)
 
 
 def close(engine: sa.Engine, secret: str, visitor: Visitor) -> None:
-    """Sign a browser out."""
     with engine.begin() as writer:
         user = access.close_session(writer, secret)
         if user is not None:

@@ -42,12 +42,12 @@ def list_signoffs(run: RunName, reader: Reader, visitor: CurrentVisitor) -> Sign
         "already-made",
     ),
 )
-def sign_off(run: RunName, given: SignoffRequest, once: OnceOnly, visitor: CurrentVisitor) -> Signoff:
+def sign_off(run: RunName, review: SignoffRequest, once: OnceOnly, visitor: CurrentVisitor) -> Signoff:
     """Sign off the results of a run; the digest identifies the reviewed results and must match the current ones."""
     run_id = number(run)
 
     def work(writer: sa.Connection) -> Signoff:
-        return service.sign(writer, run_id, given, visitor)
+        return service.sign(writer, run_id, review, visitor)
 
     def present(reader: sa.Connection, signed: Signoff) -> Signoff:
         return service.one(reader, run_id, signed.id)  # it may be withdrawn, or the results may have changed
@@ -57,7 +57,7 @@ def sign_off(run: RunName, given: SignoffRequest, once: OnceOnly, visitor: Curre
 
 @router.post("/runs/{run}/signoffs/{signoff}/withdraw", responses=problems("not-found", "withdrawn", "purged"))
 def withdraw_signoff(
-    run: RunName, signoff: Number, given: WithdrawalRequest, engine: Engine, visitor: CurrentVisitor
+    run: RunName, signoff: Number, withdrawal: WithdrawalRequest, engine: Engine, visitor: CurrentVisitor
 ) -> Signoff:
     """Withdraw a sign-off with a reason; it stays on record."""
-    return service.withdraw(engine, number(run), signoff, given.reason, visitor)
+    return service.withdraw(engine, number(run), signoff, withdrawal.reason, visitor)

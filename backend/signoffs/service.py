@@ -36,7 +36,7 @@ def listed(reader: sa.Connection, run_id: int, visitor: Visitor | None = None) -
     return Signoffs(digest=digest, can_sign=can_sign, barred=barred, items=items)
 
 
-def sign(writer: sa.Connection, run_id: int, given: SignoffRequest, visitor: Visitor) -> Signoff:
+def sign(writer: sa.Connection, run_id: int, review: SignoffRequest, visitor: Visitor) -> Signoff:
     """Sign off the results. 409 without a verdict, for other results, for a repetition, and for a removed run.
 
     403 for the user who launched the run, unless an administrator permits it; then the sign-off states so (`own`).
@@ -49,19 +49,19 @@ def sign(writer: sa.Connection, run_id: int, given: SignoffRequest, visitor: Vis
     if dependent is not None:
         raise dependent
     digest = results_digest(writer, run_id)
-    if given.digest != digest:
+    if review.digest != digest:
         detail = (
-            f"the results of {run_name(run_id)} have changed since the review (sha256 {given.digest[:16]}): "
+            f"the results of {run_name(run_id)} have changed since the review (sha256 {review.digest[:16]}): "
             "load the run and review it again"
         )
         raise _conflict("results-changed", detail)
-    same = (Row.run_id == run_id, Row.name == given.name, Row.role == given.role, Row.digest == digest)
+    same = (Row.run_id == run_id, Row.name == review.name, Row.role == review.role, Row.digest == digest)
     if writer.scalar(sa.select(Row.id).where(*same, Row.withdrawn.is_(None))) is not None:
-        raise _conflict("already-signed", f"{given.name} has already signed off these results as {given.role}")
-    values = given.model_dump() | {"run_id": run_id, "user": visitor.user, "created": now(writer)}
+        raise _conflict("already-signed", f"{review.name} has already signed off these results as {review.role}")
+    values = review.model_dump() | {"run_id": run_id, "user": visitor.user, "created": now(writer)}
     signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
-    told = {"signoff": signoff_id, **given.model_dump()} | ({"own": True} if own else {})
-    audit.note(writer, visitor, "signoff.created", run_name(run_id), told)
+    noted = {"signoff": signoff_id, **review.model_dump()} | ({"own": True} if own else {})
+    audit.note(writer, visitor, "signoff.created", run_name(run_id), noted)
     return one(writer, run_id, signoff_id)
 
 
@@ -120,7 +120,6 @@ def _dependent(reader: sa.Connection, run_id: int, visitor: Visitor) -> RefusedE
 
 
 def _barred(reader: sa.Connection, run_id: int, visitor: Visitor) -> str | None:
-    """The sentences with which a sign-off by the visitor would be refused."""
     refusals = (_dependent(reader, run_id, visitor), forbidden(visitor, SIGN))
     return "; ".join(refusal.detail for refusal in refusals if refusal is not None) or None
 

@@ -9,8 +9,8 @@ from fastapi.concurrency import run_in_threadpool
 
 from backend.access.auth import CurrentVisitor
 from backend.http import bodies
-from backend.http.deps import Engine, Reader
-from backend.http.errors import RefusedError, Responses, problems
+from backend.http.deps import Engine, Reader, capacities
+from backend.http.errors import RefusedError, answers, located, problems
 from backend.http.keys import Key
 from backend.http.root import at
 from backend.sweeps import service, sheet
@@ -21,22 +21,13 @@ from campaigns.asked.load import load_document
 router = APIRouter(tags=["sweeps"])
 
 SweepName = Annotated[str, Path(description="The sweep by its name, such as S-0001.")]
-BODY = {"required": True, "content": {"application/json": {"schema": {"$ref": "#/components/schemas/SweepSubmit"}}}}
-LOCATION: Responses = {
-    201: {
-        "description": "The sweep that was launched, now or earlier with the same key.",
-        "headers": {"Location": {"description": "The address of the sweep.", "schema": {"type": "string"}}},
-    }
-}
-TABLE: Responses = {
-    200: {"description": "One row for each run.", "content": {"text/csv": {"schema": {"type": "string"}}}}
-}
+LOCATION = located("The sweep that was launched, now or earlier with the same key.", "sweep")
 
 
 @router.post(
     "/sweeps",
     status_code=status.HTTP_201_CREATED,
-    openapi_extra={"requestBody": BODY},
+    openapi_extra=bodies.of("SweepSubmit", yaml=False),
     responses=LOCATION
     | problems(
         "unsupported-media-type",
@@ -55,7 +46,7 @@ async def submit_sweep(
     if bodies.content_type(request) not in bodies.JSON_TYPES:
         raise RefusedError(415, "unsupported-media-type", "send a sweep as application/json: campaign, path, values")
     body = await request.body()
-    submission = await bodies.apart(request, lambda: _submission(body))
+    submission = await capacities(request).bodies.run(lambda: _submission(body))
     sweep = await run_in_threadpool(service.submit, engine, submission, visitor, key, request.app.state.quota)
     response.headers["Location"] = at(f"{request.url.path}/{sweep.id}")
     return sweep
@@ -75,7 +66,11 @@ def get_sweep(sweep: SweepName, reader: Reader) -> SweepDetail:
     return service.detail(reader, service.number(sweep))
 
 
-@router.get("/sweeps/{sweep}/table.csv", response_class=Response, responses=TABLE | problems("not-found"))
+@router.get(
+    "/sweeps/{sweep}/table.csv",
+    response_class=Response,
+    responses=answers("One row for each run.", "text/csv") | problems("not-found"),
+)
 def get_sweep_table(sweep: SweepName, reader: Reader) -> Response:
     """The sweep as CSV (RFC 4180); numbers that were not computed are empty."""
     found = service.detail(reader, service.number(sweep))
@@ -91,7 +86,7 @@ def cancel_sweep(sweep: SweepName, engine: Engine, visitor: CurrentVisitor) -> S
 
 def _submission(body: bytes) -> service.Submission:
     try:
-        given = bodies.described(body, SweepSubmit)
-        return service.Submission(load_document(given.campaign, "request"), given, body)
+        options = bodies.described(body, SweepSubmit)
+        return service.Submission(load_document(options.campaign, "request"), options, body)
     except CampaignError as error:
         raise bodies.invalid(error) from None

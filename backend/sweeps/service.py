@@ -80,13 +80,13 @@ def _launch(
     visitor: Visitor,
     catalogue: Catalogue,
 ) -> int:
-    given, asked = submission.given, submission.campaign
-    entry, nominal = described(asked, given.path, catalogue)
-    name = given.name or asked.name
+    options, base = submission.given, submission.campaign
+    entry, nominal = described(base, options.path, catalogue)
+    name = options.name or base.name
     row = {
         "name": name,
-        "campaign_name": asked.name,
-        "path": given.path,
+        "campaign_name": base.name,
+        "path": options.path,
         "title": entry.text[:400],
         "unit": entry.unit,
         "nominal": nominal if math.isfinite(nominal) else None,
@@ -95,31 +95,25 @@ def _launch(
     }
     sweep_id = int(writer.execute(sa.insert(Sweep).values(**row).returning(Sweep.id)).scalar_one())
     runs, notes = [], []
-    for position, (value, campaign) in enumerate(zip(given.values, campaigns, strict=True)):
-        run_id = _queue(writer, campaign, _named(name, given.path, value, entry.unit), given, visitor, catalogue)
+    for position, (value, campaign) in enumerate(zip(options.values, campaigns, strict=True)):
+        run_id = queue.submit(
+            writer,
+            campaign,
+            name=_named(name, options.path, value, entry.unit),
+            tags=campaign.tags if options.tags is None else list(dict.fromkeys(options.tags)),
+            owner=visitor.user,
+            priority=options.priority,
+            planned=sum(stage.planned for stage in plan(campaign)),
+            catalogue=catalogue,
+            labelled=options.labels,
+        )
         runs.append({"sweep_id": sweep_id, "position": position, "value": value, "run_id": run_id})
-        noted = {"campaign": campaign.digest, "name": name, "sweep": sweep_name(sweep_id), given.path: value}
+        noted = {"campaign": campaign.digest, "name": name, "sweep": sweep_name(sweep_id), options.path: value}
         notes.append((run_id, noted))
     writer.execute(sa.insert(SweepRun), runs)
     for run_id, noted in notes:
         audit.note(writer, visitor, "run.submitted", run_name(run_id), noted)
     return sweep_id
-
-
-def _queue(
-    writer: sa.Connection, campaign: Campaign, name: str, given: SweepSubmit, visitor: Visitor, catalogue: Catalogue
-) -> int:
-    return queue.submit(
-        writer,
-        campaign,
-        name=name,
-        tags=campaign.tags if given.tags is None else list(dict.fromkeys(given.tags)),
-        owner=visitor.user,
-        priority=given.priority,
-        planned=sum(stage.planned for stage in plan(campaign)),
-        catalogue=catalogue,
-        given=given.labels,
-    )
 
 
 def _named(name: str, path: str, value: float, unit: str) -> str:

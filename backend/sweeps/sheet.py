@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import io
-
+from backend.http.written import headed, lines
 from backend.sweeps.schemas import SweepDetail, SweepPoint
-from campaigns.cells import Writer
 
 PURGED = "purged"
 
 
-def csv_of(sweep: SweepDetail) -> str:
-    """The file of a sweep."""
+def csv_of(sweep: SweepDetail) -> bytes:
     known = [point.outcome for point in sweep.points if point.outcome is not None]
     quantity = next((found.quantity for found in known if found.quantity), "value")
     unit = next((found.unit for found in known if found.quantity), "")
     headers = [
-        _headed(sweep.path, sweep.unit), "run", "state", "verdict", _headed("criterion", unit),
-        _headed(f"worst {quantity}", unit), _headed("margin", unit), "P(violation) upper bound", "violations",
+        headed(sweep.path, sweep.unit), "run", "state", "verdict", headed("criterion", unit),
+        headed(f"worst {quantity}", unit), headed("margin", unit), "P(violation) upper bound", "violations",
         "samples", "confidence", "seed", "code", "error",
     ]  # fmt: skip
-    text = io.StringIO()
-    rows = Writer(text)
-    rows.writerow(headers)
-    rows.writerows(_row(point) for point in sweep.points)
-    return text.getvalue()
+    return lines([headers, *map(_row, sweep.points)])
 
 
 def _row(point: SweepPoint) -> list[object]:
@@ -41,7 +34,3 @@ def _row(point: SweepPoint) -> list[object]:
 
 def _number(value: float | None) -> str | None:
     return None if value is None else repr(value)
-
-
-def _headed(name: str, unit: str) -> str:
-    return f"{name} [{unit}]" if unit else name

@@ -52,7 +52,6 @@ def _refused(campaign: Campaign, path: str, catalogue: Catalogue) -> Iterator[Pr
 
 
 def _with(campaign: Campaign, path: str, value: float) -> dict[str, Any]:
-    """The campaign's document with another value of a parameter."""
     document = campaign.document()
     first, _, rest = path.partition(".")
     place: Any = document if first in ("criterion", "objectives", "simulator") else document["scenario"]

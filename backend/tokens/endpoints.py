@@ -29,10 +29,10 @@ def list_tokens(visitor: CurrentVisitor, reader: Reader) -> list[Token]:
     status_code=status.HTTP_201_CREATED,
     responses=problems("access-conflict", "idempotency-key-reused", "already-made"),
 )
-def create_token(given: TokenRequest, once: OnceOnly, visitor: CurrentVisitor) -> NewToken:
+def create_token(request: TokenRequest, once: OnceOnly, visitor: CurrentVisitor) -> NewToken:
     """Create an API token of your own; the answer is the only one that holds its secret."""
-    made, otherwise = f"the token {given.name!r}", "revoke it and make another, with another name and key"
-    return once.do_secretly(lambda writer: service.create(writer, given, visitor), made, otherwise)
+    made, otherwise = f"the token {request.name!r}", "revoke it and make another, with another name and key"
+    return once.do_secretly(lambda writer: service.create(writer, request, visitor), made, otherwise)
 
 
 @router.delete("/tokens/{token}", responses=problems("not-found"))

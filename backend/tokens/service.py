@@ -19,16 +19,16 @@ def listed(reader: sa.Connection, visitor: Visitor) -> list[Token]:
     return [_token(row, at) for row in reversed(access.tokens(reader, None if visitor.sees_all else visitor.account))]
 
 
-def create(writer: sa.Connection, given: TokenRequest, visitor: Visitor) -> NewToken:
+def create(writer: sa.Connection, request: TokenRequest, visitor: Visitor) -> NewToken:
     """Create a token of the visitor's account; 409 if the name is taken or the scope is wider than the role."""
-    lifetime = None if given.days is None else given.days * DAY
+    lifetime = None if request.days is None else request.days * DAY
     try:
-        secret = access.create_token(writer, given.name, visitor.account, given.scope, lifetime)
+        secret = access.create_token(writer, request.name, visitor.account, request.scope, lifetime)
     except AccessError as error:
         raise RefusedError(409, "access-conflict", f"{error}") from None
-    told = {"owner": visitor.account, "scope": given.scope, "days": given.days}
-    audit.note(writer, visitor, "token.created", given.name, told)
-    return NewToken(token=_one(writer, given.name), secret=secret)
+    detail = {"owner": visitor.account, "scope": request.scope, "days": request.days}
+    audit.note(writer, visitor, "token.created", request.name, detail)
+    return NewToken(token=_one(writer, request.name), secret=secret)
 
 
 def revoke(engine: sa.Engine, name: str, visitor: Visitor) -> Token:

@@ -9,18 +9,15 @@ from fastapi.responses import StreamingResponse
 
 from backend.access.auth import CurrentVisitor
 from backend.http.deps import Engine, Reader
-from backend.http.errors import Responses, problems
+from backend.http.errors import answers, problems
 from backend.trail import service
 from backend.trail.schemas import AuditPage
 
 router = APIRouter(tags=["audit"])
 
-LINES: Responses = {
-    200: {
-        "description": "One JSON object a line, oldest first; `clearance trail verify --file` verifies it.",
-        "content": {"application/jsonl": {"schema": {"type": "string"}}},
-    }
-}
+LINES = answers(
+    "One JSON object a line, oldest first; `clearance trail verify --file` verifies it.", "application/jsonl"
+)
 
 
 @router.get("/audit", responses=problems("bad-cursor"))

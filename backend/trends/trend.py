@@ -50,7 +50,6 @@ def of_campaign(
 
 
 def _stated(reader: sa.Connection, found: list[Outcome]) -> dict[str, list[str]]:
-    """The requirements of these runs, by the names of the runs."""
     ids = [run_number(outcome.id) for outcome in found]
     of = sa.select(RunRequirement.run_id, RunRequirement.requirement).where(RunRequirement.run_id.in_(ids))
     stated: dict[str, list[str]] = {}
@@ -60,9 +59,8 @@ def _stated(reader: sa.Connection, found: list[Outcome]) -> dict[str, list[str]]
 
 
 def _labelled(reader: sa.Connection, found: list[Outcome]) -> dict[str, dict[str, str]]:
-    """The labels of these runs, by the names of the runs."""
-    held = labels.of_runs(reader, [number for one in found if (number := run_number(one.id)) is not None])
-    return {run_name(run_id): given for run_id, given in held.items()}
+    by_run = labels.of_runs(reader, [number for one in found if (number := run_number(one.id)) is not None])
+    return {run_name(run_id): own_labels for run_id, own_labels in by_run.items()}
 
 
 def _marked(found: list[Outcome], stated: dict[str, list[str]], labelled: dict[str, dict[str, str]]) -> list[TrendRun]:

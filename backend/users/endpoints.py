@@ -29,11 +29,11 @@ def list_users(reader: Reader) -> list[User]:
 
 
 @router.post("/users", status_code=status.HTTP_201_CREATED, responses=MADE)
-def invite_user(given: UserInvite, request: Request, once: OnceOnly, visitor: CurrentVisitor) -> Invitation:
+def invite_user(invitation: UserInvite, request: Request, once: OnceOnly, visitor: CurrentVisitor) -> Invitation:
     """Create a user and a single-use link, valid for three days, with which the user sets a password."""
-    address, name = request.app.state.settings.public_url, given.name.strip().lower()
+    address, name = request.app.state.settings.public_url, invitation.name.strip().lower()
     made = f"the invitation of {name}"
-    return once.do_secretly(lambda writer: service.invite(writer, given, address, visitor), made, RENEW)
+    return once.do_secretly(lambda writer: service.invite(writer, invitation, address, visitor), made, RENEW)
 
 
 @router.get("/users/{user}", responses=TAGGED | problems("not-found"))
@@ -47,14 +47,14 @@ def get_user(user: UserName, response: Response, reader: Reader) -> User:
 @router.patch("/users/{user}", responses=TAGGED | problems("not-found", "access-conflict", "invalid", "changed"))
 def change_user(
     user: UserName,
-    given: UserChange,
+    change: UserChange,
     response: Response,
     engine: Engine,
     visitor: CurrentVisitor,
     match: IfMatch = None,
 ) -> User:
     """Change a user's role, or withdraw or grant access; both apply at once, to tokens and open browsers, too."""
-    changed = service.change(engine, user, given, visitor, match)
+    changed = service.change(engine, user, change, visitor, match)
     response.headers["ETag"] = changed.etag
     return changed
 
@@ -80,9 +80,9 @@ def get_settings(response: Response, reader: Reader) -> AccessSettings:
 
 @router.patch("/settings", responses=TAGGED | problems("changed"))
 def change_settings(
-    given: AccessSettingsChange, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
+    settings: AccessSettingsChange, response: Response, engine: Engine, visitor: CurrentVisitor, match: IfMatch = None
 ) -> AccessSettings:
     """Change the settings."""
-    changed = service.change_settings(engine, given.own_sign_offs, visitor, match)
+    changed = service.change_settings(engine, settings.own_sign_offs, visitor, match)
     response.headers["ETag"] = service.etag(changed)
     return changed

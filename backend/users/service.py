@@ -20,16 +20,15 @@ PROVIDER = "the sign-in provider"
 
 
 def listed(reader: sa.Connection) -> list[User]:
-    """All users, by name."""
     return [_user(row) for row in users.users(reader)]
 
 
-def invite(writer: sa.Connection, given: UserInvite, public_url: str, visitor: Visitor) -> Invitation:
+def invite(writer: sa.Connection, invitation: UserInvite, public_url: str, visitor: Visitor) -> Invitation:
     """Create a user and the link; 409 if the name cannot be used."""
-    name = given.name.strip().lower()
+    name = invitation.name.strip().lower()
     with _conflicts():
-        code = users.invite(writer, name, given.role, visitor.account)
-    audit.note(writer, visitor, "user.invited", name, {"role": given.role})
+        code = users.invite(writer, name, invitation.role, visitor.account)
+    audit.note(writer, visitor, "user.invited", name, {"role": invitation.role})
     return _link(writer, name, code, public_url)
 
 
@@ -54,10 +53,10 @@ def one(reader: sa.Connection, name: str) -> User:
     return found
 
 
-def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor, match: str | None = None) -> User:
+def change(engine: sa.Engine, name: str, wanted: UserChange, visitor: Visitor, match: str | None = None) -> User:
     """Change role or access; 409 for yourself and for the user of the login link, 422 without a change, 412 if `match`
     (If-Match) is not the user's tag."""
-    if given.role is None and given.disabled is None:
+    if wanted.role is None and wanted.disabled is None:
         message = "give at least one of role and disabled"
         raise RefusedError(422, "invalid", message, [Problem("role", "", message)])
     with engine.begin() as writer:
@@ -67,28 +66,26 @@ def change(engine: sa.Engine, name: str, given: UserChange, visitor: Visitor, ma
             detail = "you cannot change your own role or access: ask another administrator"
             raise RefusedError(409, "access-conflict", detail)
         require_match(match, user.etag, f"the user {name}")
-        if user.provided and given.role is not None and given.role != user.role:
+        if user.provided and wanted.role is not None and wanted.role != user.role:
             detail = f"the role of {name} follows the groups of the sign-in provider: change them there"
             raise RefusedError(409, "access-conflict", detail)
         with _conflicts():
-            if given.role is not None and given.role != user.role:
-                users.set_role(writer, name, given.role)
-            if given.disabled is not None and given.disabled != (user.disabled is not None):
-                users.set_disabled(writer, name, given.disabled)
-        if given.role is not None and given.role != user.role:
-            audit.note(writer, visitor, "user.role_changed", name, {"before": user.role, "after": given.role})
-        if given.disabled is not None and given.disabled != (user.disabled is not None):
-            audit.note(writer, visitor, "user.disabled" if given.disabled else "user.enabled", name, {})
+            if wanted.role is not None and wanted.role != user.role:
+                users.set_role(writer, name, wanted.role)
+            if wanted.disabled is not None and wanted.disabled != (user.disabled is not None):
+                users.set_disabled(writer, name, wanted.disabled)
+        if wanted.role is not None and wanted.role != user.role:
+            audit.note(writer, visitor, "user.role_changed", name, {"before": user.role, "after": wanted.role})
+        if wanted.disabled is not None and wanted.disabled != (user.disabled is not None):
+            audit.note(writer, visitor, "user.disabled" if wanted.disabled else "user.enabled", name, {})
         return one(writer, name)
 
 
 def settings(reader: sa.Connection) -> AccessSettings:
-    """The settings, with their defaults."""
     return AccessSettings(own_sign_offs=users.own_sign_offs(reader))
 
 
 def etag(found: AccessSettings) -> str:
-    """The entity tag of the settings."""
     return tag(found.own_sign_offs)
 
 
@@ -103,8 +100,8 @@ def change_settings(
         # A choice is stored also where it is the default, which changes once another user is invited.
         if own_sign_offs != users.stored_own_sign_offs(writer):
             users.set_own_sign_offs(writer, own_sign_offs)
-            told = {"before": before, "after": own_sign_offs}
-            audit.note(writer, visitor, "setting.changed", users.OWN_SIGN_OFFS, told)
+            detail = {"before": before, "after": own_sign_offs}
+            audit.note(writer, visitor, "setting.changed", users.OWN_SIGN_OFFS, detail)
         return settings(writer)
 
 

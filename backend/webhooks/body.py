@@ -17,14 +17,13 @@ ENDED, TEST = "run.ended", "test"
 
 
 def ended(reader: sa.Connection, run_id: int, public_url: str) -> str:
-    """The message about a run that has ended."""
     (run,) = outcomes(reader, [Run.id == run_id])
     before = earlier(reader, run)
     address = f"{public_url.rstrip('/')}/runs/{run.id}" if public_url else None
-    given = {name: getattr(run, name) for name in _REPORTED}
+    values = {name: getattr(run, name) for name in _REPORTED}
     campaign = {"name": run.campaign_name, "digest": run.campaign_digest, "seed": run.seed}
     changed = before is not None and run.verdict is not None and run.verdict != before.verdict
-    data = {"run": run.id, **given, "campaign": campaign, "address": address, "verdict_changed": changed}
+    data = {"run": run.id, **values, "campaign": campaign, "address": address, "verdict_changed": changed}
     data["before"] = None if before is None else {"run": before.id, "verdict": before.verdict, "code": before.code}
     return _written(ENDED, run.finished, data)
 

@@ -31,26 +31,23 @@ class Target:
 
     @property
     def origin(self) -> str:
-        """Scheme, host and port."""
         return _origin(urllib.parse.urlsplit(self.url))
 
 
 @dataclass(frozen=True)
 class Configured:
-    """All targets, and the key that signs their messages."""
-
     targets: tuple[Target, ...] = ()
     key: bytes = field(default=b"", repr=False)
 
 
 def configured(addresses: str, secret: str, private: bool) -> Configured:
     """The webhooks of the settings; raises `ValueError` with a sentence that contains neither path nor secret."""
-    given = addresses.split()
-    if not given:
+    urls = addresses.split()
+    if not urls:
         return Configured()
-    if len(given) > MOST:
-        raise ValueError(f"CLEARANCE_WEBHOOKS: {len(given)} addresses, at most {MOST} are allowed")
-    targets = tuple(_target(address, i, private) for i, address in enumerate(dict.fromkeys(given), 1))
+    if len(urls) > MOST:
+        raise ValueError(f"CLEARANCE_WEBHOOKS: {len(urls)} addresses, at most {MOST} are allowed")
+    targets = tuple(_target(address, i, private) for i, address in enumerate(dict.fromkeys(urls), 1))
     return Configured(targets, _key(secret))
 
 

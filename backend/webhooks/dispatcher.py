@@ -40,7 +40,6 @@ class Dispatcher:
         self._tls: ssl.SSLContext | None = None
 
     async def start(self) -> None:
-        """Start sending; called once, on the event loop."""
         if self.configured.targets:
             logging.getLogger("httpx").setLevel(logging.WARNING)  # it logs whole addresses, which may contain secrets
         self._thread = anyio.CapacityLimiter(2)

@@ -20,7 +20,6 @@ router = APIRouter(tags=["webhooks"])
 
 
 async def configured(request: Request) -> Settings:
-    """The webhooks of the settings."""
     dispatcher = request.app.state.webhooks
     assert isinstance(dispatcher, Dispatcher)
     return dispatcher.configured

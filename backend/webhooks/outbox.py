@@ -14,7 +14,7 @@ import sqlalchemy as sa
 
 from backend.db.engine import insert, now, read
 from backend.db.tables import Run, WebhookDelivery, WebhookTarget
-from backend.db.tables_webhooks import DeliveryState
+from backend.db.tables_installed import DeliveryState
 from backend.webhooks import body
 from backend.webhooks.sending import Message, Sent
 from campaigns.runs import ENDED
@@ -37,15 +37,12 @@ def pause(attempts: int) -> float:
 
 
 class Outbox:
-    """The messages to one target."""
-
     def __init__(self, engine: sa.Engine, target: str, public_url: str) -> None:
         self.engine, self.target, self.public_url = engine, target, public_url
         self._from = 0
         """All runs with a lower number have ended and are reported."""
 
     def register(self) -> None:
-        """Remember since when the target is configured."""
         with self.engine.begin() as writer:
             row = insert(writer, WebhookTarget).values(id=self.target, since=now(writer))
             writer.execute(row.on_conflict_do_nothing())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backend.db.tables_webhooks import DeliveryState
+from backend.db.tables_installed import DeliveryState
 from backend.http.schema import Instant, Schema
 
 

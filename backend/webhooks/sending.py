@@ -37,8 +37,6 @@ class Message:
 
 @dataclass(frozen=True)
 class Sent:
-    """The outcome of an attempt."""
-
     status: int | None
     error: str | None
     """A sentence; None if the receiver accepted the message."""
@@ -51,7 +49,6 @@ def signature(key: bytes, message: Message, at: int) -> str:
 
 
 def headers(key: bytes, message: Message, at: int) -> dict[str, str]:
-    """The headers of a message."""
     return {
         "content-type": "application/json",
         "user-agent": f"Clearance/{VERSION}",
@@ -78,16 +75,16 @@ async def send(
     return Sent(status, _refusal(target, status))
 
 
-async def _status(target: Target, given: dict[str, str], body: bytes, tls: ssl.SSLContext) -> int:
+async def _status(target: Target, headers: dict[str, str], body: bytes, tls: ssl.SSLContext) -> int:
     """The status of the response; its body is not read."""
     url = httpx.URL(target.url)
     address = await resolved(url.host, url.port or (443 if url.scheme == "https" else 80), target.private)
-    given = {**given, "host": url.netloc.decode()}
+    headers = {**headers, "host": url.netloc.decode()}
     named = {"sni_hostname": url.host}  # the certificate must be that of the name, not of the address
     # Without the proxies of the environment, which would resolve the name themselves.
     async with (
         httpx.AsyncClient(verify=tls, trust_env=False, timeout=None) as client,
-        client.stream("POST", url.copy_with(host=address), content=body, headers=given, extensions=named) as response,
+        client.stream("POST", url.copy_with(host=address), content=body, headers=headers, extensions=named) as response,
     ):
         return response.status_code
 

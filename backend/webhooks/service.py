@@ -11,7 +11,7 @@ from backend.db.access import Visitor
 from backend.db.engine import insert, now
 from backend.db.tables import WebhookDelivery as Row
 from backend.db.tables import WebhookTarget as TargetRow
-from backend.db.tables_webhooks import DeliveryState
+from backend.db.tables_installed import DeliveryState
 from backend.http.errors import RefusedError
 from backend.webhooks import outbox
 from backend.webhooks.configured import Configured, Target
@@ -20,12 +20,10 @@ from campaigns.runs import run_name
 
 
 def state(reader: sa.Connection, configured: Configured) -> Webhooks:
-    """The configured targets, each with its counts and its last attempt."""
     return Webhooks(targets=[_target(reader, target, configured) for target in configured.targets])
 
 
 def deliveries(reader: sa.Connection, configured: Configured, limit: int) -> list[WebhookDelivery]:
-    """The newest messages to all targets, newest first."""
     rows = reader.execute(sa.select(Row.__table__).order_by(Row.created.desc(), Row.id).limit(limit)).mappings()
     return [_delivery(row, configured) for row in rows]
 

@@ -53,7 +53,6 @@ def _out(row: Any, at: float, stages: dict[int, str]) -> WorkerOut:
 
 
 def _stages(reader: sa.Connection, run_ids: list[int]) -> dict[int, str]:
-    """The running stage of each run: its title, and the method of a search."""
     if not run_ids:
         return {}
     running = sa.select(Stage.run_id, Stage.kind, Stage.method).where(

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from campaigns.claims.numbers import MINUS, NARROW, Format
 from campaigns.claims.say import Part, say, symbol
 from campaigns.claims.spans import Quantity, Spans, words
+from campaigns.documents import JsonObject
 
 SENTENCES = {"text": "statement", "sentence": "statement", "scope": "holds_for"}
 """The field with the spans of each kind of sentence."""
@@ -61,7 +62,7 @@ def spoken(stored: Any, terms: Callable[[], Terms]) -> Any:
     return found
 
 
-def renamed(stored: dict[str, Any]) -> dict[str, Any]:
+def renamed(stored: JsonObject) -> JsonObject:
     """One stored result, without those inside it, with its spans under the name of this version."""
     if not isinstance(stored.get(SAID), list | tuple):
         return stored

@@ -21,7 +21,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.catalog import service
-from backend.catalog.endpoints import given
+from backend.catalog.endpoints import _campaign
 from backend.db.access import LOCAL, Visitor
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.tables import CatalogueDocument
@@ -59,7 +59,7 @@ def answered(answer: bytes) -> None:
 def checked(engine: sa.Engine, content: bytes, yaml: bool) -> bool:
     """POST /campaigns/check: whether the campaign is valid."""
     with read(engine) as reader:
-        found = service.checked(reader, given(content, yaml))
+        found = service.checked(reader, _campaign(content, yaml))
     written = found.model_dump_json().encode()
     if found.ok:
         json.loads(written)  # as long as the campaign itself

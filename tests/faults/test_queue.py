@@ -281,7 +281,7 @@ def test_a_queued_run_reports_what_it_waits_for(database: sa.Engine) -> None:
         run_id = submit(connection, asked, name="a", tags=[], owner="ada", planned=1, catalogue=HAS)
 
         def why() -> str:
-            return waiting.reasons(connection, [run_id])[run_id].text
+            return waiting.reasons(connection, [run_id])[run_id].waits
 
         assert why() == "No worker is running. Start one with `clearance worker`."
         workers.arrive(connection, "one")

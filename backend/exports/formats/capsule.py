@@ -66,7 +66,6 @@ def content(reader: sa.Connection, run_id: int, label: str) -> Content:
 
 
 def _trajectories(reader: sa.Connection, run_id: int, label: str) -> Iterator[tuple[Trajectory, NDArray[np.float64]]]:
-    """The trajectories of the nominal case and of the finding, if they are stored."""
     for name in ("nominal", label):
         row = results.stored(reader, run_id, name)
         if row is None:

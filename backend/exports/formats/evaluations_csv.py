@@ -9,12 +9,11 @@ import sqlalchemy as sa
 from backend.db.engine import read
 from backend.exports.format import Format, words
 from backend.exports.sheet import Sheet, sheet
-from backend.exports.written import lines
+from backend.http.written import lines
 from backend.runs import service as runs
 
 
 def evaluations_csv(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
-    """One row for each evaluation of every stage."""
     with read(engine) as reader:
         found = sheet(reader, run_id, runs.campaign(reader, run_id))
     return _evaluations_csv(engine, found)
@@ -23,9 +22,9 @@ def evaluations_csv(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
 def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
     yield lines([["stage", "kind", "method", *found.columns]])
     for stage in found.stages:
-        told = [stage.position, stage.kind, stage.method]
+        stage_cells = [stage.position, stage.kind, stage.method]
         for block in found.rows(engine, stage):
-            yield lines([told + row for row in block])
+            yield lines([stage_cells + row for row in block])
 
 
 export = Format(

@@ -7,43 +7,36 @@ from __future__ import annotations
 
 import io
 import json
-from importlib.util import find_spec
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import sqlalchemy as sa
 
 from backend.db.digest import results_digest
 from backend.db.engine import read
-from backend.exports.format import Format, words
+from backend.exports.format import Format, missing, require, words
 from backend.exports.sheet import Sheet, sheet
-from backend.http.errors import RefusedError
 from backend.runs import service as runs
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-MISSING = "needs the package pyarrow: pip install 'clearance[parquet]'"
+MISSING = partial(missing, "pyarrow", "parquet")
 
 FORMAT = "clearance-evaluations/1"
 
 
-def missing() -> str | None:
-    """Why the file cannot be written here; None if it can."""
-    return MISSING if find_spec("pyarrow") is None else None
-
-
 def evaluations_parquet(engine: sa.Engine, run_id: int) -> bytes:
     """One row for each evaluation of every stage, a row group for each block. Raises 503 without the package."""
-    if missing():
-        raise RefusedError(503, "no-package", f"the service {MISSING}")
+    require(MISSING)
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     with read(engine) as reader:
         run, digest = runs.summary(reader, run_id), results_digest(reader, run_id)
         found = sheet(reader, run_id, runs.campaign(reader, run_id))
-    told = {"format": FORMAT, "run": run.id, "campaign_digest": run.campaign_digest, "results_digest": digest}
-    schema = _schema(found).with_metadata({"clearance": json.dumps(told)})
+    origin = {"format": FORMAT, "run": run.id, "campaign_digest": run.campaign_digest, "results_digest": digest}
+    schema = _schema(found).with_metadata({"clearance": json.dumps(origin)})
     buffer = io.BytesIO()
     with pq.ParquetWriter(buffer, schema, compression="zstd") as writer:
         for stage in found.stages:
@@ -73,5 +66,5 @@ export = Format(
     media_type="application/vnd.apache.parquet",
     words=words("Evaluations, Parquet", "The same as numbers with units, for pandas, Polars and DuckDB"),
     made=lambda engine, run_id: evaluations_parquet(engine, run_id),
-    missing=lambda: missing(),
+    missing=MISSING,
 )

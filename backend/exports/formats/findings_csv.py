@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import starmap
 
 import sqlalchemy as sa
 
 from backend.exports.format import Format, whole, words
 from backend.exports.sheet import headings, sheet
-from backend.exports.written import lines
+from backend.http.written import headed, lines
 from backend.results import service as results
 from backend.runs import service as runs
 from campaigns.results import NominalResult
@@ -20,30 +21,30 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
 
     The last column has the units of the columns whose headers have none: their names are as scripts know them.
     """
-    asked = runs.detail(reader, run_id)
+    run = runs.detail(reader, run_id)
     found = {finding.label: finding for finding in results.findings(reader, run_id)}
     # A simulator's trace shows one call, which may differ from the stored evaluation.
-    flies = asked.campaign.get("scenario") is not None
+    flies = run.campaign.get("scenario") is not None
     flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)} if flies else {}
-    paths = list(asked.campaign["uncertain"])
-    heads = [f"{name} [{unit}]" if unit else name for name, unit in headings(asked.criteria)]
+    paths = list(run.campaign["uncertain"])
+    heads = list(starmap(headed, headings(run.criteria)))
     columns = ["margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths, "units"]
     yield lines([["flight", *heads, *columns]])
     parameters = sheet(reader, run_id, runs.campaign(reader, run_id)).parameters
-    units = "; ".join(f"{name} [{unit}]" for name, unit in [("margin", asked.unit), *parameters] if unit)
+    units = "; ".join(f"{name} [{unit}]" for name, unit in [("margin", run.unit), *parameters] if unit)
     nominal = _nominal(reader, run_id)
     for name in dict.fromkeys([*flights, *(["nominal"] if nominal.cost is not None else []), *found]):
         head, finding = flights.get(name), found.get(name)
         cost, of = (finding.cost, finding.parameters) if finding else (nominal.cost, nominal.parameters)
         if head is not None:
             cost, of = head.cost, finding.parameters if finding else head.parameters
-        values = head.values if head is not None and head.values else {asked.criteria[0].name: cost}
-        told = [values.get(criterion.name) for criterion in asked.criteria]
-        margin = None if told[0] is None or asked.threshold is None else told[0] - asked.threshold
+        values = head.values if head is not None and head.values else {run.criteria[0].name: cost}
+        criterion_values = [values.get(criterion.name) for criterion in run.criteria]
+        margin = None if criterion_values[0] is None or run.threshold is None else criterion_values[0] - run.threshold
         by = " ".join(finding.methods) if finding else ""
         ok = finding.validation.ok if finding and finding.validation else None
         at = [head.closest.time, head.closest.speed] if head is not None and head.closest else [None, None]
-        yield lines([[name, *told, margin, *at, ok, by, *(of.get(p) for p in paths), units]])
+        yield lines([[name, *criterion_values, margin, *at, ok, by, *(of.get(p) for p in paths), units]])
 
 
 def _nominal(reader: sa.Connection, run_id: int) -> NominalResult:

@@ -12,7 +12,7 @@ from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.exports.format import Format, words
 from backend.exports.sheet import Evaluated, Sheet, sheet
-from backend.exports.written import compact
+from backend.http.written import compact
 from backend.results import service as results
 from backend.runs import service as runs
 from backend.runs.components import components
@@ -25,7 +25,7 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
     """All data of the run as one JSON document; evaluations are rows, preceded by their column names."""
     with read(engine) as reader:
         found = sheet(reader, run_id, runs.campaign(reader, run_id))
-        told = {
+        head = {
             "format": FORMAT,
             "results_digest": results_digest(reader, run_id),
             "run": runs.detail(reader, run_id).model_dump(mode="json"),
@@ -35,19 +35,19 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
         }
         stages = [s.model_dump(mode="json") for s in runs.stages(reader, run_id)]
         flights = [flight.name for flight in results.traces(reader, run_id)]
-    return _run_json(engine, found, told, stages, flights)
+    return _run_json(engine, found, head, stages, flights)
 
 
 def _components(reader: sa.Connection, run_id: int) -> dict[str, object] | None:
     """The stored component descriptions; None if there are none, since the installed ones may differ."""
-    told = snapshots.of_run(reader, run_id) and components(reader, run_id)
-    return told.model_dump(mode="json") if told else None
+    descriptions = snapshots.of_run(reader, run_id) and components(reader, run_id)
+    return descriptions.model_dump(mode="json") if descriptions else None
 
 
 def _run_json(
-    engine: sa.Engine, found: Sheet, told: Mapping[str, object], stages: list[dict[str, Any]], flights: list[str]
+    engine: sa.Engine, found: Sheet, head: Mapping[str, object], stages: list[dict[str, Any]], flights: list[str]
 ) -> Iterator[bytes]:
-    yield (compact(told)[:-1] + f',"columns":{compact(found.columns)},"stages":[').encode()
+    yield (compact(head)[:-1] + f',"columns":{compact(found.columns)},"stages":[').encode()
     evaluated = {stage.position: stage for stage in found.stages}
     for i, stage in enumerate(stages):
         yield ((",\n" if i else "\n") + compact(stage)[:-1] + ',"rows":[').encode()

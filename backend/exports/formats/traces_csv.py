@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import sqlalchemy as sa
 
 from backend.exports.format import Format, whole, words
-from backend.exports.written import finite, lines
+from backend.http.written import finite, headed, lines
 from backend.results import service as results
 
 
 def traces_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     """All flights in sequence; columns that a flight does not have are empty."""
     flights = results.traces(reader, run_id)
-    heads = {c.name: f"{c.name} [{c.unit}]" if c.unit else c.name for flight in flights for c in flight.columns}
+    heads = {c.name: headed(c.name, c.unit) for flight in flights for c in flight.columns}
     yield lines([["flight", *heads.values()]])
     for flight in flights:
         row = results.stored(reader, run_id, flight.name)

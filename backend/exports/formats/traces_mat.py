@@ -9,7 +9,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.exports.format import Format, whole, words
-from backend.exports.written import compact
+from backend.http.written import compact
 from backend.results import service as results
 from backend.runs import service as runs
 
@@ -19,16 +19,18 @@ def traces_mat(reader: sa.Connection, run_id: int) -> bytes:
     from scipy.io import savemat  # imported here because it takes a third of a second
 
     detail = runs.summary(reader, run_id)
-    told: dict[str, object] = {"run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}}
+    saved: dict[str, object] = {
+        "run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}
+    }
     for flight in results.traces(reader, run_id):
         row = results.stored(reader, run_id, flight.name)
         data = results.table(row)
         fields: dict[str, object] = {_field(c["name"]): data[:, [k]] for k, c in enumerate(row.columns)}
         fields["units"] = {_field(c["name"]): c["unit"] for c in row.columns}
         fields["meta"] = compact(row.meta)
-        told[_field(flight.name)] = fields
+        saved[_field(flight.name)] = fields
     buffer: Any = io.BytesIO()  # SciPy's type stubs allow only file names
-    savemat(buffer, told, long_field_names=True, do_compression=True)
+    savemat(buffer, saved, long_field_names=True, do_compression=True)
     return bytes(buffer.getvalue())
 
 

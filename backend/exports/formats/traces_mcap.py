@@ -11,15 +11,15 @@ import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from importlib.util import find_spec
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sqlalchemy as sa
 
-from backend.exports.format import Format, whole, words
+from backend.exports.format import Format, missing, require, whole, words
 from backend.exports.messages import SCHEMAS, VALUES, entity, pose, stamped
-from backend.http.errors import RefusedError
+from backend.http.written import finite
 from backend.results import service as results
 from backend.runs import service as runs
 from backend.scenes.base.flight import Flight, from_stored
@@ -34,25 +34,19 @@ if TYPE_CHECKING:
 PATH = 2000
 """Maximum number of poses in the message of a trajectory."""
 
-MISSING = "needs the package mcap: pip install 'clearance[logs]'"
-
-
-def missing() -> str | None:
-    """Why the file cannot be written here; None if it can."""
-    return MISSING if find_spec("mcap") is None else None
+MISSING = partial(missing, "mcap", "logs")
 
 
 def traces_mcap(reader: sa.Connection, run_id: int) -> bytes:
     """All stored flights of a run. Raises 503 if the package is not installed."""
-    if missing():
-        raise RefusedError(503, "no-package", f"the service {MISSING}")
+    require(MISSING)
     from mcap.writer import Writer
 
     run, buffer = runs.summary(reader, run_id), io.BytesIO()
     writer = Writer(buffer)
     writer.start(profile="", library=f"clearance {VERSION}")
-    told = {"run": run.id, "name": run.name, "campaign_digest": run.campaign_digest, "frame": "scene: east, north, up"}
-    writer.add_metadata("clearance", told)
+    about = {"run": run.id, "name": run.name, "campaign_digest": run.campaign_digest, "frame": "scene: east, north, up"}
+    writer.add_metadata("clearance", about)
     output = _Output(writer)
     for info in results.traces(reader, run_id):
         row = results.stored(reader, run_id, info.name)
@@ -116,7 +110,7 @@ class _Output:
                 if not math.isfinite(time):
                     continue
                 values = [
-                    {"name": columns[k].name, "unit": columns[k].unit, "value": _finite(float(row[k]))} for k in chosen
+                    {"name": columns[k].name, "unit": columns[k].unit, "value": finite(float(row[k]))} for k in chosen
                 ]
                 self.send(f"/{name}/{topic}", VALUES, time, stamped(time, values=values))
 
@@ -134,15 +128,10 @@ def _fixed(name: str, flight: Flight, head: TraceHead) -> Iterator[dict[str, obj
 
 
 def _radius(head: TraceHead, number: int) -> float:
-    """The radius of a moving obstacle or body [m]; 0 if it has none."""
     if head.scene is not None:
         body = number - len(head.scene.obstacles)
         return head.scene.bodies[body].radius if 0 <= body < len(head.scene.bodies) else 0.0
     return head.obstacles[number].radius if number < len(head.obstacles) else 0.0
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 export = Format(
@@ -156,5 +145,5 @@ export = Format(
     ),
     made=lambda engine, run_id: whole(engine, run_id, traces_mcap),
     needs="flights",
-    missing=lambda: missing(),
+    missing=MISSING,
 )

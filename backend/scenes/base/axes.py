@@ -26,8 +26,6 @@ _BODY = np.array([0.0, 1.0, 0.0, 0.0])
 
 @dataclass(frozen=True)
 class Axes:
-    """The axes in which a flight is computed."""
-
     frame: Literal["enu", "ned"] = "enu"
 
     def drawn(self, points: Floats) -> Floats:
@@ -42,7 +40,6 @@ class Axes:
         return self.turned(quaternion(rotation))
 
     def turned(self, attitude: Floats) -> Floats:
-        """An attitude in these axes, as a quaternion w, x, y, z."""
         return attitude if self.frame == "enu" else product(product(_WORLD, attitude), _BODY)
 
     def about_vertical(self, angle: float) -> Floats:
@@ -89,7 +86,6 @@ def along(direction: Floats) -> Floats:
 
 
 def rotated(turn: Floats, vector: Floats) -> Floats:
-    """A vector (3,) rotated by a quaternion."""
     w, axis = turn[0], turn[1:]
     found: Floats = vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)
     return found

@@ -34,7 +34,6 @@ class Motion:
 
 
 def axes_in(scene: Scene) -> Axes:
-    """The axes of its positions."""
     return Axes("ned" if scene.frame == "z_down" else "enu")
 
 
@@ -60,17 +59,16 @@ def values(scene: Scene) -> dict[str, float]:
     found: dict[str, float] = {}
     for k, obstacle in enumerate(scene.obstacles):
         length, width, height = ([*(obstacle.size or ()), 0.0, 0.0, 0.0])[:3]
-        given = {"radius": obstacle.radius or 0.0, "length": length, "width": width, "angle": obstacle.angle}
-        given["height"] = (obstacle.height or 0.0) if obstacle.shape == "cylinder" else height
-        given |= {f"position.{axis}": value for axis, value in zip(axes, obstacle.position, strict=False)}
-        found |= {f"obstacles.{k}.{name}": value for name, value in given.items()}
+        sizes = {"radius": obstacle.radius or 0.0, "length": length, "width": width, "angle": obstacle.angle}
+        sizes["height"] = (obstacle.height or 0.0) if obstacle.shape == "cylinder" else height
+        sizes |= {f"position.{axis}": value for axis, value in zip(axes, obstacle.position, strict=False)}
+        found |= {f"obstacles.{k}.{name}": value for name, value in sizes.items()}
     for k, body in enumerate(scene.bodies, len(scene.obstacles)):
         found[f"obstacles.{k}.radius"] = body.radius
     return found
 
 
 def looks(scene: Scene) -> tuple[ObstacleLook, ...]:
-    """How the obstacles and bodies are drawn."""
     return (*map(_look, scene.obstacles), *(ObstacleLook(shape="sphere", radius="radius") for _ in scene.bodies))
 
 
@@ -92,11 +90,11 @@ def _places(position: Sequence[Coordinate], columns: Mapping[str, Floats], count
     return np.column_stack([_column(c, columns, count) for c in (*position, 0.0)[:3]])
 
 
-def _column(given: Coordinate, columns: Mapping[str, Floats], count: int) -> Floats:
+def _column(coordinate: Coordinate, columns: Mapping[str, Floats], count: int) -> Floats:
     """A column, or a number in every row; NaN where the trace lacks the column."""
-    if isinstance(given, str):
-        return columns.get(given, np.full(count, np.nan))
-    return np.full(count, float(given))
+    if isinstance(coordinate, str):
+        return columns.get(coordinate, np.full(count, np.nan))
+    return np.full(count, float(coordinate))
 
 
 def _attitude(

@@ -46,7 +46,6 @@ def dressed(page: str, font: str | None) -> str:
 
 @cache
 def font_file(pages: Path) -> Path | None:
-    """The font file of the built pages; None if they are not built."""
     return next(iter(sorted((pages / "assets").glob(LATIN))), None)
 
 
@@ -97,3 +96,10 @@ def _colours(tokens: dict[str, str]) -> dict[str, str]:
 
 def _properties(values: dict[str, str]) -> str:
     return "".join(f"--{name}:{value}!important;" for name, value in values.items())
+
+
+SANDBOX = "sandbox allow-scripts"
+"""A directive of the content security policy."""
+
+OPENED_ALONE = {"Cross-Origin-Opener-Policy": "unsafe-none"}
+"""A window whose document is sandboxed is not shown with another policy (HTML, 7.4.5, navigation)."""

@@ -9,11 +9,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from backend.results import service as results
 from backend.runs.versions import readable
-from backend.scenes.base.axes import Axes, axes_of
+from backend.scenes.base.axes import Axes, Floats, axes_of
 from backend.scenes.base.declared import axes_in, motion
 from campaigns import thin
 from campaigns.results import TraceHead
@@ -21,8 +20,6 @@ from campaigns.results.scene import Scene
 from campaigns.results.trace import Closest as StoredClosest
 from campaigns.results.trace import TraceColumn
 from campaigns.stored.replies import FlightReply
-
-Floats = NDArray[np.float64]
 
 ROWS = 800
 """Maximum number of points of a drawn flight."""
@@ -90,7 +87,6 @@ class Flight:
         return self.axes.attitude(self._angles) if self.turns is None else _unit(self.turns)
 
     def obstacle(self, number: int, time: float) -> Floats:
-        """The centre of a moving obstacle at a time."""
         return _between(time, self.time, self.tracks[number])
 
     def velocity(self, time: float) -> Floats:
@@ -103,7 +99,6 @@ class Flight:
 
     @property
     def typical_speed(self) -> float:
-        """The median of the speed over the stored rows [m/s]."""
         return float(np.median(np.linalg.norm(self._velocity, axis=1)))
 
     @cached_property
@@ -127,7 +122,6 @@ def rate(time: Floats, rows: Floats) -> Floats:
 
 
 def _unit(turns: Floats) -> Floats:
-    """Quaternions (..., 4) of length 1."""
     found: Floats = turns / np.maximum(np.linalg.norm(turns, axis=-1, keepdims=True), 1e-12)
     return found
 
@@ -174,8 +168,8 @@ def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], hea
         rotation=pose[known, 3:],
         separation=separation[known],
         tracks={number: axes.drawn(track[known]) for number, track in tracks.items()},
-        parameters=dict(head.parameters),
         closest=_closest(head.closest, axes),
+        parameters=head.parameters,
         cost=head.cost,
         status=head.status,
         reason=head.reason,
@@ -200,8 +194,8 @@ def _of_simulator(
         rotation=np.zeros((count, 3)),
         separation=np.full(count, np.nan),
         tracks=found.tracks,
-        parameters=dict(head.parameters),
         closest=None,
+        parameters=head.parameters,
         cost=head.cost,
         status=head.status,
         reason=head.reason,

@@ -10,12 +10,10 @@ Rgb = tuple[int, int, int]
 
 
 def rgb(colour: str) -> Rgb:
-    """The three bytes of #rrggbb."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
 def shade(colour: Rgb, fraction: float) -> Rgb:
-    """The colour at that fraction of its brightness."""
     red, green, blue = (int(fraction * part) for part in colour)
     return red, green, blue
 
@@ -51,7 +49,6 @@ class Palette:
     sampled: str
 
     def method(self, look: MethodLook | None) -> str:
-        """The fixed colour of a search method; grey for one that declares none."""
         if look is None:
             return self.nominal
         return look.dark if self.dark else look.colour

@@ -16,8 +16,6 @@ from campaigns.runs import ENDED
 
 
 class Progress:
-    """The results of a run so far, polled while it is active."""
-
     def __init__(self, setting: Setting, run_id: int, shown: str = WORST) -> None:
         """`shown` is the flight shown with the nominal one."""
         self._setting, self._run_id, self.shown = setting, run_id, shown
@@ -32,11 +30,9 @@ class Progress:
 
     @property
     def choices(self) -> list[str]:
-        """The flights that can be selected: findings, or the nominal flight alone."""
         return [*self.findings, NOMINAL]
 
     def show(self, label: str, reader: sa.Connection) -> None:
-        """Select another flight to be shown with the nominal one."""
         if self.shown != NOMINAL:
             self.flights.pop(self.shown, None)
             self._seen.pop(self.shown, None)
@@ -44,7 +40,6 @@ class Progress:
         self.look(reader)
 
     def look(self, reader: sa.Connection) -> bool:
-        """Read new results; true if there are any."""
         before = self._state()
         self.over = reader.scalar(sa.select(Run.state).where(Run.id == self._run_id)) in ENDED
         shown = sa.select(Trace.name, Trace.meta).where(

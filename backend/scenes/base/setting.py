@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
-from numpy.typing import NDArray
 
 from backend.catalog.looks import Looks, looks
 from backend.catalog.service import described
@@ -18,7 +18,7 @@ from backend.results import service as results
 from backend.runs.service import campaign
 from backend.runs.versions import readable
 from backend.scenes.base import declared
-from backend.scenes.base.axes import Axes, axes_of
+from backend.scenes.base.axes import Axes, Floats, axes_of
 from backend.scenes.base.flight import from_stored
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ComponentEntry, ParameterEntry
@@ -31,13 +31,8 @@ from campaigns.runs import run_name
 NOMINAL, WORST = "nominal", "F1"
 
 
-Floats = NDArray[np.float64]
-
-
 @dataclass(frozen=True)
 class Uncertain:
-    """One uncertain parameter in its unit."""
-
     path: str
     symbol: str
     unit: str
@@ -99,7 +94,6 @@ class Setting:
 
     @property
     def one(self) -> str:
-        """The word for what is drawn."""
         return "flight" if self.clears else "case"
 
     @property
@@ -109,7 +103,6 @@ class Setting:
         return 4 if size == 0 else max(0, min(8, 3 - math.floor(math.log10(size) + 1e-12)))
 
     def look(self, number: int) -> ObstacleLook | None:
-        """The look of an obstacle; None if it declares none."""
         if self.scene is not None:
             return declared.looks(self.scene)[number]
         return self.drawn.obstacle(self.obstacles[number]) if number < len(self.obstacles) else None
@@ -124,81 +117,70 @@ class Setting:
 
 def drawable(reader: sa.Connection, run_id: int) -> Campaign:
     """The campaign of a run that can be drawn; 404 if it evaluates a simulator whose traces declare no positions."""
-    asked = campaign(reader, run_id)
-    if asked.scenario is None and scene_of(reader, run_id) is None:
+    run_campaign = campaign(reader, run_id)
+    if run_campaign.scenario is None and scene_of(reader, run_id) is None:
         text = (
             f"{run_name(run_id)} evaluates a simulator, and no stored trace of it states which columns are positions: "
             "it has no 3D view. Declare them under `scene` in its descriptor or decorator"
         )
         raise RefusedError(404, "not-found", text)
-    return asked
+    return run_campaign
 
 
 def scene_of(reader: sa.Connection, run_id: int) -> Scene | None:
     """What a simulator declares with its stored traces, the nominal one first; None without any."""
     nominal = sa.case((Trace.name == NOMINAL, 0), else_=1)
     heads = reader.execute(sa.select(Trace.meta).where(Trace.run_id == run_id).order_by(nominal, Trace.name)).scalars()
-    given = next((head["scene"] for head in heads if head.get("scene")), None)
-    if given is None:
+    declaration = next((head["scene"] for head in heads if head.get("scene")), None)
+    if declaration is None:
         return None
     with readable("the 3D view of this run"):
-        return Scene.model_validate(given)
+        return Scene.model_validate(declaration)
 
 
 def load(reader: sa.Connection, run_id: int) -> Setting:
     """The setting of a run; 404 if there is no such run, or nothing of it can be drawn."""
-    asked = drawable(reader, run_id)
-    if asked.scenario is None:
-        return _declared(reader, run_id, asked)
+    campaign = drawable(reader, run_id)
+    if campaign.scenario is None:
+        return _declared(reader, run_id, campaign)
     catalogue = described(reader, run_id)
-    known = {} if catalogue is None else parameters(asked, catalogue)
-    values = _given(asked) | {path: nominal for path, (_, nominal) in known.items()}
-    scenario = asked.given_scenario
+    known = {} if catalogue is None else parameters(campaign, catalogue)
+    values = _given(campaign) | {path: nominal for path, (_, nominal) in known.items()}
+    scenario = campaign.given_scenario
     vehicle = None if catalogue is None else catalogue.component("vehicle", scenario.vehicle.component)
-    criterion = None if catalogue is None else catalogue.component("criterion", asked.criterion.component)
+    criterion = None if catalogue is None else catalogue.component("criterion", campaign.criterion.component)
     axes = _axes(reader, run_id, vehicle)
     start, goal = _place(values, "start", axes), _place(values, "goal", axes)
     return Setting(
-        run=run_name(run_id),
-        title=asked.name,
-        digest=asked.digest,
-        document=asked.document(),
+        **_same(reader, run_id, campaign, catalogue),
         planar=vehicle.dimension == 2 if vehicle else axes.frame == "enu",
         axes=axes,
         vehicle=scenario.vehicle.component,
         start=np.zeros(3) if start is None else start,
         goal=goal,
-        course=_course(values, axes, scenario.horizon, _climbs(asked, catalogue, axes)) if goal is None else None,
+        course=_course(values, axes, scenario.horizon, _climbs(campaign, catalogue, axes)) if goal is None else None,
         values=values,
-        moving=_moving(asked, catalogue),
-        threshold=asked.criterion.threshold,
+        moving=_moving(campaign, catalogue),
         to_surface=criterion is not None and criterion.measured_to == "surface",
         quantity=criterion.quantity if criterion else "",
         unit=criterion.unit if criterion else "",
         horizon=scenario.horizon,
-        uncertain=_uncertain(asked, known),
-        methods=_methods(asked, catalogue),
-        drawn=looks(reader, run_id),
         obstacles=tuple(part.component for part in scenario.obstacles),
     )
 
 
-def _declared(reader: sa.Connection, run_id: int, asked: Campaign) -> Setting:
-    """The setting of a simulator's run, from its declaration and its stored traces alone."""
+def _declared(reader: sa.Connection, run_id: int, campaign: Campaign) -> Setting:
     scene, catalogue = scene_of(reader, run_id), described(reader, run_id)
     assert scene is not None
-    entry = None if catalogue is None or asked.simulator is None else catalogue.simulator(asked.simulator.name)
-    result = None if entry is None else entry.result(asked.criterion.result)
+    entry = None if catalogue is None or campaign.simulator is None else catalogue.simulator(campaign.simulator.name)
+    result = None if entry is None else entry.result(campaign.criterion.result)
     stored = sa.select(Trace.name).where(Trace.run_id == run_id)
     flights = [from_stored(results.stored(reader, run_id, name)) for name in reader.scalars(stored).all()]
     there = [flight for flight in flights if flight is not None]
     nominal = results.stored(reader, run_id, NOMINAL)
     first = (None if nominal is None else from_stored(nominal)) or next(iter(there), None)
     return Setting(
-        run=run_name(run_id),
-        title=asked.name,
-        digest=asked.digest,
-        document=asked.document(),
+        **_same(reader, run_id, campaign, catalogue),
         planar=scene.planar,
         axes=declared.axes_in(scene),
         vehicle="",
@@ -207,29 +189,39 @@ def _declared(reader: sa.Connection, run_id: int, asked: Campaign) -> Setting:
         course=None,
         values=declared.values(scene),
         moving=[False] * len(scene.obstacles) + [True] * len(scene.bodies),
-        threshold=asked.criterion.threshold,
         to_surface=False,
         quantity=result.quantity if result else "",
         unit=result.unit if result else "",
         horizon=max([0.0, *(float(flight.time[-1]) for flight in there)]) or 1.0,
-        uncertain=_uncertain(asked, {} if catalogue is None else parameters(asked, catalogue)),
-        methods=_methods(asked, catalogue),
-        drawn=looks(reader, run_id),
         scene=scene,
     )
 
 
-def _given(asked: Campaign) -> dict[str, float]:
+def _same(reader: sa.Connection, run_id: int, campaign: Campaign, catalogue: Catalogue | None) -> dict[str, Any]:
+    """The fields that a scenario and a simulator have in the same form."""
+    return {
+        "run": run_name(run_id),
+        "title": campaign.name,
+        "digest": campaign.digest,
+        "document": campaign.document(),
+        "threshold": campaign.criterion.threshold,
+        "uncertain": _uncertain(campaign, {} if catalogue is None else parameters(campaign, catalogue)),
+        "methods": _methods(campaign, catalogue),
+        "drawn": looks(reader, run_id),
+    }
+
+
+def _given(campaign: Campaign) -> dict[str, float]:
     """The values that the campaign itself gives, by path, also for unknown components."""
-    scenario = asked.given_scenario
+    scenario = campaign.given_scenario
     groups = {"start": scenario.start, "goal": scenario.goal}
     groups |= {f"obstacles.{i}": part.parameters for i, part in enumerate(scenario.obstacles)}
     return {f"{prefix}.{name}": value for prefix, values in groups.items() for name, value in values.items()}
 
 
-def _moving(asked: Campaign, catalogue: Catalogue | None) -> list[bool]:
+def _moving(campaign: Campaign, catalogue: Catalogue | None) -> list[bool]:
     entries = [
-        catalogue.component("obstacle", o.component) if catalogue else None for o in asked.given_scenario.obstacles
+        catalogue.component("obstacle", o.component) if catalogue else None for o in campaign.given_scenario.obstacles
     ]
     return [entry is not None and entry.moving for entry in entries]
 
@@ -246,9 +238,9 @@ def _place(values: Mapping[str, float], prefix: str, axes: Axes) -> Floats | Non
     return axes.drawn(np.array([values.get(f"{prefix}.{axis}", 0.0) for axis in "xyz"]))
 
 
-def _climbs(asked: Campaign, catalogue: Catalogue | None, axes: Axes) -> float:
+def _climbs(campaign: Campaign, catalogue: Catalogue | None, axes: Axes) -> float:
     """The sign of z for a positive climb: up in the axes of the avoider, for any vehicle."""
-    avoider = None if catalogue is None else catalogue.component("avoider", asked.given_scenario.avoider.component)
+    avoider = None if catalogue is None else catalogue.component("avoider", campaign.given_scenario.avoider.component)
     return 1.0 if ((avoider.written_in if avoider else "") or axes.frame) == "enu" else -1.0
 
 
@@ -265,18 +257,18 @@ def _course(values: Mapping[str, float], axes: Axes, horizon: float, climbs: flo
     return end
 
 
-def _uncertain(asked: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]) -> list[Uncertain]:
+def _uncertain(campaign: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]) -> list[Uncertain]:
     """Parameters of unknown components are omitted."""
-    if not known.keys() >= asked.uncertain.keys():
+    if not known.keys() >= campaign.uncertain.keys():
         return []
-    rows = [(path, bounds, *known[path]) for path, bounds in asked.uncertain.items()]
+    rows = [(path, bounds, *known[path]) for path, bounds in campaign.uncertain.items()]
     return [
         Uncertain(path, entry.symbol, entry.unit, entry.text, nominal, *bounds.interval(nominal))
         for path, bounds, entry, nominal in rows
     ]
 
 
-def _methods(asked: Campaign, catalogue: Catalogue | None) -> list[tuple[int, str, str]]:
+def _methods(campaign: Campaign, catalogue: Catalogue | None) -> list[tuple[int, str, str]]:
     titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods}
-    first = 1 + (asked.stages.sensitivity is not None)
-    return [(first + i, s.method, titles.get(s.method, s.method)) for i, s in enumerate(asked.stages.search)]
+    first = 1 + (campaign.stages.sensitivity is not None)
+    return [(first + i, s.method, titles.get(s.method, s.method)) for i, s in enumerate(campaign.stages.search)]

@@ -34,7 +34,6 @@ class Pace:
         self._left, self._at = burst, time.monotonic()
 
     async def wait(self) -> None:
-        """Return when one more message is allowed."""
         now = time.monotonic()
         self._left, self._at = min(self._burst, self._left + (now - self._at) * self._rate) - 1, now
         if self._left < 0:
@@ -48,11 +47,11 @@ def refusal(message: bytes | str) -> str:
     if len(message) > LARGEST:
         return f"a message has at most {LARGEST} bytes"
     try:
-        given = _messages.Message.deserialize(message)
+        content = _messages.Message.deserialize(message)
     except Exception:  # decoding arbitrary bytes may raise any exception
         return "not a message of viser"
-    if not isinstance(given, ALLOWED):
-        return f"{type(given).__name__[:60]} is not allowed here"
-    if isinstance(given, _messages.GuiUpdateMessage) and set(given.updates) != {"value"}:
+    if not isinstance(content, ALLOWED):
+        return f"{type(content).__name__[:60]} is not allowed here"
+    if isinstance(content, _messages.GuiUpdateMessage) and set(content.updates) != {"value"}:
         return "only the value of an element can be changed"
     return ""

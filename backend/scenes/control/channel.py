@@ -60,10 +60,10 @@ async def get_view(
     ),
 )
 async def change_view(
-    run: RunName, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
+    run: RunName, key: Key, change: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
 ) -> ViewState:
     """Change an open 3D view, `/view/RUN/key/KEY/`; returns its new state."""
-    return await _answer(request, run, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(given))
+    return await _answer(request, run, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(change))
 
 
 async def _answer(
@@ -78,7 +78,9 @@ async def _answer(
     if viewer is None:
         await capacities(request).views.run(lambda: _without_view(request, handle))
         full = viewers.full(handle.visitor)
-        raise _full(full) if full and not viewers.stopping.is_set() else _gone(handle)
+        if full and not viewers.stopping.is_set():
+            raise RefusedError(503, "busy", f"{full}: close one that is not needed, then try again")
+        raise _gone(handle)
     try:
         return await capacities(request).views.run(lambda: ask(viewer))
     except FailedError:
@@ -96,10 +98,6 @@ def _without_view(request: Request, handle: Handle) -> None:
     with read(request.app.state.engine) as reader:
         refuse_purged(reader, handle.run_id)
         drawable(reader, handle.run_id)
-
-
-def _full(why: str) -> RefusedError:
-    return RefusedError(503, "busy", f"{why}: close one that is not needed, then try again")
 
 
 def _gone(handle: Handle) -> RefusedError:

@@ -101,11 +101,11 @@ async def _carry(socket: WebSocket, back: websockets.ClientConnection, stopping:
     async def up() -> None:
         pace = Pace()
         while (message := await socket.receive())["type"] != "websocket.disconnect":
-            given = message.get("bytes") or message.get("text") or b""
-            if reason := refusal(given):
+            data = message.get("bytes") or message.get("text") or b""
+            if reason := refusal(data):
                 raise RefusedMessageError(reason)
             await pace.wait()
-            await back.send(given)
+            await back.send(data)
 
     async def down() -> None:
         async for message in back:

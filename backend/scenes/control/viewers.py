@@ -28,8 +28,6 @@ class Handle:
 
 
 class Viewers:
-    """Counts the open viewers, and finds those that were opened with a key."""
-
     def __init__(self, most: int, most_each: int) -> None:
         """most, most_each: maximum number of open viewers, in total and per session or token."""
         self.open, self.most, self.most_each = 0, most, most_each
@@ -50,7 +48,6 @@ class Viewers:
         return True
 
     def leave(self, visitor: Visitor) -> None:
-        """Release a viewer of this visitor."""
         self.open -= 1
         self._of[visitor.key] -= 1
         if not self._of[visitor.key]:
@@ -65,7 +62,6 @@ class Viewers:
         return ""
 
     def stop(self) -> None:
-        """End all viewers, and accept no new ones."""
         self.most = 0
         self.stopping.set()
         self._tell()

@@ -34,8 +34,8 @@ class Wakeful(asyncio.Event):
 _create = AsyncMessageBuffer.__init__
 
 
-def _wakeful(buffer: AsyncMessageBuffer, *given: Any, **named: Any) -> None:
-    _create(buffer, *given, **named)
+def _wakeful(buffer: AsyncMessageBuffer, *arguments: Any, **named: Any) -> None:
+    _create(buffer, *arguments, **named)
     buffer.message_event = Wakeful()
 
 

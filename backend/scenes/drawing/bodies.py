@@ -11,13 +11,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from backend.scenes.base.axes import Axes, rotated
+from backend.scenes.base.axes import Axes, Floats, rotated
 from backend.scenes.base.flight import Flight
-from backend.scenes.base.looks import ObstacleLook, undeclared
-
-Floats = NDArray[np.float64]
+from campaigns.looks import ObstacleLook
 
 ALIKE = 2e-3
 """Tracks that differ by less than this fraction of the scene cannot be distinguished."""
@@ -38,7 +35,6 @@ class Body:
     """For a moving obstacle, the flight that contains its track."""
 
     def at(self, time: float) -> Floats:
-        """The centre of the obstacle at a time [s]."""
         return self.place if self.flight is None else self.flight.obstacle(self.number, time)
 
     def heading(self, time: float) -> Floats:
@@ -64,7 +60,6 @@ class Body:
 
     @property
     def extent(self) -> float:
-        """Maximum extent from its centre [m]."""
         if self.kind == "round":
             return self.size[0]
         if self.kind == "cylinder":
@@ -105,13 +100,13 @@ def _direction(vector: Floats) -> Floats:
 
 def _outline(at: Floats, half: Floats) -> Floats:
     """The nearest point of a box's outline, in its own axes; a planar box has no top and bottom faces."""
-    held: Floats = np.clip(at, -half, half)
-    if (held != at).any():
-        return held
+    point: Floats = np.clip(at, -half, half)
+    if (point != at).any():
+        return point
     to_face = np.where(half > 0.0, half - np.abs(at), np.inf)
     axis = int(np.argmin(to_face))
-    held[axis] = np.copysign(half[axis], at[axis])
-    return held
+    point[axis] = np.copysign(half[axis], at[axis])
+    return point
 
 
 def _apart(one: Body, other: Body) -> float:
@@ -126,13 +121,11 @@ def _apart(one: Body, other: Body) -> float:
 
 
 def bodies_of(looks: Sequence[ObstacleLook | None], values: Mapping[str, float], flight: Flight) -> list[Body]:
-    """The obstacles of these looks in that flight; `values` are the nominal parameters by path."""
-    given = {**values, **flight.parameters}
-    return [body_of(number, given, flight.axes, flight, look) for number, look in enumerate(looks)]
+    parameters = {**values, **flight.parameters}
+    return [body_of(number, parameters, flight.axes, flight, look) for number, look in enumerate(looks)]
 
 
 def nearest(bodies: list[Body], place: Floats, time: float) -> Body | None:
-    """The body whose centre is nearest to a position at a time [s]."""
     return min(bodies, key=lambda body: float(np.linalg.norm(body.at(time) - place)), default=None)
 
 
@@ -163,3 +156,16 @@ def body_of(
     if look.shape == "cylinder":
         return Body(number, "cylinder", (value(look.radius), value(look.height)), place, turn, follows)
     return Body(number, "round", (value(look.radius),), place, turn, follows)
+
+
+def undeclared(names: Mapping[str, float]) -> ObstacleLook:
+    """The look of an obstacle that declares none, as in snapshots of earlier versions.
+
+    Its shape depends on which of the parameters length, width, height and radius it has.
+    """
+    angle = "angle" if "angle" in names else ""
+    height = "height" if "height" in names else ""
+    if "length" in names:
+        return ObstacleLook(shape="box", height=height, sides=("length", "width"), angle=angle)
+    radius = "radius" if "radius" in names else ""
+    return ObstacleLook(shape="cylinder" if height else "sphere", radius=radius, height=height, angle=angle)

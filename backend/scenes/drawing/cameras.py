@@ -7,14 +7,15 @@ closest obstacle, so these two move with time.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+import viser
 
 from backend.scenes.base.address import Camera
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.flight import Closest
 
-Floats = NDArray[np.float64]
 Pose = tuple[Floats, Floats]
 """Position and target of a camera [m]."""
 
@@ -44,8 +45,6 @@ class Scene:
 
 @dataclass(frozen=True)
 class Sight:
-    """The observed flight at one time."""
-
     vehicle: Floats
     forward: Floats
     """The direction in which its nose points."""
@@ -75,6 +74,15 @@ def pose(camera: Camera, scene: Scene, sight: Sight | None, aspect: float = ASPE
         points = middle + reach * np.array([*np.eye(3), *-np.eye(3)])
     direction = np.array(TOWARDS[kind]) / np.linalg.norm(TOWARDS[kind])
     return middle + distance(points - middle, direction, aspect) * direction, middle
+
+
+def begin_at(server: viser.ViserServer, begin: Pose, span: float) -> None:
+    """Set the initial camera of a scene of that span [m]."""
+    initial: Any = server.initial_camera
+    initial.fov = FIELD_OF_VIEW
+    initial.position, initial.look_at = begin
+    # viser draws the background at one metre; a farther near plane would clip it.
+    initial.near, initial.far = min(0.005 * span, 0.5), 100 * span
 
 
 def _behind(sight: Sight, unit: float) -> Pose:

@@ -12,12 +12,14 @@ from typing import Any, Literal
 import numpy as np
 import viser
 
-from backend.scenes.base.flight import Closest, Flight, Floats
+from backend.scenes.base.axes import Floats
+from backend.scenes.base.flight import Closest, Flight
 from backend.scenes.base.palette import rgb, shade
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import Body, bodies_of
 from backend.scenes.drawing.labels import Anchor, Label, Tag
+from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.trail import Trail
 from backend.scenes.drawing.world import World
 
@@ -48,10 +50,9 @@ class Style:
 
 
 class Drawn:
-    """A flight in the scene; redrawn in place when it changes."""
-
     def __init__(self, server: viser.ViserServer, setting: Setting, world: World, style: Style) -> None:
         self._scene, self._setting, self._world, self.style = server.scene, setting, world, style
+        self._solids = Solids(server)
         self.flight: Flight | None = None
         self.bodies: list[Body] = []
         """The obstacles of this flight."""
@@ -78,12 +79,10 @@ class Drawn:
         self.move(time)
 
     def clear(self) -> None:
-        """Show no flight until the next one is drawn."""
         self.flight, self.bodies = None, []
         self._root.visible = False
 
     def restyle(self, time: float, title: str | None = None, colour: str | None = None) -> None:
-        """Change the title or the colour of the flight."""
         self.style = replace(self.style, title=title or self.style.title, colour=colour or self.style.colour)
         if colour is not None:
             self._vehicle = None
@@ -98,16 +97,13 @@ class Drawn:
 
     @property
     def tag(self) -> Tag | None:
-        """The label of the closest approach, if it is visible."""
         return self._tag if self.seen else None
 
     @property
     def seen(self) -> bool:
-        """Whether there is a flight and it is visible."""
         return self.visible and self.flight is not None
 
     def move(self, time: float) -> None:
-        """Move the vehicle to its position at that time [s]."""
         if self.flight is not None:
             position, turn, _ = self.flight.at(time)
             self._vehicle.position = position + self._lift
@@ -115,7 +111,6 @@ class Drawn:
             self.trail.move(time, position + self._lift)
 
     def show(self, visible: bool) -> None:
-        """Show or hide it."""
         self.visible = visible
         self._root.visible = visible and self.flight is not None
 
@@ -137,25 +132,15 @@ class Drawn:
 
     def _line(self, part: str, segments: Any, width: float, soft: bool = False) -> None:
         colour = rgb(self._world.palette.soft if soft else self.style.colour)
-        self._scene.add_line_segments(
-            self._name(part), segments.astype(np.float32), colour, thickness=width, thickness_units="screen"
-        )
+        self._solids.line(self._name(part), segments, colour, width)
 
     def _build_vehicle(self) -> Any:
         frame = self._scene.add_frame(self._name("vehicle"), show_axes=False)
         body, rest = _shape(self._setting)
         dark = shade(rgb(self.style.colour), 0.6)
         for part, mesh, colour in (("body", body, rgb(self.style.colour)), ("rest", rest, dark)):
-            self._scene.add_mesh_simple(
-                self._name(f"vehicle/{part}"),
-                (self._world.frame.unit * mesh.vertices).astype(np.float32),
-                mesh.faces.astype(np.uint32),
-                color=colour,
-                flat_shading=True,
-                side="double",
-                cast_shadow=False,
-                receive_shadow=False,
-            )
+            scaled = shapes.Mesh(self._world.frame.unit * mesh.vertices, mesh.faces)
+            self._solids.mesh(self._name(f"vehicle/{part}"), scaled, colour)
         return frame
 
     def _closest(self, closest: Closest | None) -> None:
@@ -172,8 +157,7 @@ class Drawn:
         text = f"{self.style.title} {closest.value:.{self._setting.decimals}f} {self._setting.unit}"
         place, anchor = self._label_place(closest)
         label = Label(self._name("label"), text, place, anchor, 0.9)
-        node = self._scene.add_label(label.name, text, position=place, anchor=anchor, font_screen_scale=label.size)
-        self._tag = Tag(label, node, np.zeros(3))
+        self._tag = Tag(label, self._solids.label(label), np.zeros(3))
 
     @property
     def _body(self) -> float | None:

@@ -22,8 +22,6 @@ from backend.scenes.drawing.world import World
 
 
 class Flights(Part):
-    """Draws the flights by role; only changed ones are redrawn."""
-
     def __init__(
         self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, progress: Progress
     ) -> None:
@@ -59,14 +57,12 @@ class Flights(Part):
         return bool(new)
 
     def choose(self) -> None:
-        """Draw the finding that is selected now, or none."""
         self.chosen.clear()
         self.chosen.restyle(self.time, title=called(self._progress.shown))
         if not self.stored():
             self.obstacles.update(self.every, self.time)
 
     def show_what_if(self, flight: Flight | None) -> None:
-        """Show this what-if flight, or none."""
         if flight is None:
             self.what_if.clear()
         else:
@@ -79,14 +75,12 @@ class Flights(Part):
             drawn.trail.show(so_far, self.time, None if drawn.flight is None else drawn.place(self.time))
 
     def moved(self, time: float) -> None:
-        """Move vehicles and obstacles to their positions at that time [s]."""
         self.time = time
         for drawn in self.every:
             drawn.move(time)
         self.obstacles.move(time)
 
     def paint(self, palette: Palette) -> None:
-        """Draw the flights in other colours."""
         colours = (palette.nominal, palette.worst, palette.what_if)
         for drawn, colour in zip(self.every, colours, strict=True):
             drawn.restyle(self.time, colour=colour)
@@ -99,7 +93,6 @@ class Flights(Part):
 
     @property
     def alone(self) -> bool:
-        """Whether the nominal flight is shown without a finding."""
         return self._progress.shown == NOMINAL
 
     @property
@@ -129,5 +122,4 @@ class Flights(Part):
 
 
 def called(shown: str) -> str:
-    """The title of a selected flight."""
     return "Worst" if shown == WORST else shown

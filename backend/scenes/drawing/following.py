@@ -18,8 +18,9 @@ import viser
 from viser._messages import ViewerCameraMessage
 
 from backend.scenes.base.address import Camera
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.part import Part
-from backend.scenes.drawing.cameras import ASPECT, FIELD_OF_VIEW, MOVING, Floats, Pose, pose
+from backend.scenes.drawing.cameras import ASPECT, MOVING, Pose, begin_at, pose
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.labels import HEIGHT, View
 from backend.scenes.drawing.world import World
@@ -67,52 +68,40 @@ class Following(Part):
     def first(self, time: float) -> None:
         """Set the initial camera, also used by "Reset View"."""
         self._time = time
-        span = self._world.frame.span
-        initial: Any = self._server.initial_camera
-        initial.fov = FIELD_OF_VIEW
-        initial.position, initial.look_at = self._remembered(self._pose(self.camera or "overview"))
-        # viser draws the background at one metre; a farther near plane would clip it.
-        initial.near, initial.far = min(0.005 * span, 0.5), 100 * span
+        begin_at(self._server, self._remembered(self._pose(self.camera or "overview")), self._world.frame.span)
 
     def set(self, camera: Camera | None) -> None:
-        """Set the camera, and follow it if it moves."""
         with self._lock:
             self.camera, self._place, self._heard, self._due, self._next = camera, None, False, camera is not None, 0.0
         self._wake()
 
     def place(self, eye: Pose) -> None:
-        """Move to an unnamed position and stay there."""
         with self._lock:
             self.camera, self._place, self._heard, self._due, self._next = None, eye, False, True, 0.0
         self._wake()
 
     @property
     def eye(self) -> Pose | None:
-        """The unnamed camera position; None if unknown."""
         return self._place or self._at
 
     @property
     def view(self) -> View:
-        """The camera, named or not, and the size of the viewport."""
         found = self._pose(self.camera) if self.camera is not None else self.eye or self._pose("overview")
         return View(*found, *self._size)
 
     def moved(self, time: float) -> None:
-        """Follow the time as soon as allowed."""
         self._time = time
         if self.camera in MOVING:
             self._due = True
             self._wake()
 
     def changed(self) -> None:
-        """Follow the closest approach of the current flight."""
         if self.camera in (*MOVING, "encounter"):
             self._due = True
             self._wake()
 
     @property
     def due(self) -> bool:
-        """Whether the camera must be moved."""
         return self._due
 
     def work(self, now: float) -> None:
@@ -167,7 +156,7 @@ class Following(Part):
                 # Wait as long again as the confirmation took: about one frame, and at most 30 per second.
                 now = time.monotonic()
                 self._next = min(self._next, max(now + min(now - self._last, PATIENCE), self._last + 0.9 * FRAME))
-            if any(float(np.linalg.norm(eye - told)) <= near for told in self._told):
+            if any(float(np.linalg.norm(eye - position)) <= near for position in self._told):
                 self._heard = True
             elif self._heard and self.camera is not None:
                 self.camera, self._due, self._left = None, False, True

@@ -13,12 +13,11 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.part import Part
 from backend.scenes.drawing.cameras import ASPECT, FIELD_OF_VIEW
 
-Floats = NDArray[np.float64]
 Anchor = Literal[
     "top-left",
     "top-center",
@@ -51,8 +50,6 @@ ANCHORS: tuple[Anchor, ...] = (
 
 @dataclass(frozen=True)
 class View:
-    """A camera and the size of its window [px]."""
-
     eye: Floats
     target: Floats
     width: float = ASPECT * HEIGHT
@@ -119,8 +116,6 @@ class Tag:
 
 @dataclass(frozen=True, eq=False)
 class Spot:
-    """Where a label is."""
-
     place: Floats
     anchor: Anchor
     wanted: Floats
@@ -141,12 +136,10 @@ class Box:
     bottom: float
 
     def meets(self, other: Box) -> bool:
-        """Whether both have more than an edge in common."""
         across = self.left < other.right and other.left < self.right
         return across and self.top < other.bottom and other.top < self.bottom
 
     def within(self, view: View) -> bool:
-        """Whether the window shows all of it."""
         return self.left >= 0 and self.top >= 0 and self.right <= view.width and self.bottom <= view.height
 
 
@@ -189,8 +182,6 @@ def overlapping(labels: Sequence[Label], view: View, spots: Mapping[str, Spot | 
 
 
 class Labels(Part):
-    """Arranges the labels that the parts of a scene have drawn."""
-
     def __init__(self, tags: Callable[[float], Iterable[Tag]], view: Callable[[], View]) -> None:
         """tags: the visible labels at a time [s], the first ones having precedence; view: the camera now."""
         self._tags, self._view = tags, view
@@ -199,12 +190,10 @@ class Labels(Part):
         self._seen_from: View | None = None
 
     def moved(self, time: float) -> None:
-        """Place the labels of things that have moved [s]."""
         self._time = time
         self.arrange()
 
     def changed(self) -> None:
-        """Place the labels of the current flights."""
         self.arrange()
 
     @property
@@ -265,7 +254,6 @@ def _unit(vector: Floats) -> Floats:
 
 
 def put(tag: Tag, spot: Spot | None) -> None:
-    """Move a label; sends nothing if it is there."""
     node = tag.node
     if node.visible != (spot is not None):
         node.visible = spot is not None

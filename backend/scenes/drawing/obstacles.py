@@ -26,8 +26,6 @@ from backend.scenes.drawing.world import World
 
 @dataclass(eq=False)
 class _Group:
-    """One obstacle in the state shared by some flights."""
-
     name: str
     body: Body
     members: list[Drawn] = field(default_factory=list)
@@ -71,15 +69,12 @@ class _Group:
 
 
 class Obstacles:
-    """All obstacles of a scene."""
-
     def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette, world: World) -> None:
         self._scene, self._setting, self._palette, self._world = server.scene, setting, palette, world
         self._solids = Solids(server)
         self._groups: list[_Group] = []
 
     def update(self, drawn: Sequence[Drawn], time: float) -> None:
-        """Redraw the obstacles of the current flights at that time [s]."""
         before = {group.name: group for group in self._groups}
         self._groups = self._grouped([one for one in drawn if one.flight is not None])
         new = [group for group in self._groups if not group.takes_over(before, self._world.frame.span)]
@@ -92,18 +87,15 @@ class Obstacles:
         self.move(time)
 
     def move(self, time: float) -> None:
-        """Move the moving obstacles to their positions at that time [s]."""
         for group in self._groups:
             group.move(time)
 
     def show(self) -> None:
-        """Show the obstacles of visible flights."""
         for group in self._groups:
             for node in group.nodes:
                 node.visible = group.visible
 
     def tags(self, time: float) -> Iterator[Tag]:
-        """The labels of visible obstacles at a time [s]."""
         for group in self._groups:
             if group.visible and group.wanted is not None:
                 centre = group.body.at(time)
@@ -116,7 +108,6 @@ class Obstacles:
                 yield group.body, shade(self._colour(group), 0.8)
 
     def paint(self, palette: Palette, time: float) -> None:
-        """Apply the colours of another theme."""
         self._palette = palette
         for group in self._groups:
             for node in group.nodes:
@@ -166,7 +157,6 @@ class Obstacles:
         self._label(group)
 
     def _colour(self, group: _Group) -> Rgb:
-        """The colour of its flight if flights differ in it."""
         return rgb(group.members[0].style.colour if group.own else self._palette.obstacle)
 
     def _flat(self, group: _Group, colour: Rgb) -> None:
@@ -253,14 +243,11 @@ class Obstacles:
         off = off if second or not setting.clears else -off
         away = np.array([0.0, off, 0.0] if setting.planar else [0.0, 0.0, off])
         anchor = anchor_of(group.members, "bottom" if second else "top")
-        group.wanted = wanted = Label(f"{group.name}/label", ", ".join(words), away, anchor, 0.8)
-        group.label = self._scene.add_label(
-            wanted.name, wanted.text, position=away, anchor=anchor, font_screen_scale=wanted.size
-        )
+        group.wanted = Label(f"{group.name}/label", ", ".join(words), away, anchor, 0.8)
+        group.label = self._solids.label(group.wanted)
 
 
 def _longer(one: Body, other: Body) -> bool:
-    """Whether the track of one lasts longer than that of the other."""
     if one.flight is None or other.flight is None:
         return False
     return bool(one.flight.time[-1] > other.flight.time[-1])

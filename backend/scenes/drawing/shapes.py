@@ -8,9 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.scenes.base.axes import rotated
+from backend.scenes.base.axes import Floats, rotated
 
-Floats = NDArray[np.float64]
+STEPS = 96
+"""Segments of a circle."""
+MOST_DASHES = 400
 
 
 class Mesh(NamedTuple):
@@ -116,24 +118,23 @@ def _wheel(centre: Floats, radius: float = 0.18) -> Mesh:
 
 
 def join(meshes: list[Mesh]) -> Mesh:
-    """Merge several meshes."""
     offsets = np.cumsum([0, *(len(m.vertices) for m in meshes[:-1])])
     faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
     return Mesh(np.vstack([m.vertices for m in meshes]), np.vstack(faces))
 
 
-def circle(centre: Floats, radius: float, dashes: int | None = None, steps: int = 96) -> Floats:
+def circle(centre: Floats, radius: float, dashes: int | None = None) -> Floats:
     """A horizontal circle as line segments (n, 2, 3); with `dashes`, alternate segments are omitted."""
-    angles = np.linspace(0, 2 * np.pi, steps + 1)
-    points = centre + radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(steps + 1)])
+    angles = np.linspace(0, 2 * np.pi, STEPS + 1)
+    points = centre + radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(STEPS + 1)])
     segments = polyline(points)
     if dashes is None:
         return segments
-    drawn: Floats = segments[(np.arange(steps) * 2 * dashes // steps) % 2 == 0]
+    drawn: Floats = segments[(np.arange(STEPS) * 2 * dashes // STEPS) % 2 == 0]
     return drawn
 
 
-def rounded(centre: Floats, size: Sequence[float], turn: Floats, radius: float, dashes: int = 24) -> Floats:
+def rounded(centre: Floats, size: Sequence[float], turn: Floats, radius: float) -> Floats:
     """The dashed offset curve at `radius` from a horizontal rectangle of that size; rotated by w, x, y, z."""
     quarter = np.linspace(0, np.pi / 2, 25)
     corners = []
@@ -143,7 +144,7 @@ def rounded(centre: Floats, size: Sequence[float], turn: Floats, radius: float, 
         corners.append(arc + 0.5 * np.array([sx * size[0], sy * size[1], 0.0]))
     points = np.vstack([*corners, corners[0][:1]])
     outline = np.array([centre + rotated(turn, p) for p in points])
-    return dashed(outline, float(np.linalg.norm(np.diff(outline, axis=0), axis=1).sum()) / (2 * dashes))
+    return dashed(outline, float(np.linalg.norm(np.diff(outline, axis=0), axis=1).sum()) / (2 * 24))
 
 
 def polyline(points: Floats) -> Floats:
@@ -151,13 +152,13 @@ def polyline(points: Floats) -> Floats:
     return np.stack([points[:-1], points[1:]], axis=1)
 
 
-def dashed(points: Floats, dash: float, most: int = 400) -> Floats:
+def dashed(points: Floats, dash: float) -> Floats:
     """A path (m, 3) as dashes (n, 2, 3) with gaps of equal length; longer ones if there would be too many."""
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     whole = float(lengths[-1])
     if whole <= 0.0:
         return np.empty((0, 2, 3))
-    dash = max(dash, whole / (2 * most))
+    dash = max(dash, whole / (2 * MOST_DASHES))
     begins = np.arange(0.0, whole, 2 * dash)
     ends = np.minimum(begins + dash, whole)
     at = [np.column_stack([np.interp(s, lengths, points[:, k]) for k in range(3)]) for s in (begins, ends)]

@@ -1,4 +1,4 @@
-"""Draws bodies and lines of an obstacle, without shadows."""
+"""Draws bodies, lines and labels, without shadows."""
 
 from __future__ import annotations
 
@@ -9,19 +9,26 @@ import viser
 
 from backend.scenes.base.palette import Rgb
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.world import LINE
+from backend.scenes.drawing.labels import Label
+
+LINE = 2.0
+"""Width of a drawn line [pixels]."""
 
 
 class Solids:
-    """Draws by name; replaces a node of the same name."""
-
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene = server.scene
 
-    def line(self, name: str, segments: Any, colour: Rgb, width: float = LINE) -> Any:
-        """Segments (n, 2, 3) with a line width in pixels."""
+    def line(self, name: str, segments: Any, colour: Any, width: float = LINE) -> Any:
+        """Segments (n, 2, 3) with a line width in pixels; one colour, or one for each end (n, 2, 3)."""
         return self._scene.add_line_segments(
             name, segments.astype(np.float32), colour, thickness=width, thickness_units="screen"
+        )
+
+    def label(self, label: Label) -> Any:
+        """The viser node of a label."""
+        return self._scene.add_label(
+            label.name, label.text, position=label.place, anchor=label.anchor, font_screen_scale=label.size
         )
 
     def ball(

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.palette import rgb, shade
 from backend.scenes.drawing import shapes
-
-Floats = NDArray[np.float64]
+from backend.scenes.drawing.solids import Solids
 
 PIECES = 24
 """The part so far consists of whole pieces and one that is redrawn, so that little is sent per frame."""
@@ -20,10 +19,9 @@ THIN = 1.0
 
 
 class Trail:
-    """Drawn under the node of its flight, which controls its visibility."""
-
     def __init__(self, server: viser.ViserServer, root: str, width: float) -> None:
         self._scene, self._root, self._width = server.scene, root, width
+        self._solids = Solids(server)
         self._so_far = False
         self._colour = "#000000"
         self._time = self._points = np.empty(0)
@@ -70,7 +68,6 @@ class Trail:
 
     @property
     def _length(self) -> int:
-        """Number of rows per piece."""
         return max(1, -(-len(self._points) // PIECES))
 
     def _redraw_pieces(self) -> None:
@@ -87,7 +84,4 @@ class Trail:
         self._last = self._line("flown/last", self._points[[0, 0]], self._width)
 
     def _line(self, part: str, points: Floats, width: float) -> Any:
-        segments = shapes.polyline(points).astype(np.float32)
-        return self._scene.add_line_segments(
-            f"{self._root}/{part}", segments, rgb(self._colour), thickness=width, thickness_units="screen"
-        )
+        return self._solids.line(f"{self._root}/{part}", shapes.polyline(points), rgb(self._colour), width)

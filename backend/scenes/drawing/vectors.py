@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.palette import Palette, Rgb, linear, rgb, shade
 from backend.scenes.base.part import Part
 from backend.scenes.base.setting import Setting
@@ -22,9 +22,8 @@ from backend.scenes.drawing.bodies import nearest
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.labels import Label, Tag
+from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.world import World
-
-Floats = NDArray[np.float64]
 
 LENGTH = 2.5
 """Approximate length of the arrow of a typical velocity [vehicle lengths]."""
@@ -44,7 +43,6 @@ class Speeds:
 
 
 def speeds(drawn: Drawn, time: float) -> Speeds:
-    """The speeds of a drawn flight at a time [s]."""
     assert drawn.flight is not None
     relative = relative_velocity(drawn, time)
     ground = float(np.linalg.norm(drawn.flight.velocity(time)))
@@ -59,12 +57,10 @@ def relative_velocity(drawn: Drawn, time: float) -> Floats | None:
 
 
 class Vectors(Part):
-    """The arrows of all visible flights."""
-
     def __init__(
         self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, flights: Flights
     ) -> None:
-        self._scene, self._setting, self._world, self._flights = server.scene, setting, world, flights
+        self._solids, self._setting, self._world, self._flights = Solids(server), setting, world, flights
         self._palette = palette
         self.velocity, self.relative = True, False
         self._nodes: dict[str, Any] = {}
@@ -81,13 +77,11 @@ class Vectors(Part):
         return shapes.even_step(LENGTH * self._world.frame.unit, typical) if typical > 0 else None
 
     def show(self, *, velocity: bool | None = None, relative: bool | None = None) -> None:
-        """Show or hide the arrows of one kind."""
         self.velocity = self.velocity if velocity is None else velocity
         self.relative = self.relative if relative is None else relative
         self.moved(self._time)
 
     def moved(self, time: float) -> None:
-        """Draw the arrows at that time [s]."""
         self._time = time
         ahead = self.ahead
         self._arrows("velocity", self._velocities(time, ahead) if self.velocity and ahead else [])
@@ -103,11 +97,9 @@ class Vectors(Part):
         self._label(end, f"v rel {np.linalg.norm(relative):.{self.decimals}f} m/s")
 
     def changed(self) -> None:
-        """Draw the arrows for the current flights."""
         self.moved(self._time)
 
     def paint(self, palette: Palette) -> None:
-        """Draw the arrows in other colours."""
         self._palette = palette
         self._remove(*self._nodes)
         self.moved(self._time)
@@ -151,9 +143,7 @@ class Vectors(Part):
             return
         self._colours[kind] = colours
         both = np.repeat(np.array([linear(colour) for colour in colours], dtype=np.uint8)[:, None], 2, axis=1)
-        self._nodes[kind] = self._scene.add_line_segments(
-            f"/vectors/{kind}", points, both, thickness=WIDTH, thickness_units="screen"
-        )
+        self._nodes[kind] = self._solids.line(f"/vectors/{kind}", points, both, WIDTH)
 
     def _label(self, place: Floats | None, text: str) -> None:
         self.tag = None
@@ -165,9 +155,7 @@ class Vectors(Part):
         if node is not None:
             node.position, node.text = place, text
         else:
-            node = self._nodes["label"] = self._scene.add_label(
-                label.name, text, position=place, anchor=label.anchor, font_screen_scale=label.size
-            )
+            node = self._nodes["label"] = self._solids.label(label)
         self.tag = Tag(label, node, np.zeros(3))
 
     def _remove(self, *kinds: str) -> None:

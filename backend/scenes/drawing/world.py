@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.flight import Flight
 from backend.scenes.base.palette import Palette, rgb
 from backend.scenes.base.setting import Setting
@@ -17,14 +17,10 @@ from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.cameras import Scene
 from backend.scenes.drawing.labels import Anchor, Label, Tag
-
-Floats = NDArray[np.float64]
+from backend.scenes.drawing.solids import LINE, Solids
 
 LEAST_HEIGHT = 0.04
 """A scene lower than this fraction of its span has no height scale."""
-
-LINE = 2.0
-"""Width of a drawn line [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +44,9 @@ class Frame:
 
 
 class World:
-    """The fixed part of a scene."""
-
     def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette) -> None:
         self._scene, self._setting, self.palette = server.scene, setting, palette
+        self._solids = Solids(server)
         self._scale: list[Any] = []
         """The nodes of the height scale."""
         self._tags: dict[str, Tag] = {}
@@ -60,7 +55,6 @@ class World:
         self.fit([])
 
     def paint(self, palette: Palette) -> None:
-        """Draw the world in other colours."""
         self.palette = palette
         self._background()
         self._draw()
@@ -185,12 +179,10 @@ class World:
             self._scale.append(self._name(f"/north/height/{k}", text, place, "center-left", fixed=True))
 
     def _line(self, name: str, segments: Floats, colour: str, width: float = LINE) -> Any:
-        return self._scene.add_line_segments(
-            name, segments.astype(np.float32), rgb(colour), thickness=width, thickness_units="screen"
-        )
+        return self._solids.line(name, segments, rgb(colour), width)
 
     def _name(self, name: str, text: str, place: Floats, anchor: Anchor = "top-center", fixed: bool = False) -> Any:
         label = Label(name, text, place, anchor, 0.8, fixed)
-        node = self._scene.add_label(name, text, position=place, anchor=anchor, font_screen_scale=label.size)
+        node = self._solids.label(label)
         self._tags[name] = Tag(label, node, np.zeros(3))
         return node

@@ -31,7 +31,6 @@ class Latest(Generic[Asked]):
             self._changed.notify()
 
     def stop(self) -> None:
-        """Start no further requests."""
         with self._changed:
             self._stopped = True
             self._changed.notify()

@@ -87,8 +87,8 @@ class Live:
         digest: of the campaign, to recognise its first simulation. seed: of one noise realisation; None for those of
         the campaign.
         """
-        request = {"campaign": campaign, "parameters": parameters, "rows": rows} | _noise(seed)
-        found: FlightReply = self._answered(digest, request)
+        request = {"campaign": campaign, "parameters": parameters, "rows": rows, "seed": seed}
+        found: FlightReply = self.ask(digest, request)
         return found
 
     def field(
@@ -104,15 +104,12 @@ class Live:
 
         All in the flight's axes; the response is described in `worker/running/processes/live.py`. Raises `LiveError`.
         """
-        asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
-        found: FieldReply = self._answered(digest, asked | _noise(seed))
+        request = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "seed": seed}
+        found: FieldReply = self.ask(digest, request | {"places": list(places)})
         return found
 
     def ask(self, digest: str, request: Mapping[str, Any]) -> Any:
-        """The response to another request of the command, on the campaign of that digest. Raises `LiveError`."""
-        return self._answered(digest, request)
-
-    def _answered(self, digest: str, request: Mapping[str, Any]) -> Any:
+        """The response to a request of the command, on the campaign of that digest. Raises `LiveError`."""
         for _ in range(MOST_STARTS):
             try:
                 return self._asked_once(digest, request)
@@ -128,8 +125,8 @@ class Live:
                 self._child = _Child(self._command, self._grace)
             child = self._child
             limit = self._limit if digest in child.simulated else self._first_limit
-            asked = child.ask(request, _Asked(digest, limit))
-        return child.wait(asked)
+            pending = child.ask(request, _Asked(digest, limit))
+        return child.wait(pending)
 
     def close(self) -> None:
         """End the child; later requests are refused."""
@@ -137,11 +134,6 @@ class Live:
             self._closed = True
             if self._child is not None:
                 self._child.end("the service is stopping")
-
-
-def _noise(seed: int | None) -> dict[str, int]:
-    """The field of the request to the simulation process."""
-    return {} if seed is None else {"seed": seed}
 
 
 class _Child:
@@ -169,15 +161,14 @@ class _Child:
         threading.Thread(target=self._run, name="live flights", daemon=True).start()
         self._started.wait()
 
-    def ask(self, request: Mapping[str, Any], asked: _Asked) -> _Asked:
-        """Send a request."""
+    def ask(self, request: Mapping[str, Any], pending: _Asked) -> _Asked:
         number = next(self._numbers)
         line = json.dumps({"id": number, **request}, allow_nan=False).encode() + b"\n"
         with self._lock:
             if self.over:
-                asked.answer.set_exception(self._failure(self._why))
-                return asked
-            self._asked[number] = asked
+                pending.answer.set_exception(self._failure(self._why))
+                return pending
+            self._asked[number] = pending
         try:
             assert self._process is not None
             assert self._process.stdin is not None
@@ -185,20 +176,20 @@ class _Child:
             self._process.stdin.flush()
         except OSError:
             self.end(_ENDED)
-        return asked
+        return pending
 
-    def wait(self, asked: _Asked) -> Any:
+    def wait(self, pending: _Asked) -> Any:
         """The response; ends the child if the current request exceeds its time limit."""
         while True:
             remaining = self._remaining()
-            if remaining <= 0 and not asked.answer.done():
-                self._exceeded(asked)
+            if remaining <= 0 and not pending.answer.done():
+                self._exceeded(pending)
             try:
-                return asked.answer.result(max(remaining, 0.01))
+                return pending.answer.result(max(remaining, 0.01))
             except TimeoutError:
                 continue
 
-    def _exceeded(self, asked: _Asked) -> None:
+    def _exceeded(self, pending: _Asked) -> None:
         """The time limit of the oldest request is exceeded. A process that still starts is not ended for that.
 
         It would never start where that takes longer than the limit.
@@ -206,28 +197,28 @@ class _Child:
         if self._ready or time.monotonic() - self._begun > START_LIMIT:
             self.end("the simulation timed out; the next one starts a new simulation process")
             return
-        if time.monotonic() < asked.sent + asked.limit:
+        if time.monotonic() < pending.sent + pending.limit:
             return  # it is an older one, which its own thread gives up
         with self._lock:
-            left = {number for number, one in self._asked.items() if one is asked}
+            left = {number for number, one in self._asked.items() if one is pending}
             self._asked = {number: one for number, one in self._asked.items() if number not in left}
             self._left |= left
         if left:
-            asked.answer.set_exception(LiveError("the simulation process is still starting: ask again in a moment"))
+            pending.answer.set_exception(LiveError("the simulation process is still starting: ask again in a moment"))
 
     def end(self, why: str, failure: type[LiveError] = LiveError) -> None:
         """End it and fail all pending requests."""
         with self._lock:
             if not self.over:
                 self.over, self._why, self._failure = True, why, failure
-            asked, self._asked = list(self._asked.values()), {}
+            pending, self._asked = list(self._asked.values()), {}
         if self._process is not None:
             if self._grace:
                 self._process.terminate()
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     self._process.wait(self._grace)
             self._process.kill()
-        for one in asked:
+        for one in pending:
             one.answer.set_exception(failure(why))
 
     def _remaining(self) -> float:
@@ -275,17 +266,17 @@ class _Child:
                 return True
             with self._lock:
                 self._heard = time.monotonic()
-                asked = self._asked.pop(message["id"], None)
+                pending = self._asked.pop(message["id"], None)
                 given_up = message["id"] in self._left
         except (ValueError, AttributeError, KeyError, TypeError):
             return False
-        if asked is None:
+        if pending is None:
             return self.over or given_up
         if "error" in message:
-            asked.answer.set_exception(FlightRefusedError(str(message["error"])))
+            pending.answer.set_exception(FlightRefusedError(str(message["error"])))
         else:
-            self.simulated.add(asked.campaign)
-            asked.answer.set_result(message)
+            self.simulated.add(pending.campaign)
+            pending.answer.set_result(message)
         return True
 
 

@@ -7,15 +7,13 @@ from typing import Any
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 from viser import uplot
 
 from backend.results.improvements import Improvements
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.palette import Palette
 from backend.scenes.base.part import Part
 from backend.scenes.base.setting import Setting
-
-Floats = NDArray[np.float64]
 
 HAIR = 1e-4
 """A step that is invisible in a number with three decimals."""
@@ -39,8 +37,6 @@ def _best(curve: Improvements, grid: Floats) -> Floats:
 
 
 class ConvergenceTab(Part):
-    """One plot, updated during the search."""
-
     def __init__(self, gui: viser.GuiApi, setting: Setting, palette: Palette, curves: dict[int, Improvements]) -> None:
         self._curves = [curves[position] for position, _, _ in setting.methods]
         self._methods, self._looks = setting.methods, setting.drawn
@@ -55,13 +51,11 @@ class ConvergenceTab(Part):
         )
 
     def changed(self) -> None:
-        """Update the plot."""
         data = columns(self._curves)
         if any(not np.array_equal(new, old, equal_nan=True) for new, old in zip(data, self._plot.data, strict=True)):
             self._plot.data = data
 
     def paint(self, palette: Palette) -> None:
-        """Draw the chart in other colours."""
         self._plot.series = self._series(palette)
 
     def _series(self, palette: Palette) -> tuple[uplot.Series, ...]:

@@ -14,18 +14,18 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from backend.scenes.base.axes import Floats
 from backend.scenes.base.palette import DARK, Palette, Rgb, rgb
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.flights import Flights
+from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.world import World
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import field_slice, tables
 from backend.scenes.panel.field_slice import Grid, Slice
-
-Floats = NDArray[np.float64]
 
 HEAD = 0.9
 """Length of an arrow's head, in cells."""
@@ -56,7 +56,7 @@ class FieldSlice(Part):
         driver: Driver,
     ) -> None:
         self._scene, self._setting, self._world, self._flights = server.scene, setting, world, flights
-        self._live, self._driver, self._palette = live, driver, palette
+        self._live, self._driver, self._palette, self._solids = live, driver, palette, Solids(server)
         self._time, self._stopped = 0.0, False
         self._root: Any = self._scene.add_frame("/field/slice", show_axes=False, visible=False)
         self.on = False
@@ -68,21 +68,17 @@ class FieldSlice(Part):
         self._latest: Latest[_Asked] = Latest(self._work)
 
     def moved(self, time: float) -> None:
-        """Request the field at that time if it is visible."""
         self._time = time
         self._ask()
 
     def changed(self) -> None:
-        """Request the field of the current flight."""
         self._ask()
 
     def paint(self, palette: Palette) -> None:
-        """Draw the field in other colours."""
         self._palette = palette
         self._ask()
 
     def stop(self) -> None:
-        """Stop requesting and drawing."""
         self._latest.stop()
         with self._driver.drawing():
             self._stopped = True
@@ -108,13 +104,13 @@ class FieldSlice(Part):
         flight = lead.flight
         self._latest.ask(_Asked(lead.style.title, flight.parameters, self._time, self._palette, flight.seed))
 
-    def _work(self, asked: _Asked) -> None:
+    def _work(self, request: _Asked) -> None:
         setting, grid = self._setting, Grid.over(self._world.frame)
         drawn = np.concatenate([grid.places.reshape(-1, 2), np.zeros((grid.rows * grid.columns, 1))], axis=1)
         places = [(float(x), float(y)) for x, y, _ in setting.axes.drawn(drawn)]
         try:
             answer = self._live.field(
-                setting.document, setting.digest, asked.parameters, asked.time, places, asked.seed
+                setting.document, setting.digest, request.parameters, request.time, places, request.seed
             )
         except LiveError as error:
             with self._driver.drawing():
@@ -123,13 +119,13 @@ class FieldSlice(Part):
                     self._legend.content = tables.note(str(error), strong=True)
             return
         found = field_slice.read(answer, grid, setting.axes)
-        dark = asked.palette is DARK
+        dark = request.palette is DARK
         picture = field_slice.picture(found, dark)
         arrows = field_slice.arrows(found)
-        words = field_slice.legend(found, asked.title, setting, dark)
+        words = field_slice.legend(found, request.title, setting, dark)
         with self._driver.drawing():
             if self.on and not self._stopped:
-                self._draw(found, picture, arrows, rgb(asked.palette.ink))
+                self._draw(found, picture, arrows, rgb(request.palette.ink))
                 self._legend.content = words
 
     def _draw(self, found: Slice, picture: NDArray[np.uint8], arrows: Floats, ink: Rgb) -> None:
@@ -146,9 +142,7 @@ class FieldSlice(Part):
                 cast_shadow=False,
                 receive_shadow=False,
             )
-            self._lines = self._scene.add_line_segments(
-                "/field/slice/arrows", np.zeros((1, 2, 3), np.float32), ink, thickness=WIDTH, thickness_units="screen"
-            )
+            self._lines = self._solids.line("/field/slice/arrows", np.zeros((1, 2, 3)), ink, WIDTH)
         else:
             self._plane.image = picture
         self._plane.position = (*grid.middle, found.height + lift)

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.scenes.base.axes import Axes
+from backend.scenes.base.axes import Axes, Floats
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing.colours import colours, gradient
 from backend.scenes.drawing.world import Frame
 from backend.scenes.panel import tables
 from campaigns.stored.replies import FieldReply
-
-Floats = NDArray[np.float64]
 
 PLACES = 1600
 """Approximate number of grid positions."""
@@ -33,8 +31,6 @@ OPACITY = 150
 
 @dataclass(frozen=True)
 class Grid:
-    """Square cells of a horizontal rectangle in scene coordinates."""
-
     columns: int
     rows: int
     cell: float
@@ -43,7 +39,6 @@ class Grid:
 
     @classmethod
     def over(cls, frame: Frame) -> Grid:
-        """A grid over the scene's box with a margin."""
         wide, deep = (float(side) for side in frame.sides[:2])
         longest = max(wide, deep, 1e-3) * (1 + 2 * MARGIN)
         wide, deep = (max(side + 2 * MARGIN * longest, NARROWEST * longest) for side in (wide, deep))
@@ -100,7 +95,6 @@ class Slice:
 
 
 def read(answer: FieldReply, grid: Grid, axes: Axes) -> Slice:
-    """Convert the simulation process's response to scene coordinates."""
     rows = [row or (np.nan,) * 3 for row in answer["demand"]]
     demand = axes.drawn(np.array(rows, dtype=np.float64)).reshape(grid.rows, grid.columns, 3)
     own = None if answer["own"] is None else axes.drawn(np.array(answer["own"], dtype=np.float64))
@@ -127,7 +121,6 @@ def arrows(found: Slice) -> Floats:
 
 
 def legend(found: Slice, title: str, setting: Setting, dark: bool) -> str:
-    """The legend: a scale with its numbers, and a few sentences."""
     magnitude, unit = found.magnitude, found.unit
     known = magnitude[np.isfinite(magnitude)]
     name = str(setting.document["scenario"]["avoider"]["component"]).replace("_", " ")
@@ -139,15 +132,15 @@ def legend(found: Slice, title: str, setting: Setting, dark: bool) -> str:
     caption += ", and with the avoider's memory at that time. " if found.memory else ". "
     caption += "Before the controller's own limits."
     parts = [_scale(found, dark), tables.note(caption)]
-    told = []
+    sentences = []
     if known.size:
-        told.append(f"Smallest {_number(float(known.min()))}, largest {_number(float(known.max()))} {unit}.")
+        sentences.append(f"Smallest {_number(float(known.min()))}, largest {_number(float(known.max()))} {unit}.")
     if found.own is not None:
-        told.append(f"At the vehicle: {_number(float(np.linalg.norm(found.own)))} {unit}.")
+        sentences.append(f"At the vehicle: {_number(float(np.linalg.norm(found.own)))} {unit}.")
     none, zero = int(np.isnan(magnitude).sum()), int((known == 0).sum())
-    told += [f"{none} of {magnitude.size} positions have no demand and no colour."] if none else []
-    told += [f"{zero} of {magnitude.size} positions have zero demand."] if zero else []
-    return "".join([*parts, tables.note(" ".join(told))])
+    sentences += [f"{none} of {magnitude.size} positions have no demand and no colour."] if none else []
+    sentences += [f"{zero} of {magnitude.size} positions have zero demand."] if zero else []
+    return "".join([*parts, tables.note(" ".join(sentences))])
 
 
 def _scale(found: Slice, dark: bool) -> str:
@@ -167,5 +160,4 @@ def _scale(found: Slice, dark: bool) -> str:
 
 
 def _number(value: float) -> str:
-    """The number with three digits."""
     return f"{float(f'{value:.3g}'):g}".replace("-", "−")

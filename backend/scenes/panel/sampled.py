@@ -19,11 +19,13 @@ from backend.db.engine import read
 from backend.db.tables import Stage
 from backend.results import evaluations
 from backend.runs.service import number
-from backend.scenes.base.flight import Floats, from_live
+from backend.scenes.base.axes import Floats
+from backend.scenes.base.flight import from_live
 from backend.scenes.base.palette import Palette, rgb
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
+from backend.scenes.drawing.solids import Solids
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import tables
@@ -36,8 +38,6 @@ ROOT = "/flights/sampled"
 
 
 class Sampled(Part):
-    """The flights are simulated on first use and cached."""
-
     def __init__(
         self,
         server: viser.ViserServer,
@@ -47,7 +47,7 @@ class Sampled(Part):
         palette: Palette,
         driver: Driver,
     ) -> None:
-        self._scene, self._engine, self._live, self._setting = server.scene, engine, live, setting
+        self._solids, self._engine, self._live, self._setting = Solids(server), engine, live, setting
         self._palette, self._driver = palette, driver
         self._lines: list[Floats] = []
         """One node per batch of flights (n, 2, 3)."""
@@ -60,12 +60,10 @@ class Sampled(Part):
         self._latest: Latest[None] = Latest(lambda _: self._fly())
 
     def paint(self, palette: Palette) -> None:
-        """Draw the sample in other colours."""
         self._palette = palette
         self._nodes = [self._line(n, lines) for n, lines in enumerate(self._lines)]
 
     def stop(self) -> None:
-        """Stop simulating."""
         self._stopped = True
         self._latest.stop()
 
@@ -86,7 +84,7 @@ class Sampled(Part):
             self._note.content = tables.note("No random sample is stored: it comes from certify or from Monte Carlo.")
             return
         self._forget()
-        told, until = again.tally(stage, len(drawn)), time.monotonic() + again.patience
+        tally, until = again.tally(stage, len(drawn)), time.monotonic() + again.patience
         for begin in range(0, len(drawn), again.together):
             simulated = []
             for one in drawn[begin : begin + again.together]:
@@ -98,14 +96,14 @@ class Sampled(Part):
                     self._note.content = tables.note(str(error), strong=True)
                     return
                 flight = from_live(answer)
-                told.count(answer, one.cost, flight is not None)
+                tally.count(answer, one.cost, flight is not None)
                 simulated += [] if flight is None else [shapes.polyline(flight.position)]
             self._add(simulated)
             if time.monotonic() > until:
                 break
         self._whole = True
         with self._driver.drawing():
-            self._note.content = tables.note(told.words())
+            self._note.content = tables.note(tally.words())
 
     def _forget(self) -> None:
         with self._driver.drawing():
@@ -120,13 +118,7 @@ class Sampled(Part):
                 self._nodes.append(self._line(len(self._nodes), self._lines[-1]))
 
     def _line(self, n: int, segments: Floats) -> Any:
-        return self._scene.add_line_segments(
-            f"{ROOT}/{n}",
-            segments.astype(np.float32),
-            rgb(self._palette.sampled),
-            thickness=1.0,
-            thickness_units="screen",
-        )
+        return self._solids.line(f"{ROOT}/{n}", segments, rgb(self._palette.sampled), 1.0)
 
 
 def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[evaluations.Evaluated]]:

@@ -25,27 +25,16 @@ def number(value: float | None, decimals: int) -> str:
 
 def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
     """Current separation, its minimum, and the margin of every visible flight."""
-    rows = [
-        _row(one, one.style.title, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)), setting.decimals)
+    values = [
+        (one, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)))
         for one in drawn
         if one.flight is not None
     ]
-    if not rows:
+    if not values:
         return note(f"No {setting.one} is stored yet.")
-    if not setting.clears:
-        return _results(drawn, setting)
-    heads = _heads(("now", setting.quantity or "min", "margin"))
-    return f"<table {_TABLE}><tr>{_unit(setting.unit)}{heads}</tr>{''.join(rows)}</table>"
-
-
-def _results(drawn: Sequence[Drawn], setting: Setting) -> str:
-    """The result of a simulator, which is not known over time, and its margin."""
-    shown = [one for one in drawn if one.flight is not None]
-    rows = [
-        _row(one, one.style.title, (one.flight.cost if one.flight else None, _margin(one, setting)), setting.decimals)
-        for one in shown
-    ]
-    heads = _heads((setting.quantity or "value", "margin"))
+    first = 0 if setting.clears else 1  # the result of a simulator is not known over time
+    rows = [_row(one, numbers[first:], setting.decimals) for one, numbers in values]
+    heads = _heads(("now", setting.quantity or ("min" if setting.clears else "value"), "margin")[first:])
     return f"<table {_TABLE}><tr>{_unit(setting.unit)}{heads}</tr>{''.join(rows)}</table>"
 
 
@@ -54,12 +43,11 @@ def speeds(drawn: Sequence[Drawn], time: float, decimals: int) -> str:
     found = [(one, vectors.speeds(one, time)) for one in drawn if one.flight is not None]
     if not found:
         return ""
-    rows = "".join(_row(one, one.style.title, (at.ground, at.relative), decimals) for one, at in found)
+    rows = "".join(_row(one, (at.ground, at.relative), decimals) for one, at in found)
     return f"<table {_TABLE}><tr>{_unit('m/s')}{_heads(('over ground', 'v rel'))}</tr>{rows}</table>"
 
 
 def note(text: str, strong: bool = False) -> str:
-    """A sentence below a table."""
     weight = "font-weight:600;" if strong else ""
     return f'<p style="{weight}margin:6px 10px;font-size:0.85em">{html.escape(text)}</p>'
 
@@ -77,8 +65,8 @@ def _margin(drawn: Drawn, setting: Setting) -> float | None:
     return None if flight is None or flight.cost is None else flight.cost - setting.threshold
 
 
-def _row(drawn: Drawn, title: str, values: Sequence[float | None], decimals: int, unit: str = "") -> str:
-    mark = f'<span style="color:{drawn.style.colour}">■</span> {html.escape(title)}'
+def _row(drawn: Drawn, values: Sequence[float | None], decimals: int) -> str:
+    mark = f'<span style="color:{drawn.style.colour}">■</span> {html.escape(drawn.style.title)}'
     texts = [number(value, decimals) for value in values]
-    cells = "".join(f"<td {_NUMBER}>{text} {html.escape(unit)}</td>" for text in texts)
+    cells = "".join(f"<td {_NUMBER}>{text} </td>" for text in texts)
     return f'<tr><td style="white-space:nowrap">{mark}</td>{cells}</tr>'

@@ -22,12 +22,10 @@ class ValuesTab(Part):
         self._note: Any = gui.add_html("")
 
     def moved(self, time: float) -> None:
-        """Update the numbers to a time."""
         separations = tables.separations(self._flights.every, self._setting, time)
         self._readout.content = separations + tables.speeds(self._flights.every, time, self._vectors.decimals)
 
     def changed(self) -> None:
-        """Update the numbers to the current flights."""
         self.moved(self._flights.time)
         ahead = self._vectors.ahead
         arrows = f"The length of an arrow is the distance travelled in {ahead:g} s. " if ahead else ""

@@ -39,8 +39,6 @@ font:12px/18px var(--mantine-font-family,system-ui,sans-serif);font-variant-nume
 
 @dataclass(frozen=True)
 class Caption:
-    """The content of the caption besides the flights."""
-
     run: str
     name: str
     state: str
@@ -80,15 +78,23 @@ def _card(statement: str, setting: Setting, cast: Cast, caption: Caption, dark: 
     rows.append(_row("Criterion", f"{quantity} > {setting.threshold:g} {setting.unit}"))
     rows.append(_row("Verdict of the run", caption.state))
     units = {one.path: one.unit for one in setting.uncertain}
-    asked = {path: cast.shown.parameters[path] for path in _uncertain(setting) if path in cast.shown.parameters}
-    given = [_row(path, f"{value!r} {units.get(path, '')}") for path, value in asked.items()]
+    values = {
+        path: cast.shown.parameters[path]
+        for path in setting.document.get("uncertain") or {}
+        if path in cast.shown.parameters
+    }
+    parameter_rows = [_row(path, f"{value!r} {units.get(path, '')}") for path, value in values.items()]
     marks = [_row("Campaign", caption.campaign, kind="digest"), _row("Results", caption.results, kind="digest")]
     notes = " ".join([statement, *_of_simulator(setting, cast, caption), "Vehicles are not to scale."])
     last = f"{html.escape(notes)} Clearance {VERSION}, viser {viser.__version__}."
     return (
         f'<details id="caption" open><summary>{html.escape(f"{caption.run} · {cast.label}")}</summary>'
         f"<p>{html.escape(caption.name)}</p>{_list(rows)}"
-        + (f"<p>Parameters of {html.escape(cast.label)}, all digits</p>{_list(given)}" if given else "")
+        + (
+            f"<p>Parameters of {html.escape(cast.label)}, all digits</p>{_list(parameter_rows)}"
+            if parameter_rows
+            else ""
+        )
         + f"<p>Digests (SHA-256)</p>{_list(marks)}<p>{last}</p></details>"
     )
 
@@ -103,10 +109,6 @@ def _of_simulator(setting: Setting, cast: Cast, caption: Caption) -> Iterator[st
         if stored is not None and stored != flight.cost:
             of = "the nominal case" if label == NOMINAL else label
             yield f"The trace of {of} is one more call with its own value; the run stored {_cost(stored, setting)}."
-
-
-def _uncertain(setting: Setting) -> Sequence[str]:
-    return list(setting.document.get("uncertain") or {})
 
 
 def _cost(cost: float | None, setting: Setting) -> str:

@@ -28,9 +28,8 @@ from backend.results import service as results
 from backend.runs.service import number, summary
 from backend.scenes.base import setting
 from backend.scenes.base.address import parse
-from backend.scenes.base.dress import font_inside
+from backend.scenes.base.dress import OPENED_ALONE, SANDBOX, font_inside
 from backend.scenes.base.flight import from_stored
-from backend.scenes.base.sandbox import OPENED_ALONE, SANDBOX
 from backend.scenes.recordings.caption import POLICY, Caption, with_caption
 from backend.scenes.recordings.recording import Cast, record
 from campaigns.version import VERSION
@@ -43,8 +42,6 @@ KEPT = 8
 
 @dataclass(frozen=True)
 class Recorded:
-    """A page that plays a flight, its entity tag and its file name."""
-
     html: str
     tag: str
     file: str
@@ -59,8 +56,6 @@ class _Asked:
 
 
 class Recordings:
-    """Creates recordings of stored flights, limited by the capacity."""
-
     def __init__(self, engine: sa.Engine, capacity: Capacity, pages: Path) -> None:
         self._engine, self._capacity, self._pages = engine, capacity, pages
         self._lock = threading.Lock()
@@ -73,25 +68,25 @@ class Recordings:
 
         404 if there is no such run or stored flight; 503 if too many are being created. gone: as in `Capacity.run`.
         """
-        asked = await run_in_threadpool(self._look, run_id, flight, dark)
-        if asked.tag in known:
-            return asked.tag
-        page = self._recall(asked.tag)
+        request = await run_in_threadpool(self._look, run_id, flight, dark)
+        if request.tag in known:
+            return request.tag
+        page = self._recall(request.tag)
         if page is None:
-            page = await self._capacity.run(lambda: self._made(asked, dark), gone)
-        return Recorded(page, asked.tag, named(asked.caption.run, asked.caption.name, f"flight-{flight}.html"))
+            page = await self._capacity.run(lambda: self._made(request, dark), gone)
+        return Recorded(page, request.tag, named(request.caption.run, request.caption.name, f"flight-{flight}.html"))
 
     def _look(self, run_id: int, flight: str, dark: bool) -> _Asked:
         with read(self._engine) as reader:
             return _asked(reader, run_id, flight, dark)
 
-    def _made(self, asked: _Asked, dark: bool) -> str:
-        page = self._recall(asked.tag)  # created while this request waited
+    def _made(self, request: _Asked, dark: bool) -> str:
+        page = self._recall(request.tag)  # created while this request waited
         if page is None:
-            made = record(asked.setting, asked.cast, dark)
-            page = with_caption(made, asked.setting, asked.cast, asked.caption, dark, font_inside(self._pages))
+            made = record(request.setting, request.cast, dark)
+            page = with_caption(made, request.setting, request.cast, request.caption, dark, font_inside(self._pages))
         with self._lock:
-            self._kept[asked.tag] = page
+            self._kept[request.tag] = page
             if len(self._kept) > KEPT:
                 self._kept.popitem(last=False)
         return page
@@ -135,9 +130,8 @@ def _absent(run: str, label: str, stored: bool) -> RefusedError:
 
 
 def _costs(reader: sa.Connection, run_id: int, nominal: float | None) -> dict[str, float | None]:
-    """What the run stored of the nominal case and each finding."""
-    asked = sa.select(Finding.label, Finding.cost).where(Finding.run_id == run_id).order_by(Finding.label)
-    found = reader.execute(asked).all()
+    query = sa.select(Finding.label, Finding.cost).where(Finding.run_id == run_id).order_by(Finding.label)
+    found = reader.execute(query).all()
     return {setting.NOMINAL: nominal} | {row.label: row.cost for row in found}
 
 

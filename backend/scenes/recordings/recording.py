@@ -10,7 +10,6 @@ import secrets
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import viser
@@ -20,10 +19,11 @@ from backend.scenes.base.palette import DARK, LIGHT, Palette
 from backend.scenes.base.progress import Progress
 from backend.scenes.base.setting import NOMINAL, Setting
 from backend.scenes.control.relay import open_server
-from backend.scenes.drawing.cameras import FIELD_OF_VIEW, pose
+from backend.scenes.drawing.cameras import begin_at, pose
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.labels import Anchor, Label, Labels, Tag, View
+from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
 from backend.scenes.panel.tables import number
@@ -37,8 +37,6 @@ MOST = 900
 
 @dataclass(frozen=True)
 class Cast:
-    """The flights of one recording: the recorded one and the nominal one."""
-
     label: str
     shown: Flight
     nominal: Flight | None
@@ -46,7 +44,6 @@ class Cast:
 
     @property
     def flights(self) -> dict[str, Flight]:
-        """The flights by name."""
         return ({NOMINAL: self.nominal} if self.nominal else {}) | {self.label: self.shown}
 
 
@@ -75,8 +72,6 @@ def record(setting: Setting, cast: Cast, dark: bool) -> Recording:
 
 
 class _Stage:
-    """The drawn scene, updated frame by frame."""
-
     def __init__(self, server: viser.ViserServer, setting: Setting, cast: Cast, palette: Palette) -> None:
         self._server, self._setting = server, setting
         stored = Progress(setting, 0, cast.label)
@@ -94,39 +89,34 @@ class _Stage:
 
     @property
     def statement(self) -> str:
-        """The legend of dots and arrows."""
         ahead = self._vectors.ahead
         arrows = f" The length of an arrow is the distance travelled in {ahead:g} s." if ahead else ""
         of = "flight time" if self._setting.clears else "the time of the trace"
         return f"The play bar shows {of} in seconds; dots every {self._flights.dots:g} s.{arrows}"
 
     def _separation_label(self, drawn: Drawn) -> Tag:
-        """The label at a vehicle with its current separation from the nearest obstacle."""
         anchor: Anchor = "bottom-center" if drawn.style.layer else "top-center"
         label = Label(f"/flights/{drawn.style.key}/now", drawn.style.title, np.zeros(3), anchor, 0.75)
-        node = self._server.scene.add_label(label.name, label.text, anchor=anchor, font_screen_scale=label.size)
-        return Tag(label, node, np.zeros(3))
+        return Tag(label, Solids(self._server).label(label), np.zeros(3))
 
     def _tags(self, time: float) -> Iterator[Tag]:
-        """The labels of the scene at a time [s]; the first ones have precedence."""
         yield from self._flights.tags(time)
         yield from self._told.values()
         yield from (self._vectors.tag,) if self._vectors.tag is not None else ()
         yield from self._world.tags()
 
     def move(self, time: float) -> None:
-        """Show this time [s]."""
         self._flights.moved(time)
         self._vectors.moved(time)
-        for drawn, told in list(self._told.items()):
+        for drawn, tag in list(self._told.items()):
             assert drawn.flight is not None
             position, _, separation = drawn.flight.at(time)
             ended = time > drawn.flight.time[-1] + 1e-9
             text = drawn.style.title + (": ended" if ended else self._now(separation))
             up = self._world.frame.unit * (1.1 if drawn.style.layer else -0.7)
             place = position + np.array([0.0, 0.0, up])
-            told.node.text = text
-            self._told[drawn] = replace(told, label=replace(told.label, text=text, place=place))
+            tag.node.text = text
+            self._told[drawn] = replace(tag, label=replace(tag.label, text=text, place=place))
         self._labels.moved(time)
 
     def _now(self, separation: float) -> str:
@@ -136,9 +126,4 @@ class _Stage:
         return f": {number(separation, self._setting.decimals)} {self._setting.unit} now"
 
     def _camera(self) -> None:
-        """Set the initial camera, which shows the whole scene."""
-        initial: Any = self._server.initial_camera
-        initial.fov = FIELD_OF_VIEW
-        initial.position, initial.look_at = self._view.eye, self._view.target
-        span = self._world.frame.span
-        initial.near, initial.far = min(0.005 * span, 0.5), 100 * span
+        begin_at(self._server, (self._view.eye, self._view.target), self._world.frame.span)

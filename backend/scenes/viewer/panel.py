@@ -64,5 +64,4 @@ class Panel:
 
     @property
     def layers(self) -> dict[str, Any]:
-        """The visible layers."""
         return {"sampled": self._sampled.on, "field": self._simulates and self._field.on}

@@ -15,8 +15,6 @@ STEP = 0.01
 
 
 class Replay:
-    """Stores the displayed time and notifies the driver of changes."""
-
     def __init__(self, setting: Setting, flights: Flights, vectors: Vectors, driver: Driver) -> None:
         self._horizon, self._flights, self._vectors, self._driver = setting.horizon, flights, vectors, driver
         self.time, self.speed, self.playing = 0.0, 1.0, False
@@ -25,7 +23,6 @@ class Replay:
 
     @property
     def layers(self) -> dict[str, Any]:
-        """The visible layers of the flights."""
         shown = {name: drawn.visible for name, drawn in self._roles.items()}
         arrows = {"velocity": self._vectors.velocity, "relative": self._vectors.relative}
         return {**shown, **arrows, "trail": self.trail}
@@ -62,7 +59,6 @@ class Replay:
             self._flights.trail(self.trail == "so_far")
 
     def play(self, on: bool) -> None:
-        """Start or pause playback."""
         self.playing = on
         self._driver.wake()
 
@@ -84,7 +80,6 @@ class Replay:
             self.go_to(time)
 
     def closest_time(self) -> float | None:
-        """Time of the worst flight's closest approach [s]."""
         flights = [one.flight for one in self._flights.every if one.flight is not None and one.flight.closest]
         worst = min(flights, key=lambda flight: flight.closest.value if flight.closest else 0.0, default=None)
         return None if worst is None or worst.closest is None else worst.closest.time

@@ -107,7 +107,6 @@ class Viewer:
         self._thread.start()
 
     def close(self) -> None:
-        """Stop the animation and all simulations."""
         with self._lock:
             self._stopped = True
         self.on_news()
@@ -117,7 +116,6 @@ class Viewer:
         self._thread.join()
 
     def _begin(self, address: Address) -> None:
-        """Start at the time and camera of the address; without a time, at the closest approach."""
         closest = self._replay.closest_time()
         self._replay.go_to(closest if address.time is None and closest is not None else address.time or 0.0)
         self._following.first(self._replay.time)
@@ -131,7 +129,6 @@ class Viewer:
 
     @contextlib.contextmanager
     def drawing(self) -> Iterator[None]:
-        """Group changes of scene and panel: exclusive, and shown in one frame."""
         with self._lock:
             with self._server.atomic():
                 self._depth += 1
@@ -143,17 +140,14 @@ class Viewer:
                 self._note()
 
     def wake(self) -> None:
-        """Wake the viewer's own thread."""
         self._wake.set()
 
     def moved(self, time: float) -> None:
-        """Update all parts to this time [s]."""
         with self.drawing():
             for part in self._parts:
                 part.moved(time)
 
     def shown(self) -> None:
-        """Handle a change of the visible layers."""
         with self.drawing():
             self._flights.obstacles.show()
             self.changed()
@@ -227,7 +221,6 @@ class Viewer:
             return ViewState(opened=self._opened, revision=self.revision, **self._shown())
 
     def _shown(self) -> dict[str, Any]:
-        """All of the state that a page can change."""
         camera, eye = self._following.camera, self._following.eye
         return {
             "flight": self._progress.shown,
@@ -241,7 +234,6 @@ class Viewer:
         }
 
     def _note(self) -> None:
-        """Notify listeners if the display has changed."""
         if self._stopped or not self._ready:
             return
         shown = self._shown()
@@ -289,7 +281,6 @@ class Viewer:
                 self._report()
 
     def _report(self) -> None:
-        """Show every browser of the view that it has ended."""
         for client in self._server.get_clients().values():
             client.add_notification("3D view ended", f"{FAILED}.", color="red")
             client.flush()
@@ -329,6 +320,5 @@ class Viewer:
             self.changed()
 
     def changed(self) -> None:
-        """Handle a change of flights, findings or evaluations, or of the selection."""
         for part in self._parts:
             part.changed()

@@ -30,8 +30,6 @@ class _Asked:
 
 
 class WhatIf(Part):
-    """Stores which flight is drawn as the what-if."""
-
     def __init__(
         self, setting: Setting, live: Live, drawn: Drawn, show: Callable[[Flight | None], None], driver: Driver
     ) -> None:
@@ -43,7 +41,6 @@ class WhatIf(Part):
 
     @property
     def parameters(self) -> dict[str, float] | None:
-        """The parameters of the drawn flight; None if there is none."""
         flight = self._drawn.flight
         if flight is None:
             return None
@@ -51,7 +48,6 @@ class WhatIf(Part):
 
     @property
     def shown(self) -> dict[str, Any]:
-        """The what-if fields of `ViewState`."""
         return {"what_if": self.parameters, "what_if_seed": self.seed}
 
     def draw(self, flight: Flight | None, seed: int | None, order: int = 0) -> None:
@@ -86,17 +82,16 @@ class WhatIf(Part):
         self._latest.ask(_Asked(self._number, nominal | dict(parameters), seed))
 
     def stop(self) -> None:
-        """Stop simulating."""
         self._latest.stop()
 
-    def _simulate(self, asked: _Asked) -> None:
+    def _simulate(self, request: _Asked) -> None:
         setting = self._setting
         try:
-            answer = self._live.simulate(setting.document, setting.digest, asked.parameters, ROWS, asked.seed)
+            answer = self._live.simulate(setting.document, setting.digest, request.parameters, ROWS, request.seed)
         except LiveError as error:
             _log.info("the what-if flight of a view of %s could not be simulated: %s", setting.run, error)
             return
         flight = from_live(answer)
         with self._driver.drawing():
-            if asked.number == self._number:
-                self.draw(flight, asked.seed)
+            if request.number == self._number:
+                self.draw(flight, request.seed)

@@ -1,7 +1,7 @@
 // The query cache: keys and freshness of the service's responses. The event stream writes into the same cache.
 import { infiniteQueryOptions, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
 import type { RunSummary } from '../client'
-import { learnMethods } from '../ui/methods'
+import { learnMethods, requestBy } from '../ui/methods'
 import * as sdk from '../client'
 import { answer, getRun, getSchema, listRuns, type RunFilter } from './calls'
 import { Refusal } from './problems'
@@ -44,6 +44,8 @@ export const catalogueQuery = queryOptions({
   queryFn: async () => learnMethods(await answer(sdk.listComponents())),
   staleTime: 10_000, // a component may have been edited in another window
 })
+
+requestBy(() => queryClient.prefetchQuery(catalogueQuery))
 
 export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: () => answer(sdk.listCampaigns()), staleTime: 300_000 })
 

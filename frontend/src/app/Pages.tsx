@@ -1,29 +1,37 @@
 // The pages: theme, query cache, router.
-import { MantineProvider } from '@mantine/core'
+import { MantineContext, MantineThemeProvider } from '@mantine/core'
 import { QueryClientProvider } from '@tanstack/react-query'
 import { RouterProvider } from '@tanstack/react-router'
-import { StrictMode } from 'react'
+import { StrictMode, useMemo } from 'react'
 import { createRoot } from 'react-dom/client'
 import { queryClient } from '../api/queries'
 import { useTheme } from '../theme/useTheme'
 import { mantineTheme } from './mantine'
 import { router } from './router'
 
+// Not by MantineProvider, whose module computes 300 CSS variables: they come from a file, and the document's theme is set by
+// theme/useTheme.ts.
+const ignored = () => undefined
+const mantine = {
+  setColorScheme: ignored,
+  clearColorScheme: ignored,
+  getRootElement: () => document.documentElement,
+  classNamesPrefix: 'mantine',
+  cssVariablesSelector: ':root',
+  withStaticClasses: true,
+}
+
 function Pages() {
-  const theme = useTheme()
+  const colorScheme = useTheme()
+  const context = useMemo(() => ({ ...mantine, colorScheme }), [colorScheme])
   return (
-    // Mantine's inline style elements are disabled: its variables come from a file.
-    <MantineProvider
-      theme={mantineTheme}
-      forceColorScheme={theme}
-      withCssVariables={false}
-      withGlobalClasses={false}
-      deduplicateCssVariables={false}
-    >
-      <QueryClientProvider client={queryClient}>
-        <RouterProvider router={router} />
-      </QueryClientProvider>
-    </MantineProvider>
+    <MantineContext value={context}>
+      <MantineThemeProvider theme={mantineTheme}>
+        <QueryClientProvider client={queryClient}>
+          <RouterProvider router={router} />
+        </QueryClientProvider>
+      </MantineThemeProvider>
+    </MantineContext>
   )
 }
 

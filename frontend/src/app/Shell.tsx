@@ -15,16 +15,17 @@ import {
   IconUserPlus,
   IconUsers,
 } from '@tabler/icons-react'
-import { usePrefetchQuery, useQuery } from '@tanstack/react-query'
+import { useQuery } from '@tanstack/react-query'
 import { Link, Outlet, useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { lazy, Suspense, useCallback, useState } from 'react'
 import { hasRole } from '../api/access'
 import { endSession } from '../api/calls'
 import { useBaseStream } from '../api/events'
-import { catalogueQuery, sessionQuery } from '../api/queries'
+import { sessionQuery } from '../api/queries'
 import { signedOut, useSignedOut } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
+import { Popup } from '../ui/Popup'
 import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
 import { Contact } from './Contact'
@@ -58,8 +59,6 @@ function Frame() {
   const open = useCallback((run: string) => void navigate({ to: '/runs/$id', params: { id: run } }), [navigate])
   useNotifier(open)
   useBaseStream()
-  // Colours of methods of other packages come from here.
-  usePrefetchQuery(catalogueQuery)
   return (
     <>
       <a className={styles.skip} href="#main">
@@ -127,12 +126,12 @@ function Session() {
   const reviewer = hasRole(data.role, 'reviewer')
   const leave = () => void endSession().then(signedOut, signedOut)
   return (
-    <Menu position="bottom-end" width={220}>
-      <Menu.Target>
-        <button type="button" className={styles.ava} aria-label={`Session of ${data.user}, ${initials}`}>
-          {initials}
-        </button>
-      </Menu.Target>
+    <Popup
+      kind="menu"
+      position="bottom-end"
+      width={220}
+      button={{ className: styles.ava, 'aria-label': `Session of ${data.user}, ${initials}`, children: initials }}
+    >
       <Menu.Dropdown>
         <Menu.Label>
           Signed in as {data.user} by {{ link: 'login link', password: 'password', provider: 'single sign-on', token: 'token' }[data.via]}, role {data.role}
@@ -168,7 +167,7 @@ function Session() {
           Sign out
         </Menu.Item>
       </Menu.Dropdown>
-    </Menu>
+    </Popup>
   )
 }
 

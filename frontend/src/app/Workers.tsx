@@ -11,6 +11,7 @@ import type { WorkerOut, Workers as Known } from '../client'
 import { count } from '../format/numbers'
 import { age, moment } from '../format/time'
 import { methodLook } from '../ui/methods'
+import { Popup } from '../ui/Popup'
 import { useNow } from '../ui/useNow'
 import { usePolling } from '../ui/usePolling'
 import styles from './workers.module.css'
@@ -27,26 +28,31 @@ export function Workers() {
   const busy = data.items.filter((worker) => worker.state === 'busy').length
   const none = data.alive === 0
   return (
-    <Popover opened={opened} onChange={setOpened} position="bottom-end" width={340} trapFocus returnFocus shadow="none">
-      <Popover.Target>
-        <button
-          type="button"
-          className={clsx(styles.target, none && styles.none)}
-          onClick={() => setOpened(!opened)}
-          // The name contains what is shown, also in narrow windows, where that is the number alone.
-          aria-label={none ? 'No worker is alive, 0 workers' : `${workers(data.alive)} alive, ${count(busy)} busy`}
-          title="Workers"
-          data-testid="workers"
-        >
-          {none ? <IconAlertTriangle className="i s" aria-hidden /> : <IconCpu className="i s" aria-hidden />}
-          <span className={styles.long}>{none ? 'No worker' : workers(data.alive)}</span>
-          <span className={styles.short}>{count(data.alive)}</span>
-        </button>
-      </Popover.Target>
+    <Popup
+      kind="dialog"
+      opened={opened}
+      onChange={setOpened}
+      position="bottom-end"
+      width={340}
+      button={{
+        className: clsx(styles.target, none && styles.none),
+        // The name contains what is shown, also in narrow windows, where that is the number alone.
+        'aria-label': none ? 'No worker is alive, 0 workers' : `${workers(data.alive)} alive, ${count(busy)} busy`,
+        title: 'Workers',
+        'data-testid': 'workers',
+        children: (
+          <>
+            {none ? <IconAlertTriangle className="i s" aria-hidden /> : <IconCpu className="i s" aria-hidden />}
+            <span className={styles.long}>{none ? 'No worker' : workers(data.alive)}</span>
+            <span className={styles.short}>{count(data.alive)}</span>
+          </>
+        ),
+      }}
+    >
       <Popover.Dropdown aria-label="Workers">
         <Listed data={data} ahead={dataUpdatedAt / 1000 - data.now} onLeave={() => setOpened(false)} />
       </Popover.Dropdown>
-    </Popover>
+    </Popup>
   )
 }
 

@@ -5,6 +5,7 @@ import { IconDownload, IconPhoto, IconTable } from '@tabler/icons-react'
 import { type MouseEvent, type ReactNode, useState } from 'react'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
+import { Popup } from '../ui/Popup'
 import { save } from '../ui/files'
 import { Table } from '../ui/Table'
 import { type DataTable, toCsv, type Value } from './csv'
@@ -68,17 +69,24 @@ function FigureButton({ name }: { name: () => string }) {
   const [card, setCard] = useState<HTMLElement | null>(null)
   const found = (event: MouseEvent<HTMLElement>) => setCard(event.currentTarget.closest<HTMLElement>('section'))
   return (
-    <Menu position="bottom-end" width={150}>
-      <Menu.Target>
-        <button type="button" data-control className={clsx(buttonsCss.iconbtn, buttonsCss.bd)} aria-label="Save figure" title="Save figure" onClick={found}>
-          <IconPhoto className="i s" aria-hidden />
-        </button>
-      </Menu.Target>
+    <Popup
+      kind="menu"
+      position="bottom-end"
+      width={150}
+      button={{
+        className: clsx(buttonsCss.iconbtn, buttonsCss.bd),
+        'aria-label': 'Save figure',
+        title: 'Save figure',
+        'data-control': true,
+        onClick: found,
+        children: <IconPhoto className="i s" aria-hidden />,
+      }}
+    >
       <Menu.Dropdown>
         <Menu.Item onClick={() => card && void savePng(card, name())}>PNG image</Menu.Item>
         {card && isDrawing(card) && <Menu.Item onClick={() => saveSvg(card, name())}>SVG drawing</Menu.Item>}
       </Menu.Dropdown>
-    </Menu>
+    </Popup>
   )
 }
 

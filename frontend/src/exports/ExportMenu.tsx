@@ -6,10 +6,10 @@ import { useState } from 'react'
 import { getExports, getFile } from '../api/calls'
 import { asCampaign, caseWord } from '../api/campaign'
 import type { ExportFile, RunDetail } from '../client'
+import { Popup } from '../ui/Popup'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
 import { at } from '../format/root'
-import { Button } from '../ui/Button'
 import { EntryLines } from '../ui/EntryLines'
 import buttons from '../ui/buttons.module.css'
 import styles from './exports.module.css'
@@ -35,10 +35,22 @@ export function ExportMenu({ run }: { run: RunDetail }) {
           Safety-case report
         </a>
       )}
-      <Menu opened={opened} onChange={setOpened} position="bottom-end" width={340}>
-        <Menu.Target>
-          <Button icon={IconDownload}>Export</Button>
-        </Menu.Target>
+      <Popup
+        kind="menu"
+        opened={opened}
+        onChange={setOpened}
+        position="bottom-end"
+        width={340}
+        button={{
+          className: buttons.btn,
+          children: (
+            <>
+              <IconDownload className="i s" aria-hidden />
+              Export
+            </>
+          ),
+        }}
+      >
         <Menu.Dropdown className={styles.files}>
           <Menu.Label>Files of {run.id}</Menu.Label>
           {pdf && <PdfEntry file={pdf} />}
@@ -53,7 +65,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
             Figures: the picture button of each chart saves it as PNG or SVG.
           </p>
         </Menu.Dropdown>
-      </Menu>
+      </Popup>
     </>
   )
 }

@@ -1,12 +1,14 @@
 // A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
+import { clsx } from 'clsx'
 import { Menu } from '@mantine/core'
 import { IconCheck, IconCopy, IconDownload, IconPackage, IconPlayerPlay } from '@tabler/icons-react'
 import { useState } from 'react'
 import type { Theme } from '../theme/useTheme'
 import { useTheme } from '../theme/useTheme'
+import { Popup } from '../ui/Popup'
 import { at } from '../format/root'
 import { EntryLines } from '../ui/EntryLines'
-import { Button } from '../ui/Button'
+import buttons from '../ui/buttons.module.css'
 
 /** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
 export const recordedAt = (run: string, flight: string, theme: Theme) => ({
@@ -24,15 +26,24 @@ interface Props {
 /** The button of the Flight card. */
 export function RecordingMenu(props: Props) {
   return (
-    <Menu position="bottom-end" width={300}>
-      <Menu.Target>
-        <Button small icon={IconPlayerPlay}>Recording</Button>
-      </Menu.Target>
+    <Popup
+      kind="menu"
+      position="bottom-end"
+      width={300}
+      button={{
+        className: clsx(buttons.btn, buttons.s),
+        children: (
+          <>
+            <IconPlayerPlay className="i s" aria-hidden /> Recording
+          </>
+        ),
+      }}
+    >
       <Menu.Dropdown>
         <RecordingEntries {...props} />
         {props.flight !== 'nominal' && <CapsuleEntry {...props} />}
       </Menu.Dropdown>
-    </Menu>
+    </Popup>
   )
 }
 

@@ -17,6 +17,7 @@ import { ShowMore } from '../ui/ShowMore'
 import { Card } from '../ui/Card'
 import { SearchBox } from '../ui/SearchBox'
 import { Modal } from '../ui/Modal'
+import { Popup } from '../ui/Popup'
 import { usePolling } from '../ui/usePolling'
 import { Files } from './Files'
 import { ImportForm } from './ImportForm'
@@ -128,10 +129,20 @@ function Nothing({ narrowed, onAll }: { narrowed: boolean; onAll: () => void }) 
 
 function ExportFiles({ disabled }: { disabled: boolean }) {
   return (
-    <Menu position="bottom-end" width={320} disabled={disabled}>
-      <Menu.Target>
-        <Button icon={IconDownload} disabled={disabled}>Export</Button>
-      </Menu.Target>
+    <Popup
+      kind="menu"
+      position="bottom-end"
+      width={320}
+      button={{
+        className: buttons.btn,
+        disabled,
+        children: (
+          <>
+            <IconDownload className="i s" aria-hidden /> Export
+          </>
+        ),
+      }}
+    >
       <Menu.Dropdown>
         {EXPORTS.map(({ href, title, text }) => (
           <Menu.Item key={href} component="a" href={href} download>
@@ -139,6 +150,6 @@ function ExportFiles({ disabled }: { disabled: boolean }) {
           </Menu.Item>
         ))}
       </Menu.Dropdown>
-    </Menu>
+    </Popup>
   )
 }

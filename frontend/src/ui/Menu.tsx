@@ -3,6 +3,7 @@ import { clsx } from 'clsx'
 import { Popover } from '@mantine/core'
 import { IconChevronDown } from '@tabler/icons-react'
 import type { ReactNode } from 'react'
+import { Popup } from './Popup'
 import buttons from './buttons.module.css'
 import fields from './fields.module.css'
 import layout from './layout.module.css'
@@ -19,21 +20,29 @@ interface MenuProps {
 
 export function Menu({ name, value, on, icon, above, children }: MenuProps) {
   return (
-    <Popover position={above ? 'top-end' : 'bottom-start'} width={280} trapFocus returnFocus shadow="none" withinPortal={!above}>
-      <Popover.Target>
-        <button type="button" className={on ? clsx(buttons.chip, buttons.on) : buttons.chip}>
-          {icon}
-          <span className={clsx(layout.cut, buttons.cuts)}>
-            {name}
-            {value !== null && <span className={on ? undefined : buttons.unset}>: {value}</span>}
-          </span>
-          <IconChevronDown className="i mut" aria-hidden />
-        </button>
-      </Popover.Target>
+    <Popup
+      kind="dialog"
+      position={above ? 'top-end' : 'bottom-start'}
+      width={280}
+      withinPortal={!above}
+      button={{
+        className: on ? clsx(buttons.chip, buttons.on) : buttons.chip,
+        children: (
+          <>
+            {icon}
+            <span className={clsx(layout.cut, buttons.cuts)}>
+              {name}
+              {value !== null && <span className={on ? undefined : buttons.unset}>: {value}</span>}
+            </span>
+            <IconChevronDown className="i mut" aria-hidden />
+          </>
+        ),
+      }}
+    >
       <Popover.Dropdown aria-label={name}>
         <div className={fields.panel}>{children}</div>
       </Popover.Dropdown>
-    </Popover>
+    </Popup>
   )
 }
 

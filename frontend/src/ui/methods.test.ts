@@ -2,7 +2,7 @@
 import { readFileSync } from 'node:fs'
 import { expect, it } from 'vitest'
 import type { Catalogue, MethodEntry } from '../client'
-import { learnMethods, METHODS, methodLook, OUTLINE, variables } from './methods'
+import { learnMethods, METHODS, methodLook, requestBy, OUTLINE, variables } from './methods'
 import shipped from './shipped.json'
 
 const CSS = readFileSync(new URL('../theme/tokens.css', import.meta.url), 'utf8')
@@ -53,6 +53,19 @@ it('knows the names of earlier versions', () => {
   expect(earlier.length).toBeGreaterThan(0)
   for (const [then, now] of earlier) expect(methodLook(then)).toEqual(methodLook(now))
   expect(methodLook('of_a_package')).toMatchObject({ shape: 'ring', title: 'Of a package' })
+})
+
+it('requests the catalogue once for a method that is not shipped', async () => {
+  const requests: number[] = []
+  requestBy(() => requests.push(1))
+  METHODS.forEach(methodLook)
+  methodLook(null)
+  await Promise.resolve()
+  expect(requests).toEqual([])
+  methodLook('of_another_package')
+  methodLook('of_another_package')
+  await Promise.resolve()
+  expect(requests).toEqual([1])
 })
 
 it('learns the methods of other packages from a catalogue', () => {

@@ -36,8 +36,10 @@ const sentence = (name: string): string => {
 
 const lookupIn =
   (known: ReadonlyMap<string, MethodLook>): Lookup =>
-  (name) =>
-    known.get(name ?? '') ?? { ...NO_LOOK, title: sentence(name ?? ''), short: sentence(name ?? '') }
+  (name) => {
+    if (name && !current.has(name)) missed(name)
+    return known.get(name ?? '') ?? { ...NO_LOOK, title: sentence(name ?? ''), short: sentence(name ?? '') }
+  }
 
 const byName = (methods: readonly Declared[]) =>
   methods.flatMap((method) => [method.name, ...(method.earlier ?? [])].map((name) => [name, lookOf(method)] as const))
@@ -58,6 +60,21 @@ function paint(): void {
 }
 
 const SHIPPED = shipped as readonly Declared[]
+/** The methods whose look is that of today, and those for which the catalogue has been requested. */
+const current = new Set(SHIPPED.flatMap(({ name, earlier = [] }) => [name, ...earlier]))
+let request: (() => unknown) | null = null
+
+/** Requests the catalogue after the rendering that shows a method of another package: most pages show none. */
+function missed(name: string): void {
+  current.add(name)
+  if (request) queueMicrotask(request)
+}
+
+/** How the catalogue is requested. */
+export function requestBy(call: () => unknown): void {
+  request = call
+}
+
 let known: ReadonlyMap<string, MethodLook> = new Map(byName(SHIPPED))
 const lookup = storeOf(lookupIn(known))
 paint()
@@ -69,6 +86,7 @@ paint()
 export function learnMethods(catalogue: Catalogue, kept = false): Catalogue {
   const news = byName(catalogue.methods.filter(({ name, look }) => (look && !kept) || !known.has(name)))
   const before = known
+  if (!kept) for (const { name } of catalogue.methods) current.add(name)
   if (news.some(([name, look]) => JSON.stringify(before.get(name)) !== JSON.stringify(look))) {
     known = new Map([...known, ...news])
     paint()

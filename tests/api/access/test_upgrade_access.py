@@ -12,12 +12,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import sqlalchemy as sa
-from alembic import command
 
 from backend.db import audit
-from backend.db.engine import connect, default_url, migrate, migration_lock, read
-from backend.db.migrate import config
+from backend.db.engine import connect, default_url, migrate
 from backend.settings import Settings
 from tests.given.problem_documents import problem
 from tests.given.service import Service
@@ -76,20 +73,4 @@ def test_the_trail_keeps_its_rows_and_becomes_a_chain(folder: Path) -> None:
         assert audit.head(writer).row == 4
         audit.note_command(writer, "operator", "login_link.made", "local", {})
         assert audit.verified(writer).head.row == 5
-    engine.dispose()
-
-
-def test_migrating_back_and_forth_keeps_the_trail(folder: Path) -> None:
-    before = trail(folder)
-    migrate(default_url(folder))
-    engine = connect(default_url(folder))
-    with migration_lock(engine) as connection:
-        command.downgrade(config(connection), "0017")
-    engine.dispose()
-    assert trail(folder) == before
-    migrate(default_url(folder))
-    engine = connect(default_url(folder))
-    with read(engine) as reader:
-        assert audit.verified(reader).faults == []
-        assert reader.scalar(sa.text("select count(*) from users")) == 1
     engine.dispose()

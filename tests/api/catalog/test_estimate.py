@@ -34,7 +34,7 @@ def test_of_a_new_campaign_every_stage_is_estimated(service: Service, client: ht
     assert not told["near"]
     assert (told["run"], told["seconds"], told["seconds_least"], told["seconds_most"]) == (None, None, None, None)
     assert "Each worst case that violates adds about 171 evaluations" in told["statement"]
-    assert told["time_said"] == "The time is known after a first run of the same components."
+    assert told["time_statement"] == "The time is known after a first run of the same components."
 
 
 def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, client: httpx.Client) -> None:
@@ -47,7 +47,7 @@ def test_of_a_campaign_that_has_run_it_is_what_that_run_had(service: Service, cl
     assert told["near"]
     assert told["seconds"] == told["seconds_least"] == told["seconds_most"] > 0
     assert name in told["statement"]
-    assert name in told["time_said"]
+    assert name in told["time_statement"]
     other = estimate(client, campaign(seed=7))
     assert other["run"] is None, "of another campaign it is an estimate"
     client.post("/api/v1/runs/remove", json={"runs": [name], "reason": "wrong"})
@@ -67,17 +67,17 @@ def test_of_a_simulator_the_time_is_as_measured_or_how_to_measure_it(
     with bare.signed_in() as client:
         told = estimate(client, package.campaign())
         assert told["seconds"] is None
-        assert "`clearance check-simulator two_basins --data DIR`" in told["time_said"]
+        assert "`clearance check-simulator two_basins --data DIR`" in told["time_statement"]
         run(bare, "aa", measured(call_seconds=0.5, slots=2))
         told = estimate(client, package.campaign(seed=99))
-        assert told["time_said"] == (
+        assert told["time_statement"] == (
             "One evaluation took 500 ms (R-0001, 15 evaluations), on 2 slots; 202 more confirm results."
         )
         for seconds, evaluations in (("seconds", "evaluations"), ("seconds_least", "least"), ("seconds_most", "most")):
             assert told[seconds] == 0.5 * (-(-told[evaluations] // 2) + 101)
         run(bare, "aa", measured(call_seconds=0.5, slots=2, start_seconds=4.0, recycle=8))
         slow = estimate(client, package.campaign(seed=98))
-        assert slow["time_said"] == (
+        assert slow["time_statement"] == (
             "One evaluation took 500 ms (R-0002, 15 evaluations) and the start of a process 4 s, on 2 slots; 202 more, "
             "each in a fresh process, confirm results."
         )

@@ -54,9 +54,9 @@ def test_the_estimate_of_a_campaign_rests_on_it(
     monkeypatch.setattr("backend.catalog.service.check", lambda campaign, catalogue: [])  # it has no methods
     check(bare, "aa", call_seconds=0.5, slots=2)
     told = client.post("/api/v1/campaigns/check", json={"campaign": package.campaign()}).json()["estimate"]
-    assert told["time_said"].startswith("One evaluation took 500 ms (clearance check-simulator on ")
-    assert ", 15 evaluations), on 2 slots; " in told["time_said"]
-    assert told["time_said"].endswith("more confirm results.")
+    assert told["time_statement"].startswith("One evaluation took 500 ms (clearance check-simulator on ")
+    assert ", 15 evaluations), on 2 slots; " in told["time_statement"]
+    assert told["time_statement"].endswith("more confirm results.")
     assert told["seconds"] == 0.5 * (-(-told["evaluations"] // 2) + 101)
 
 

@@ -9,14 +9,13 @@ from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
-from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from alembic.util import CommandError
 
 from backend.db import revision
-from backend.db.engine import connect, default_url, migrate, migration_lock
+from backend.db.engine import connect, default_url, migrate
 from backend.db.migrate import config
 from backend.db.tables import Base
 
@@ -63,14 +62,6 @@ def test_a_database_of_a_later_version_is_refused(engine: sa.Engine, tmp_path: P
         connection.execute(sa.text("update alembic_version set version_num = '9999'"))
     with pytest.raises(CommandError, match="9999"):
         migrate(default_url(tmp_path))
-
-
-def test_migrating_back_leaves_no_table(engine: sa.Engine, tmp_path: Path) -> None:
-    migrate(default_url(tmp_path))
-    with migration_lock(engine) as connection:
-        command.downgrade(config(connection), "base")
-    with engine.connect() as connection:
-        assert sa.inspect(connection).get_table_names() == ["alembic_version"]
 
 
 def test_a_migration_that_fails_leaves_nothing(engine: sa.Engine, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,10 +13,8 @@ from pathlib import Path
 import httpx
 import pytest
 import sqlalchemy as sa
-from alembic import command
 
-from backend.db.engine import connect, default_url, migrate, migration_lock
-from backend.db.migrate import config
+from backend.db.engine import default_url, migrate
 from backend.settings import Settings
 from tests.given.problem_documents import problem
 from tests.given.service import Service
@@ -31,26 +29,10 @@ YAML = {"content-type": "application/yaml"}
 def service(tmp_path: Path) -> Iterator[Service]:
     (tmp_path / "clearance.sqlite3").write_bytes(gzip.decompress(STORED.read_bytes()))
     migrate(default_url(tmp_path))
-    _back_and_forth(tmp_path)
     service = Service(Settings(data=tmp_path, pages=tmp_path / "dist"))
     service.start()
     yield service
     service.stop()
-
-
-def _back_and_forth(folder: Path) -> None:
-    engine = connect(default_url(folder))
-    sa.event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=OFF"))
-    with migration_lock(engine) as connection:
-        command.downgrade(config(connection), "0019")
-    with engine.connect() as connection:
-        assert connection.scalar(sa.text("select count(*) from sweep_runs")) == 4
-        assert connection.execute(sa.text("select id, key from sweeps order by id")).all() == [(1, "first"), (2, None)]
-        assert connection.execute(sa.text('select key, "user", run_id from idempotency_keys')).all() == [
-            ("first", "ci", 1)
-        ]
-    engine.dispose()
-    migrate(default_url(folder))
 
 
 def test_requests_of_before_are_not_done_again(service: Service) -> None:

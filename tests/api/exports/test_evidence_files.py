@@ -190,9 +190,9 @@ def test_without_the_packages_the_menu_and_the_files_say_so(
         (traces_mcap, "traces.mcap", "mcap"),
         (evaluations_parquet, "evaluations.parquet", "pyarrow"),
     ):
-        monkeypatch.setattr(module, "find_spec", lambda _: None)
+        monkeypatch.setattr("backend.exports.format.find_spec", lambda _: None)
         (listed,) = [one for one in guest.get(f"/api/v1/runs/{run}/exports").json() if one["name"].endswith(file)]
-        assert listed["unavailable"] == module.MISSING
+        assert listed["unavailable"] == module.MISSING()
         refused = problem(guest.get(f"/api/v1/runs/{run}/exports/{file}"), 503)
         assert package in str(refused["detail"])
 

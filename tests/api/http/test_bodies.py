@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import httpx
 import pytest
 
-from backend.http import bodies
+from backend.http.capacity import Capacities
 from backend.http.errors import RefusedError
 from tests.given.problem_documents import problem
 from tests.given.service import Service
@@ -50,8 +50,8 @@ def test_an_unreadable_body_is_refused_and_stores_nothing(still: Service, guest:
     assert guest.get("/api/v1/health").json() == {"status": "ok"}
 
 
-def test_few_bodies_are_read_at_a_time_and_the_queue_has_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bodies, "WAITING", 3)
+def test_few_bodies_are_read_at_a_time_and_the_queue_has_an_end() -> None:
+    few = Capacities().bodies.at_once
     let_go, busy, most = threading.Event(), 0, 0
     lock = threading.Lock()
 
@@ -65,17 +65,18 @@ def test_few_bodies_are_read_at_a_time_and_the_queue_has_an_end(monkeypatch: pyt
         return True
 
     async def all_at_once() -> list[bool | BaseException]:
-        readers = bodies.Readers()
-        asked = [asyncio.create_task(readers.read(read)) for _ in range(10)]
-        while sum(task.done() for task in asked) < 10 - bodies.READERS - 3 or busy < bodies.READERS:
+        readers = Capacities().bodies
+        readers.waiting = 3
+        asked = [asyncio.create_task(readers.run(read)) for _ in range(10)]
+        while sum(task.done() for task in asked) < 10 - few - 3 or busy < few:
             await asyncio.sleep(0.001)
         let_go.set()
         return await asyncio.gather(*asked, return_exceptions=True)
 
     answers = asyncio.run(asyncio.wait_for(all_at_once(), 10))
     refused = [answer for answer in answers if isinstance(answer, RefusedError)]
-    assert most == bodies.READERS
-    assert answers.count(True) == bodies.READERS + 3
+    assert most == few
+    assert answers.count(True) == few + 3
     assert {(r.status, r.kind, str(r.headers)) for r in refused} == {(503, "busy", "{'Retry-After': '2'}")}
 
 

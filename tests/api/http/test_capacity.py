@@ -150,8 +150,9 @@ def test_checks_of_campaigns_are_bounded(
     hold(monkeypatch, go, bodies, "yaml_campaign", None)
     yaml = "Content-Type: application/yaml\r\nContent-Length: 1\r\n"
     asked = [Asked(service, client, path, "POST", yaml, "{") for _ in range(MANY)]
-    most = bodies.READERS + bodies.WAITING
-    until(lambda: (service.app.state.readers.inside, answered(asked)) == (most, MANY - most))
+    reading = service.app.state.capacities.bodies
+    most = reading.at_once + reading.waiting
+    until(lambda: (reading.inside, answered(asked)) == (most, MANY - most))
     answers_at_once(service, client)
     assert client.get("/api/v1/runs", timeout=20.0).status_code == 200
     go.set()

@@ -21,7 +21,7 @@ from backend.access.rules import RULES
 from backend.db.tables import Run
 from backend.middleware.frame import CSP, HEADERS, LARGEST_BODY
 from backend.runs.quota import Quota
-from backend.scenes.base.sandbox import OPENED_ALONE, SANDBOX
+from backend.scenes.base.dress import OPENED_ALONE, SANDBOX
 from backend.scenes.endpoints import CSP as VIEW
 from tests.api.conftest import Fresh, running
 from tests.given.busy_service import occupied

@@ -17,12 +17,13 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
+from backend.access.rates import Bucket
 from backend.db import audit, users
 from backend.db.engine import read
 from backend.db.tables import Audit, Session
 from backend.provider import pending
+from backend.provider.endpoints import BURST, PERIOD
 from backend.provider.errors import SignInError
-from backend.provider.noted import BURST, Noted
 from backend.settings import Settings
 from tests.api.conftest import Fresh
 from tests.given.openid_provider import CLIENT, SECRET, Local, local_provider
@@ -81,7 +82,7 @@ def service(
 
 @pytest.fixture
 def browser(service: Service, local: Local) -> Iterator[httpx.Client]:
-    service.app.state.provider_noted = Noted()
+    service.app.state.provider_noted = Bucket(BURST, PERIOD)
     with service.visitor(accept="text/html") as client:
         yield client
 
@@ -317,7 +318,7 @@ def test_a_provider_that_is_down_is_a_sentence(service: Service, browser: httpx.
 
 
 def test_failures_beyond_a_rate_are_not_recorded(service: Service, browser: httpx.Client, local: Local) -> None:
-    service.app.state.provider_noted = Noted(lambda: 0.0)
+    service.app.state.provider_noted = Bucket(BURST, PERIOD, lambda: 0.0)
     local.denied = True
     before = service.rows()["audit"]
     for _ in range(BURST + 5):

@@ -227,7 +227,7 @@ def test_numbers_as_in_print() -> None:
     assert numbers.unit_in_print("N s2/m") == "N·s²/m"
     terms = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "avoider.dpsi": "dpsi"}, {"m", "m/s", "kg m2"})
     stored = "a < d_min and d_min2; vehicle.m at -0.2 m/s, 3e-06 kg m2, vehicle.mass, 2 metres."
-    set_ = words.drawn(earlier.statement(stored, terms))
+    set_ = words.drawn(earlier.spans(stored, terms))
     assert set_ == (
         'a &lt; <i class="v">d</i><sub>min</sub> and d_min2; <i class="v" title="vehicle.m">m</i> '
         "at \u22120.2\u202fm/s, 3e\u221206\u202fkg·m², vehicle.mass, 2 metres."

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import httpx
@@ -158,12 +157,11 @@ def test_two_runs_of_one_campaign_name_the_files_of_their_code_that_differ(
     assert client.get(f"/api/v1/runs/{runs[0]}/code").status_code == 422
 
 
-def test_a_database_of_the_migration_before_keeps_its_runs(tmp_path: Path, migrated: Path) -> None:
-    shutil.copytree(migrated, tmp_path / "data")
+def test_a_database_of_the_migration_before_keeps_its_runs(tmp_path: Path) -> None:
     url = default_url(tmp_path / "data")
     engine = connect(url)
     with migration_lock(engine) as connection:
-        command.downgrade(config(connection), "0008")
+        command.upgrade(config(connection), "0008")
     with engine.begin() as writer:
         writer.execute(sa.text("insert into catalogue (id, document, published) values (1, '{}', 0)"))
         writer.execute(sa.text("insert into campaigns (digest, name, document, created) values ('d', 'c', '{}', 0)"))

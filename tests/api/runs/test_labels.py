@@ -97,15 +97,14 @@ def test_a_purged_run_has_no_labels(service: Service, client: httpx.Client) -> N
 
 
 def test_an_earlier_database_gets_the_tables_and_keeps_its_runs(tmp_path: Path) -> None:
-    migrate(default_url(tmp_path))
     engine = connect(default_url(tmp_path))
     with migration_lock(engine) as connection:
-        command.downgrade(config(connection), "0015")
+        command.upgrade(config(connection), "0015")
     with engine.connect() as connection:
         assert not {"run_labels", "run_baselines"} & set(sa.inspect(connection).get_table_names())
     migrate(default_url(tmp_path))
     with engine.begin() as connection:
-        run_id = queued(connection, case(), name="a", tags=[], owner="", planned=1, given={"branch": "main"})
+        run_id = queued(connection, case(), name="a", tags=[], owner="", planned=1, labelled={"branch": "main"})
         connection.execute(sa.insert(RunBaseline).values(run_id=run_id, asked="R-0001", baseline=None))
         assert connection.execute(sa.select(RunLabel.key, RunLabel.value)).all() == [("branch", "main")]
     engine.dispose()

@@ -12,6 +12,7 @@ import pytest
 import websockets
 from websockets.sync.client import connect
 
+from backend.access import frames
 from backend.access.frames import Voucher
 from backend.db.access import Visitor
 from backend.scenes.control import relay
@@ -196,7 +197,7 @@ def test_a_frame_without_a_session_is_let_in_while_its_page_waits(
             assert asking.result()["time"] == 2.0
             assert steer(client, run)["time"] == 2.0
             # A second one with the same key, for which no page waits any more, and a session that ends.
-            service.app.state.frames._patience = 0.0
+            monkeypatch.setattr(frames, "PATIENCE", 0.0)
             with pytest.raises(websockets.InvalidStatus), viewing(service, client, path, **FRAMED):
                 pass
             assert client.delete("/api/v1/session").status_code == 204
@@ -229,7 +230,7 @@ def test_a_frame_is_let_in_by_the_key_of_its_page_alone(
     changes: dict[str, str | None],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(still.app.state.frames, "_patience", 0.0)
+    monkeypatch.setattr(frames, "PATIENCE", 0.0)
     expected = still.app.state.frames.expected
     with expected(queued, KEY, Voucher(Visitor("local", "link", role="admin"), _always)):
         with (
@@ -314,7 +315,7 @@ def test_the_service_stops_at_once_with_streams_and_viewers_open(
         socket.create_connection(("127.0.0.1", service.port)) as raw,
     ):
         frames_until(connection, b"/flights/nominal/path")
-        monkeypatch.setattr(service.app.state.frames, "_patience", 1e9)
+        monkeypatch.setattr(frames, "PATIENCE", 1e9)
         waiting = ThreadPoolExecutor(1).submit(framed_and_refused, service, client, f"/view/{run}/key/{KEY}/")
         until(lambda: service.app.state.frames.waiting == 1)
         cookie = f"{service.settings.cookie}={client.cookies[service.settings.cookie]}"

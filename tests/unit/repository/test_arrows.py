@@ -67,7 +67,7 @@ MAY: dict[str, tuple[str, ...]] = {
     "backend.scenes": (*SHARED, "backend.catalog", "backend.runs", "backend.results"),
     "backend.scenes.base": (*SHARED, "backend.catalog", "backend.runs", "backend.results"),
     "backend.scenes.live": ("backend.scenes.base", "campaigns.stored.replies"),
-    "backend.scenes.drawing": ("backend.scenes.base",),
+    "backend.scenes.drawing": ("backend.scenes.base", "campaigns.looks"),
     # What may change a number. It knows nothing of what is installed, of claims, or of runs.
     "worker.engine.kernels": (),
     "worker.engine.physics": ("worker.engine.kernels",),

@@ -1,8 +1,4 @@
-"""the first tables
-
-Revision ID: 0001
-Revises:
-"""
+"""the first tables"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0001"
 down_revision = None
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -179,23 +173,3 @@ def upgrade() -> None:
         sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
         sa.PrimaryKeyConstraint("run_id", "position", "first"),
     )
-
-
-def downgrade() -> None:
-    op.drop_table("evaluation_chunks")
-    op.drop_table("traces")
-    op.drop_table("stages")
-    op.drop_table("idempotency_keys")
-    op.drop_table("findings")
-    with op.batch_alter_table("runs", schema=None) as batch_op:
-        batch_op.drop_index("ix_runs_queue")
-        batch_op.drop_index(batch_op.f("ix_runs_created"))
-        batch_op.drop_index(batch_op.f("ix_runs_campaign_digest"))
-
-    op.drop_table("runs")
-    op.drop_table("workers")
-    op.drop_table("tokens")
-    op.drop_table("sessions")
-    op.drop_table("login_links")
-    op.drop_table("catalogue")
-    op.drop_table("campaigns")

@@ -1,8 +1,4 @@
-"""what people write on runs, and what the list shows and searches without reading the wide rows
-
-Revision ID: 0003
-Revises: 0002
-"""
+"""what people write on runs, and what the list shows and searches without reading the wide rows"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0003"
 down_revision = "0002"
-branch_labels = None
-depends_on = None
 
 LISTED = (
     "pinned", "state", "verdict", "owner", "name", "campaign_digest", "tags", "created", "started", "finished",
@@ -41,12 +35,3 @@ def _bounds_of_earlier_runs() -> None:
         if statistics.get("upper_bound") is not None:
             values = {"upper_bound": statistics["upper_bound"]}
             bind.execute(sa.update(runs).where(runs.c.id == run_id).values(**values))
-
-
-def downgrade() -> None:
-    if op.get_bind().dialect.name == "sqlite":
-        op.drop_index("ix_runs_list", "runs")
-    op.drop_index("ix_campaigns_name", "campaigns")
-    with op.batch_alter_table("runs", schema=None) as batch_op:
-        for column in ("notes", "pinned", "best_so_far", "upper_bound"):
-            batch_op.drop_column(column)

@@ -1,8 +1,4 @@
-"""reviewers' sign-offs and the audit trail
-
-Revision ID: 0004
-Revises: 0003
-"""
+"""reviewers' sign-offs and the audit trail"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0004"
 down_revision = "0003"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -46,8 +40,3 @@ def upgrade() -> None:
     )
     op.create_index("ix_audit_at", "audit", ["at"])
     op.create_index("ix_audit_subject", "audit", ["subject"])
-
-
-def downgrade() -> None:
-    op.drop_table("audit")
-    op.drop_table("signoffs")

@@ -1,8 +1,4 @@
-"""drafts of campaigns
-
-Revision ID: 0005
-Revises: 0004
-"""
+"""drafts of campaigns"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0005"
 down_revision = "0004"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -33,7 +27,3 @@ def upgrade() -> None:
         sqlite_autoincrement=True,
     )
     op.create_index("ix_drafts_saved", "drafts", ["saved"])
-
-
-def downgrade() -> None:
-    op.drop_table("drafts")

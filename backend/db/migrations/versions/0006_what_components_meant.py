@@ -1,8 +1,4 @@
-"""runs keep what their components meant; earlier runs have nothing to keep
-
-Revision ID: 0006
-Revises: 0005
-"""
+"""runs keep what their components meant; earlier runs have nothing to keep"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0006"
 down_revision = "0005"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -26,10 +20,3 @@ def upgrade() -> None:
     with op.batch_alter_table("runs", schema=None) as batch_op:
         batch_op.add_column(sa.Column("snapshot", sa.String(length=64), nullable=True))
         batch_op.create_foreign_key("fk_runs_snapshot", "catalogue_snapshots", ["snapshot"], ["digest"])
-
-
-def downgrade() -> None:
-    with op.batch_alter_table("runs", schema=None) as batch_op:
-        batch_op.drop_constraint("fk_runs_snapshot", type_="foreignkey")
-        batch_op.drop_column("snapshot")
-    op.drop_table("catalogue_snapshots")

@@ -1,8 +1,4 @@
-"""runs that were removed, and what stays of those that were purged
-
-Revision ID: 0007
-Revises: 0006
-"""
+"""runs that were removed, and what stays of those that were purged"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0007"
 down_revision = "0006"
-branch_labels = None
-depends_on = None
 
 LISTED = (
     "pinned", "state", "verdict", "owner", "name", "campaign_digest", "tags", "created", "started", "finished",
@@ -29,26 +23,11 @@ ADDED = {
 
 
 def upgrade() -> None:
-    _index(None)
+    listed = op.get_bind().dialect.name == "sqlite"  # the index that the run list reads instead of the wide rows
+    if listed:
+        op.drop_index("ix_runs_list", "runs")
     with op.batch_alter_table("runs", schema=None) as batch_op:
         for name, kind in ADDED.items():
             batch_op.add_column(sa.Column(name, kind, nullable=True))
-    _index((*LISTED, "removed"))
-
-
-def downgrade() -> None:
-    _index(None)
-    with op.batch_alter_table("runs", schema=None) as batch_op:
-        for name in reversed(ADDED):
-            batch_op.drop_column(name)
-    _index(LISTED)
-
-
-def _index(columns: tuple[str, ...] | None) -> None:
-    """The index that the run list reads instead of the wide rows, or none; SQLite alone has it."""
-    if op.get_bind().dialect.name != "sqlite":
-        return
-    if columns is None:
-        op.drop_index("ix_runs_list", "runs")
-    else:
-        op.create_index("ix_runs_list", "runs", list(columns))
+    if listed:
+        op.create_index("ix_runs_list", "runs", [*LISTED, "removed"])

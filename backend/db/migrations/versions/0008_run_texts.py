@@ -1,8 +1,4 @@
-"""the texts that campaigns were submitted as
-
-Revision ID: 0008
-Revises: 0007
-"""
+"""the texts that campaigns were submitted as"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0008"
 down_revision = "0007"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -23,7 +17,3 @@ def upgrade() -> None:
         sa.ForeignKeyConstraint(["run_id"], ["runs.id"], ondelete="CASCADE"),
         sa.PrimaryKeyConstraint("run_id"),
     )
-
-
-def downgrade() -> None:
-    op.drop_table("run_texts")

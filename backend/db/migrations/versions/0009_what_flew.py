@@ -1,8 +1,4 @@
-"""what flew a run, stored as its first stage begins; the code that workers publish; earlier runs have nothing stored
-
-Revision ID: 0009
-Revises: 0008
-"""
+"""what flew a run, stored as its first stage begins; the code that workers publish; earlier runs have nothing stored"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0009"
 down_revision = "0008"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -25,9 +19,3 @@ def upgrade() -> None:
     )
     op.add_column("runs", sa.Column("flown", sa.JSON(), nullable=True))
     op.add_column("catalogue", sa.Column("code", sa.String(length=64), nullable=True))
-
-
-def downgrade() -> None:
-    op.drop_column("catalogue", "code")
-    op.drop_column("runs", "flown")
-    op.drop_table("code_versions")

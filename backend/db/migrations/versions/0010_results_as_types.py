@@ -1,8 +1,4 @@
-"""results as types: a finding holds all its own evidence, every stage's result names its stage
-
-Revision ID: 0010
-Revises: 0009
-"""
+"""results as types: a finding holds all its own evidence, every stage's result names its stage"""
 
 from __future__ import annotations
 
@@ -10,12 +6,11 @@ import sqlalchemy as sa
 from alembic import op
 
 from backend.db import signed
+from backend.db.digest import results_digest
 from campaigns.results import earlier
 
 revision = "0010"
 down_revision = "0009"
-branch_labels = None
-depends_on = None
 
 _STAGES = sa.table(
     "stages", sa.column("run_id", sa.Integer), sa.column("position", sa.Integer), sa.column("kind", sa.String),
@@ -37,9 +32,10 @@ def upgrade() -> None:
         if not signed.is_signed(connection, run_id):
             _upgrade(connection, run_id)
             continue
-        before = signed.digest_of_0010(connection, run_id)
+        before = results_digest(connection, run_id, evidence=False)
         _upgrade(connection, run_id)
-        signed.bind_again(connection, run_id, before, signed.digest_of_0010(connection, run_id), "migration 0010")
+        after = results_digest(connection, run_id, evidence=False)
+        signed.bind_again(connection, run_id, before, after, "migration 0010")
 
 
 def _upgrade(connection: sa.Connection, run_id: int) -> None:
@@ -71,8 +67,3 @@ def _findings(connection: sa.Connection, run_id: int, validate: dict[str, object
         values["validation"] = validation or evidence["validation"]
         of = (_FINDINGS.c.run_id == run_id, _FINDINGS.c.label == label)
         connection.execute(sa.update(_FINDINGS).where(*of).values(**values))
-
-
-def downgrade() -> None:
-    for name in ("closest", "boundary", "slices"):
-        op.drop_column("findings", name)

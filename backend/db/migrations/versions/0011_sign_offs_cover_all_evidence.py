@@ -2,9 +2,6 @@
 
 A sign-off whose digest was that of the results is bound to the digest that covers the rest, too; one whose results had
 changed stays as it is.
-
-Revision ID: 0011
-Revises: 0010
 """
 
 from __future__ import annotations
@@ -13,21 +10,16 @@ import sqlalchemy as sa
 from alembic import op
 
 from backend.db import signed
+from backend.db.digest import results_digest
 from backend.db.tables import Signoff
 
 revision = "0011"
 down_revision = "0010"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
     connection = op.get_bind()
     runs = sa.select(Signoff.run_id).distinct()
     for run_id in connection.scalars(runs).all():
-        before = signed.digest_of_0010(connection, run_id)
-        signed.bind_again(connection, run_id, before, signed.digest(connection, run_id), "migration 0011")
-
-
-def downgrade() -> None:
-    """The digests stay: nothing else depends on them."""
+        before = results_digest(connection, run_id, evidence=False)
+        signed.bind_again(connection, run_id, before, results_digest(connection, run_id), "migration 0011")

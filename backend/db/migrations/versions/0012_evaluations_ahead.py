@@ -1,8 +1,4 @@
-"""evaluations that slots completed before an earlier one of their stage
-
-Revision ID: 0012
-Revises: 0011
-"""
+"""evaluations that slots completed before an earlier one of their stage"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0012"
 down_revision = "0011"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -29,7 +23,3 @@ def upgrade() -> None:
         sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
         sa.PrimaryKeyConstraint("run_id", "position", "place"),
     )
-
-
-def downgrade() -> None:
-    op.drop_table("evaluations_ahead")

@@ -1,9 +1,6 @@
 """which simulators a worker has, and which one a run needs
 
 Runs of before need nothing: any worker may claim them, as until now.
-
-Revision ID: 0013
-Revises: 0012
 """
 
 from __future__ import annotations
@@ -13,8 +10,6 @@ from alembic import op
 
 revision = "0013"
 down_revision = "0012"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -22,10 +17,3 @@ def upgrade() -> None:
         batch.add_column(sa.Column("simulators", sa.JSON(), nullable=False, server_default="[]"))
     with op.batch_alter_table("runs") as batch:
         batch.add_column(sa.Column("needs", sa.String(160), nullable=True))
-
-
-def downgrade() -> None:
-    with op.batch_alter_table("runs") as batch:
-        batch.drop_column("needs")
-    with op.batch_alter_table("workers") as batch:
-        batch.drop_column("simulators")

@@ -1,9 +1,6 @@
 """what a worker does besides the stages of its run, and when the last one stopped
 
 The row of a worker that stops in an orderly way is deleted; the pages say when one was last seen all the same.
-
-Revision ID: 0014
-Revises: 0013
 """
 
 from __future__ import annotations
@@ -13,8 +10,6 @@ from alembic import op
 
 revision = "0014"
 down_revision = "0013"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -22,10 +17,3 @@ def upgrade() -> None:
         batch.add_column(sa.Column("doing", sa.JSON(), nullable=True))
     with op.batch_alter_table("catalogue") as batch:
         batch.add_column(sa.Column("departed", sa.Double(), nullable=True))
-
-
-def downgrade() -> None:
-    with op.batch_alter_table("catalogue") as batch:
-        batch.drop_column("departed")
-    with op.batch_alter_table("workers") as batch:
-        batch.drop_column("doing")

@@ -1,8 +1,4 @@
-"""the same question over time: campaigns without their seed, sweeps, webhooks
-
-Revision ID: 0015
-Revises: 0014
-"""
+"""the same question over time: campaigns without their seed, sweeps, webhooks"""
 
 from __future__ import annotations
 
@@ -14,8 +10,6 @@ from alembic import op
 
 revision = "0015"
 down_revision = "0014"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -77,16 +71,6 @@ def upgrade() -> None:
     )
     op.create_index("ix_webhook_deliveries_created", "webhook_deliveries", ["created"])
     op.create_index("ix_webhook_deliveries_due", "webhook_deliveries", ["target", "state", "not_before"])
-
-
-def downgrade() -> None:
-    op.drop_table("webhook_deliveries")
-    op.drop_table("webhook_targets")
-    op.drop_table("sweep_runs")
-    op.drop_table("sweeps")
-    op.drop_index("ix_campaigns_seedless", "campaigns")
-    with op.batch_alter_table("campaigns") as batch:
-        batch.drop_column("seedless")
 
 
 def _fill(connection: sa.Connection) -> None:

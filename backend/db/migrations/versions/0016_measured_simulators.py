@@ -1,8 +1,4 @@
-"""what `clearance check-simulator` measured of simulators
-
-Revision ID: 0016
-Revises: 0015
-"""
+"""what `clearance check-simulator` measured of simulators"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0016"
 down_revision = "0015"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -25,7 +19,3 @@ def upgrade() -> None:
         sa.Column("result", sa.JSON(), nullable=False),
         sa.PrimaryKeyConstraint("simulator", "digest"),
     )
-
-
-def downgrade() -> None:
-    op.drop_table("simulator_measurements")

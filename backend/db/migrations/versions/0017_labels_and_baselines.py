@@ -1,8 +1,4 @@
-"""labels of runs, and the baselines that they were launched with
-
-Revision ID: 0017
-Revises: 0016
-"""
+"""labels of runs, and the baselines that they were launched with"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0017"
 down_revision = "0016"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -34,8 +28,3 @@ def upgrade() -> None:
         sa.ForeignKeyConstraint(["baseline"], ["runs.id"]),
         sa.PrimaryKeyConstraint("run_id"),
     )
-
-
-def downgrade() -> None:
-    op.drop_table("run_baselines")
-    op.drop_table("run_labels")

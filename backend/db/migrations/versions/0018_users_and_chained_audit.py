@@ -2,9 +2,6 @@
 
 The user `local` of the login link becomes an administrator, and the owner of all tokens, which keep all their rights.
 The chain includes the rows that exist now: it proves nothing about the time before this migration.
-
-Revision ID: 0018
-Revises: 0017
 """
 
 from __future__ import annotations
@@ -18,8 +15,6 @@ from backend.db.chain import FIRST, digest
 
 revision = "0018"
 down_revision = "0017"
-branch_labels = None
-depends_on = None
 
 _AUDIT = sa.table(
     "audit",
@@ -115,25 +110,3 @@ def _fix() -> None:
     op.execute(
         "CREATE TRIGGER audit_fixed BEFORE UPDATE OR DELETE ON audit FOR EACH ROW EXECUTE FUNCTION audit_fixed()"
     )
-
-
-def downgrade() -> None:
-    if op.get_bind().dialect.name == "sqlite":
-        for change in ("update", "delete"):
-            op.execute(f"DROP TRIGGER audit_no_{change}")
-    else:
-        op.execute("DROP TRIGGER audit_fixed ON audit")
-        op.execute("DROP FUNCTION audit_fixed()")
-    op.drop_table("audit_head")
-    with op.batch_alter_table("audit") as audit:
-        audit.drop_index("ix_audit_action")
-        audit.drop_column("hash")
-        audit.drop_column("previous")
-    with op.batch_alter_table("sessions") as sessions:
-        for column in ("address", "agent", "via"):
-            sessions.drop_column(column)
-    with op.batch_alter_table("tokens") as tokens:
-        for column in ("expires", "scope", "owner"):
-            tokens.drop_column(column)
-    for table in ("service_settings", "invitations", "users"):
-        op.drop_table(table)

@@ -1,9 +1,6 @@
 """requirements, the files that they were imported from, and the runs whose campaigns state them
 
 Campaigns of earlier versions state no requirement, so runs that exist now have none.
-
-Revision ID: 0019
-Revises: 0018
 """
 
 from __future__ import annotations
@@ -13,8 +10,6 @@ from alembic import op
 
 revision = "0019"
 down_revision = "0018"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -53,9 +48,3 @@ def upgrade() -> None:
         sa.PrimaryKeyConstraint("requirement", "run_id"),
     )
     op.create_index("ix_run_requirements_run_id", "run_requirements", ["run_id"])
-
-
-def downgrade() -> None:
-    op.drop_table("run_requirements")
-    op.drop_table("requirements")
-    op.drop_table("requirement_files")

@@ -1,9 +1,6 @@
 """what a run stores, for the quota of a user
 
 Counted of the runs that are there: campaign, evaluations with their reasons, traces, original text. Purged runs have 0.
-
-Revision ID: 0021
-Revises: 0020
 """
 
 from __future__ import annotations
@@ -13,8 +10,6 @@ from alembic import op
 
 revision = "0021"
 down_revision = "0020"
-branch_labels = None
-depends_on = None
 
 _BLOBS = ("points", "costs", "status", "seconds")
 _RUNS = sa.table("runs", *(sa.column(name) for name in ("id", "size", "campaign_digest", "purged")))
@@ -35,13 +30,9 @@ def upgrade() -> None:
         (texts, written),
     ]
     campaigns = sa.table("campaigns", sa.column("digest"), sa.column("document"))
-    asked = sa.select(length(sa.cast(campaigns.c.document, sa.Text)))
-    asked = asked.where(campaigns.c.digest == _RUNS.c.campaign_digest)
-    op.execute(sa.update(_RUNS).where(_RUNS.c.purged.is_(None)).values(size=asked.scalar_subquery()))
+    document_size = sa.select(length(sa.cast(campaigns.c.document, sa.Text)))
+    document_size = document_size.where(campaigns.c.digest == _RUNS.c.campaign_digest)
+    op.execute(sa.update(_RUNS).where(_RUNS.c.purged.is_(None)).values(size=document_size.scalar_subquery()))
     for table, size in stored:
         of = sa.select(sa.func.coalesce(sa.func.sum(size), 0)).where(table.c.run_id == _RUNS.c.id).scalar_subquery()
         op.execute(sa.update(_RUNS).values(size=_RUNS.c.size + of))
-
-
-def downgrade() -> None:
-    op.drop_column("runs", "size")  # not by copying the table, which would take its evaluations with it

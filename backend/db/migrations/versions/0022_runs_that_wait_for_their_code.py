@@ -1,8 +1,4 @@
-"""runs that wait for the code that began them, and runs that begin with another run's evaluations
-
-Revision ID: 0022
-Revises: 0021
-"""
+"""runs that wait for the code that began them, and runs that begin with another run's evaluations"""
 
 from __future__ import annotations
 
@@ -11,8 +7,6 @@ from alembic import op
 
 revision = "0022"
 down_revision = "0021"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:
@@ -25,9 +19,3 @@ def upgrade() -> None:
     )
     op.add_column("workers", sa.Column("installation", sa.String(64), nullable=False, server_default=""))
     op.add_column("runs", sa.Column("carries", sa.Boolean(), nullable=False, server_default=sa.false()))
-
-
-def downgrade() -> None:
-    op.drop_column("runs", "carries")
-    op.drop_column("workers", "installation")
-    op.drop_table("run_refusals")

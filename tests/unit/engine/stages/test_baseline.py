@@ -219,7 +219,7 @@ def stored(engine: sa.Engine, launched: Campaign, request: str, **labels: str) -
     with engine.begin() as writer:
         found = baselines.resolved(writer, launched, request) if request else baselines.Resolved(launched, None, "")
         run_id = submit(
-            writer, found.campaign, name="a", tags=[], owner="", planned=1, catalogue=catalogue(), given=labels
+            writer, found.campaign, name="a", tags=[], owner="", planned=1, catalogue=catalogue(), labelled=labels
         )
         if request:
             baselines.store(writer, run_id, request, found.run_id)

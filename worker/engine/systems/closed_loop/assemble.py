@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from collections.abc import Callable
 from functools import cached_property
 from threading import Lock
 from typing import Any
@@ -69,7 +70,7 @@ class Loop:
         self.text = written(parts)
         """The generated code that connects the components to the loop."""
         self.module = loaded(self.text, parts.vehicle.name)
-        self._plain: dict[str, Any] = {}
+        self._plain: dict[str, Callable[..., Any]] = {}
 
     @cached_property
     def _fly(self) -> Any:
@@ -132,7 +133,7 @@ class Loop:
         """
         if name not in self._plain:
             self._plain[name] = plain(self.kernel(name))
-        return self._plain[name]  # type: ignore[no-any-return]
+        return self._plain[name]
 
     def kernel(self, name: str) -> Any:
         """The loop as a kernel, for other compiled code."""

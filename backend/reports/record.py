@@ -34,9 +34,7 @@ FURTHER = ("#7b5ba6", "#0072b2", "#857c00")
 
 
 @dataclass(frozen=True)
-class Held:
-    """A run with all its stored data."""
-
+class Record:
     run: RunDetail
     campaign: Campaign
     catalogue: Catalogue | None
@@ -57,30 +55,24 @@ class Held:
 
     @property
     def digest(self) -> str:
-        """The digest of the results."""
         return self.signoffs.digest
 
     @property
     def of(self) -> Quantity:
-        """The criterion's value."""
         return Quantity(self.run.quantity or "value", self.run.unit, self.run.threshold)
 
     @property
     def verdict(self) -> RunVerdict | None:
-        """The verdict with its evidence; None if there is none yet."""
         return self.run.summary
 
     def results(self, kind: type[R]) -> list[tuple[StageDetail, R]]:
-        """The stages that have a result of this type."""
         return [(stage, stage.result) for stage in self.stages if isinstance(stage.result, kind)]
 
     def result(self, kind: type[R]) -> R | None:
-        """The first result of this type; None if there is none."""
         found = self.results(kind)
         return found[0][1] if found else None
 
     def entry(self, path: str) -> ParameterEntry | None:
-        """The catalogue entry of a parameter."""
         found = self.known.get(path)
         return None if found is None else found[0]
 
@@ -89,18 +81,17 @@ class Held:
         return labels([*self.campaign.uncertain, path], {p: entry.symbol for p, (entry, _) in self.known.items()})[path]
 
     def words(self, path: str) -> str:
-        """The description of a parameter."""
         entry = self.entry(path)
         return entry.text if entry else path
 
 
-def load(reader: sa.Connection, run_id: int) -> Held:
+def load(reader: sa.Connection, run_id: int) -> Record:
     """Read all data in one snapshot; 404 if there is no such run."""
     campaign, kept, installed = runs.campaign(reader, run_id), snapshots.of_run(reader, run_id), published(reader)
     catalogue = kept or installed
     found = results.findings(reader, run_id)
     traced = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
-    return Held(
+    return Record(
         run=runs.detail(reader, run_id),
         campaign=campaign,
         catalogue=catalogue,

@@ -229,8 +229,10 @@ def _family(run: Run, k: int) -> str:
     options = run.campaign.stages.search[run.searches.index(k)].options
     if result.get("members"):
         return str(result.get("family") or method.name)
-    chosen = [by.get(str(options.get(name, _usual(method, name))), "") for name, by in method.families.items()]
-    return next((family for family in chosen if family), method.family or method.name)
+    chosen: list[str] = [
+        by.get(str(options.get(name, _usual(method, name))), "") for name, by in method.families.items()
+    ]
+    return next(filter(None, chosen), method.family or method.name)
 
 
 def _usual(method: MethodEntry, option: str) -> Any:

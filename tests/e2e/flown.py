@@ -71,7 +71,7 @@ def asked() -> list[dict[str, Any]]:
         {"campaign": case("uav_moving", FULL), "name": f"Intruder, {long}", "tags": ["a-long-tag", "b"]},
         {"campaign": case("unicycle_static", QUICK), "name": "Cancelled"},
         {"campaign": package.campaign(), "name": "Basins"},
-        {"campaign": package.campaign(2.0), "name": "Basins, another threshold"},
+        {"campaign": package.campaign(1.0), "name": "Basins, another threshold"},
         {
             "campaign": several,
             "name": "Several criteria",

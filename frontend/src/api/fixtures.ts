@@ -35,7 +35,7 @@ export const stage = (result: StageDetail['result'], more: Partial<StageDetail> 
 })
 
 export const search = like<SearchResult>({
-  stage: 'search', method: 'direct', title: 'DIRECT', kind: 'global', best: null, evaluations: 1, failed: 0, excluded: 0,
+  stage: 'search', method: 'direct', title: 'DIRECT', kind: 'global', family: '', best: null, evaluations: 1, failed: 0, excluded: 0,
   seconds: 1, stop: null, minima: [], sample: null, gap: null, members: [], criteria: [], front: null, front_size: null,
 })
 
@@ -53,7 +53,7 @@ export const validated = like<ValidateResult>({
 })
 
 const anyFinding = like<FindingDetail>({
-  label: '', cost: 0.5, margin: -0.5, parameters: {}, nominal: {}, low: {}, high: {}, methods: [], found: [], values: {},
+  label: '', cost: 0.5, margin: -0.5, granted: 0.5, parameters: {}, nominal: {}, low: {}, high: {}, methods: [], found: [], values: {},
   at_bounds: {}, validation: null, slices: null, boundary: null, closest: null,
 })
 

@@ -267,7 +267,7 @@ class TestEveryRoute:
     ) -> None:
         client, _, data = visit
         file, out = tmp_path / "basins.json", tmp_path / "out"
-        file.write_text(json.dumps(package.campaign(2.0)), encoding="utf-8")
+        file.write_text(json.dumps(package.campaign(1.0)), encoding="utf-8")
         code, shown, errors = clearance("token", "create", "ci", "--data", str(data))
         assert code == 0, errors
         (tmp_path / "token").write_text(shown.split()[-1], encoding="utf-8")

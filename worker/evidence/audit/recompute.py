@@ -65,7 +65,8 @@ class Run:
         again = self._again()
         violating = [f for f in violating if "repeats" in f["validation"] or (f["margin"] <= 0.0 and again)]
         self.confirmed = bool(violating)
-        self.stated = min(map(self._granted, violating), default=self.lowest)
+        known = "evaluated" in (self.claims.get("worst") or {})  # earlier versions stated the lowest evaluation
+        self.stated = min(map(self._granted, violating), default=self.lowest) if known else self.lowest
         self.bound: Any = MISSING
 
     def _again(self) -> bool:

@@ -184,7 +184,7 @@ class Finding(Result):
     @property
     def granted(self) -> float:
         """The value to state for it: of a confirmed violation what every integration grants."""
-        return granted(self.cost, self.validation) if self.violates else self.cost
+        return granted(self.cost, self.validation)
 
     @property
     def realisation(self) -> int | None:

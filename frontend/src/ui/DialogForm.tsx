@@ -5,7 +5,7 @@ import buttons from './buttons.module.css'
 import fields from './fields.module.css'
 import layout from './layout.module.css'
 
-interface DialogFormProps {
+export interface DialogFormProps {
   error: Error | null
   /** The words of the button that does it; without them there are only those of `more`. */
   submit?: ReactNode

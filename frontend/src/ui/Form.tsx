@@ -1,49 +1,25 @@
-// The form of a dialog: its fields, why it was refused, and its buttons.
+// The form of a dialog that sends one request, and its fields.
 import type { InputHTMLAttributes, ReactNode } from 'react'
 import { clsx } from 'clsx'
-import { Button } from './Button'
+import { type DialogFormProps, DialogForm } from './DialogForm'
 import fields from './fields.module.css'
-import layout from './layout.module.css'
 
-interface FormProps {
+interface FormProps extends Pick<DialogFormProps, 'leave' | 'danger' | 'more' | 'children'> {
+  onLeave: () => void
   /** The request that the form sends. */
   sent: { isPending: boolean; error: Error | null }
   onSend: () => void
-  /** The words of its buttons. */
+  /** The words of its button. */
   send: ReactNode
-  leave?: string
-  onLeave: () => void
-  danger?: boolean
   /** Not complete or not valid. */
   off?: boolean
-  /** Further buttons, between the two. */
-  more?: ReactNode
-  children: ReactNode
 }
 
-export function Form({ sent, onSend, send, leave = 'Not now', onLeave, danger, off = false, more, children }: FormProps) {
+export function Form({ sent, onSend, send, off = false, children, ...rest }: FormProps) {
   return (
-    <form
-      className={fields.panel}
-      onSubmit={(event) => {
-        event.preventDefault()
-        onSend()
-      }}
-    >
+    <DialogForm error={sent.error} submit={send} disabled={sent.isPending || off} onSubmit={onSend} {...rest}>
       {children}
-      {sent.error && (
-        <p className={fields.ferr} role="alert">
-          {sent.error.message}
-        </p>
-      )}
-      <div className={layout.acts} style={{ justifyContent: 'flex-end' }}>
-        <Button onClick={onLeave}>{leave}</Button>
-        {more}
-        <Button type="submit" main danger={danger} disabled={sent.isPending || off}>
-          {send}
-        </Button>
-      </div>
-    </form>
+    </DialogForm>
   )
 }
 

@@ -9,7 +9,7 @@ import { count } from '../format/numbers'
 import { moment } from '../format/time'
 import { Loaded } from '../page/Trouble'
 import { Card } from '../ui/Card'
-import { type Column, DataTable } from '../ui/DataTable'
+import { type Column, Table } from '../ui/Table'
 import { Digests } from '../ui/Digests'
 import { CopyButton } from '../ui/files'
 import { AccessFrame } from './AccessFrame'
@@ -60,7 +60,7 @@ export function AuditPage() {
                 )
               }
             >
-              <Table entries={data.pages.flatMap((page) => page.items)} onAll={() => void navigate({ search: {}, replace: true })} />
+              <EntriesList entries={data.pages.flatMap((page) => page.items)} onAll={() => void navigate({ search: {}, replace: true })} />
             </Card>
             <Card title="Head" note="Number and hash of the newest row" right={<CopyButton text={() => first.head}>Copy the head</CopyButton>}>
               <code className={`mono ${styles.secret ?? ''}`}>{first.head}</code>
@@ -110,7 +110,7 @@ function Choice({ label, value, options, onChange }: ChoiceProps) {
   )
 }
 
-function Table({ entries, onAll }: { entries: readonly AuditEntry[]; onAll: () => void }) {
+function EntriesList({ entries, onAll }: { entries: readonly AuditEntry[]; onAll: () => void }) {
   if (entries.length === 0)
     return (
       <p className={clsx('sec', styles.none)}>
@@ -120,22 +120,22 @@ function Table({ entries, onAll }: { entries: readonly AuditEntry[]; onAll: () =
         </button>
       </p>
     )
-  return <DataTable kind="stack" items={entries} keyOf={({ id }) => id} columns={COLUMNS} />
+  return <Table stack rows={entries} by={({ id }) => id} columns={COLUMNS} />
 }
 
 const COLUMNS: readonly Column<AuditEntry>[] = [
-  { head: 'Row', align: 'num', label: 'Row', cell: ({ id }) => id },
-  { head: 'When', look: 'sec nw', label: 'When', cell: ({ at }) => moment(at) },
-  { head: 'User', look: styles.who, label: 'User', cell: ({ user, via }) => [`${user} `, <span key="via" className="mut">{via}</span>] },
-  { head: 'Action', look: 'nw', label: 'Action', cell: ({ action }) => action },
-  { head: 'Subject', look: styles.who, label: 'Subject', cell: ({ subject }) => subject },
+  { head: 'Row', num: true, label: 'Row', cell: ({ id }) => id },
+  { head: 'When', tone: 'sec nw', label: 'When', cell: ({ at }) => moment(at) },
+  { head: 'User', tone: styles.who, label: 'User', cell: ({ user, via }) => [`${user} `, <span key="via" className="mut">{via}</span>] },
+  { head: 'Action', tone: 'nw', label: 'Action', cell: ({ action }) => action },
+  { head: 'Subject', tone: styles.who, label: 'Subject', cell: ({ subject }) => subject },
   {
     head: 'Detail',
-    look: clsx('small sec', styles.detail),
+    tone: clsx('small sec', styles.detail),
     label: ({ detail }) => (Object.keys(detail).length > 0 ? 'Detail' : undefined),
     cell: ({ detail }) => <Digests text={detailText(detail)} />,
   },
-  { head: 'Hash', label: 'Hash', title: ({ hash }) => hash, cell: ({ hash }) => <span className="mono">{hash.slice(0, 8)}</span> },
+  { head: 'Hash', label: 'Hash', tip: ({ hash }) => hash, cell: ({ hash }) => <span className="mono">{hash.slice(0, 8)}</span> },
 ]
 
 /** The details as `name: value`, in the order in which they were stored. */

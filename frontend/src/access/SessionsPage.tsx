@@ -9,7 +9,7 @@ import type { BrowserSession } from '../client'
 import { moment, when } from '../format/time'
 import { Loaded } from '../page/Trouble'
 import { Card } from '../ui/Card'
-import { type Column, DataTable, hidden } from '../ui/DataTable'
+import { type Column, hiddenHead, Table } from '../ui/Table'
 import { DialogForm, Refused } from '../ui/DialogForm'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
@@ -38,7 +38,7 @@ export function SessionsPage() {
       <Loaded query={sessions} what="sessions">
         {(data) => (
           <Card title="Browsers that are signed in" note="Two weeks after signing in, a session ends" flush={data.length > 0}>
-            {data.length === 0 ? <p className="sec">No browser is signed in.</p> : <Table sessions={data} />}
+            {data.length === 0 ? <p className="sec">No browser is signed in.</p> : <BrowsersList sessions={data} />}
           </Card>
         )}
       </Loaded>
@@ -49,28 +49,28 @@ export function SessionsPage() {
   )
 }
 
-function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
+function BrowsersList({ sessions }: { sessions: readonly BrowserSession[] }) {
   const cache = useQueryClient()
   const revoke = useMutation({
     mutationFn: revokeSession,
     onSettled: () => cache.invalidateQueries({ queryKey: ['sessions'] }),
   })
   const columns: Column<BrowserSession>[] = [
-    { head: 'User', look: clsx('m', styles.who), cell: ({ user }) => user },
-    { head: 'Browser', look: 'nw', label: 'Browser', title: ({ agent }) => agent, cell: ({ agent }) => browserOf(agent) },
-    { head: 'Address', look: 'sec', label: 'Address', cell: ({ address }) => address || 'not recorded' },
+    { head: 'User', tone: clsx('m', styles.who), cell: ({ user }) => user },
+    { head: 'Browser', tone: 'nw', label: 'Browser', tip: ({ agent }) => agent, cell: ({ agent }) => browserOf(agent) },
+    { head: 'Address', tone: 'sec', label: 'Address', cell: ({ address }) => address || 'not recorded' },
     {
       head: 'Signed in',
-      look: 'sec nw',
+      tone: 'sec nw',
       label: 'Signed in',
-      title: ({ created }) => moment(created),
+      tip: ({ created }) => moment(created),
       cell: ({ created, via }) => `${when(created)}, by ${{ link: 'login link', password: 'password', provider: 'single sign-on' }[via]}`,
     },
-    { head: 'Last used', look: 'sec nw', label: 'Last used', cell: ({ last_used: last }) => (last === null ? 'not since the service started' : when(last)) },
-    { head: 'Ends', look: 'sec nw', label: 'Ends', cell: ({ expires }) => moment(expires) },
+    { head: 'Last used', tone: 'sec nw', label: 'Last used', cell: ({ last_used: last }) => (last === null ? 'not since the service started' : when(last)) },
+    { head: 'Ends', tone: 'sec nw', label: 'Ends', cell: ({ expires }) => moment(expires) },
     {
-      head: hidden('Sign out'),
-      look: 'num',
+      head: hiddenHead('Sign out'),
+      tone: 'num',
       cell: ({ id, current, user, agent }) =>
         current ? (
           <span className="mut">this browser</span>
@@ -90,7 +90,7 @@ function Table({ sessions }: { sessions: readonly BrowserSession[] }) {
   return (
     <>
       <Refused error={revoke.error} />
-      <DataTable kind="stack" items={sessions} keyOf={({ id }) => id} columns={columns} />
+      <Table stack rows={sessions} by={({ id }) => id} columns={columns} />
     </>
   )
 }

@@ -9,7 +9,7 @@ import type { Token } from '../client'
 import { moment, when } from '../format/time'
 import { Loaded } from '../page/Trouble'
 import { Card } from '../ui/Card'
-import { type Column, DataTable, hidden } from '../ui/DataTable'
+import { type Column, hiddenHead, Table } from '../ui/Table'
 import { DialogForm } from '../ui/DialogForm'
 import { Modal } from '../ui/Modal'
 import { AccessFrame } from './AccessFrame'
@@ -56,7 +56,7 @@ export function TokensPage() {
                 <code>CLEARANCE_TOKEN</code>.
               </p>
             ) : (
-              <Table tokens={data} onRevoke={setLeaving} />
+              <TokensList tokens={data} onRevoke={setLeaving} />
             )}
           </Card>
         )}
@@ -71,23 +71,23 @@ export function TokensPage() {
   )
 }
 
-function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (token: Token) => void }) {
+function TokensList({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (token: Token) => void }) {
   const columns: Column<Token>[] = [
-    { head: 'Name', look: clsx('m', styles.who), cell: ({ name }) => name },
-    { head: 'Owner', look: styles.who, label: 'Owner', cell: ({ owner }) => owner },
+    { head: 'Name', tone: clsx('m', styles.who), cell: ({ name }) => name },
+    { head: 'Owner', tone: styles.who, label: 'Owner', cell: ({ owner }) => owner },
     { head: 'Scope', label: 'Scope', cell: ({ scope }) => scope },
-    { head: 'State', look: 'nw', label: 'State', cell: (token) => <State token={token} /> },
-    { head: 'Created', look: 'sec nw', label: 'Created', title: ({ created }) => moment(created), cell: ({ created }) => when(created) },
+    { head: 'State', tone: 'nw', label: 'State', cell: (token) => <State token={token} /> },
+    { head: 'Created', tone: 'sec nw', label: 'Created', tip: ({ created }) => moment(created), cell: ({ created }) => when(created) },
     {
       head: 'Last use',
-      look: 'sec nw',
+      tone: 'sec nw',
       label: 'Last use',
-      title: ({ last_used: last }) => (last === null ? undefined : moment(last)),
+      tip: ({ last_used: last }) => (last === null ? undefined : moment(last)),
       cell: ({ last_used: last }) => (last === null ? 'never' : when(last)),
     },
     {
-      head: hidden('Revoke'),
-      look: 'num',
+      head: hiddenHead('Revoke'),
+      tone: 'num',
       cell: (token) =>
         token.state === 'active' && (
           <button type="button" className={clsx(buttons.btn, buttons.s)} aria-label={`Revoke ${token.name}`} onClick={() => onRevoke(token)}>
@@ -96,7 +96,7 @@ function Table({ tokens, onRevoke }: { tokens: readonly Token[]; onRevoke: (toke
         ),
     },
   ]
-  return <DataTable kind="stack" items={tokens} keyOf={({ name }) => name} columns={columns} />
+  return <Table stack rows={tokens} by={({ name }) => name} columns={columns} />
 }
 
 function State({ token }: { token: Token }) {

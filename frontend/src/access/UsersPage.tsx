@@ -11,7 +11,7 @@ import { count } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { Failed, Loaded } from '../page/Trouble'
 import { Card } from '../ui/Card'
-import { type Column, DataTable, hidden } from '../ui/DataTable'
+import { type Column, hiddenHead, Table } from '../ui/Table'
 import { DialogForm, Refused } from '../ui/DialogForm'
 import { Pick } from '../ui/Menu'
 import { Modal } from '../ui/Modal'
@@ -40,7 +40,7 @@ export function UsersPage() {
         {(data) => (
           <>
             <Card title="Accounts" note="Names stay in the records: a user is disabled, never deleted" flush>
-              <Table users={data} onChange={setChanging} />
+              <UsersList users={data} onChange={setChanging} />
             </Card>
             <SignOffs />
           </>
@@ -56,23 +56,23 @@ export function UsersPage() {
   )
 }
 
-function Table({ users, onChange }: { users: readonly User[]; onChange: (user: User) => void }) {
+function UsersList({ users, onChange }: { users: readonly User[]; onChange: (user: User) => void }) {
   const self = useQuery(sessionQuery).data?.account
   const columns: Column<User>[] = [
-    { head: 'Name', look: 'm', cell: ({ name }) => [name, name === self && <span key="you" className="mut"> (you)</span>] },
+    { head: 'Name', tone: 'm', cell: ({ name }) => [name, name === self && <span key="you" className="mut"> (you)</span>] },
     { head: 'Role', label: 'Role', cell: ({ role }) => role },
     { head: 'Access', label: 'Access', cell: (user) => <Access user={user} /> },
-    { head: 'Browsers', align: 'num', label: 'Browsers', cell: ({ sessions }) => count(sessions) },
+    { head: 'Browsers', num: true, label: 'Browsers', cell: ({ sessions }) => count(sessions) },
     {
       head: 'Invited',
-      look: 'sec nw',
+      tone: 'sec nw',
       label: 'Invited',
-      title: ({ created }) => moment(created),
+      tip: ({ created }) => moment(created),
       cell: ({ fixed, created, created_by }) => (fixed ? 'by the login link' : `${when(created)}, by ${created_by}`),
     },
     {
-      head: hidden('Change'),
-      look: 'num',
+      head: hiddenHead('Change'),
+      tone: 'num',
       cell: (user) =>
         !user.fixed &&
         user.name !== self && (
@@ -82,7 +82,7 @@ function Table({ users, onChange }: { users: readonly User[]; onChange: (user: U
         ),
     },
   ]
-  return <DataTable kind="stack" items={users} keyOf={({ name }) => name} columns={columns} />
+  return <Table stack rows={users} by={({ name }) => name} columns={columns} />
 }
 
 function Access({ user }: { user: User }) {

@@ -2,7 +2,7 @@
 import type { ComponentEntry, ParameterEntry } from '../client'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
-import { type Column, DataTable } from '../ui/DataTable'
+import { type Column, Table } from '../ui/Table'
 import { Sign } from '../ui/Sign'
 import { Docstring } from './Docstring'
 
@@ -28,14 +28,14 @@ export function ComponentText({ component, open }: { component: ComponentEntry; 
 }
 
 const COLUMNS: readonly Column<ParameterEntry>[] = [
-  { head: 'Name', look: 'mono', cell: ({ name }) => name },
+  { head: 'Name', tone: 'mono', cell: ({ name }) => name },
   { head: 'Symbol', cell: ({ symbol }) => <Sign text={symbol} /> },
-  { head: 'Meaning', look: 'sec', cell: ({ text }) => text },
-  { head: 'Default', align: 'num', cell: (entry) => (entry.default === null ? 'must be given' : plain(entry.default)) },
-  { head: 'Allowed', align: 'num', look: 'sec', cell: ({ low, high }) => `${plain(low)} to ${plain(high)}` },
-  { head: 'Unit', look: 'sec', cell: ({ unit }) => unitText(unit) },
+  { head: 'Meaning', tone: 'sec', cell: ({ text }) => text },
+  { head: 'Default', num: true, cell: (entry) => (entry.default === null ? 'must be given' : plain(entry.default)) },
+  { head: 'Allowed', num: true, tone: 'sec', cell: ({ low, high }) => `${plain(low)} to ${plain(high)}` },
+  { head: 'Unit', tone: 'sec', cell: ({ unit }) => unitText(unit) },
 ]
 
 export const Parameters = ({ entries }: { entries: readonly ParameterEntry[] }) => (
-  <DataTable kind="tight" items={entries} keyOf={({ name }) => name} columns={COLUMNS} />
+  <Table tight rows={entries} by={({ name }) => name} columns={COLUMNS} />
 )

@@ -4,7 +4,7 @@ import { Link } from '@tanstack/react-router'
 import { CHECKS, LIMITS } from '../api/rules'
 import { useTitle } from '../page/useTitle'
 import { count, percent, plain } from '../format/numbers'
-import { type Column, DataTable } from '../ui/DataTable'
+import { type Column, Table } from '../ui/Table'
 import { ATTACKS } from './attacks'
 import { HelpFrame } from './HelpFrame'
 import { missed, SAMPLES, SLITS } from './missed'
@@ -117,8 +117,8 @@ function Caps() {
 }
 
 const MISSED: readonly Column<number>[] = [
-  { head: 'Probability p of the set', look: 'tn', cell: (p) => plain(p) },
-  ...SAMPLES.map((n) => ({ head: `n = ${count(n)}`, align: 'num', cell: (p: number) => percent(missed(p, n)) })),
+  { head: 'Probability p of the set', tone: 'tn', cell: (p) => plain(p) },
+  ...SAMPLES.map((n) => ({ head: `n = ${count(n)}`, num: true, cell: (p: number) => percent(missed(p, n)) })),
 ]
 
 function Limits() {
@@ -131,7 +131,7 @@ function Limits() {
           probability (1 − p)<sup>n</sup>. A search can miss such a set, too: nothing around it points to it.
         </p>
         <div className={layout.scrollx} tabIndex={0} role="region" aria-label="Table of probabilities">
-          <DataTable kind="tight" label="Probability that a sample misses a set of violations" items={SLITS} keyOf={(p) => p} columns={MISSED} />
+          <Table tight name="Probability that a sample misses a set of violations" rows={SLITS} by={(p) => p} columns={MISSED} />
         </div>
         <p>
           <b>The model.</b> Every statement is about the model: its components, its bounds, its distributions, its

@@ -1,7 +1,7 @@
 // The text of a method with its settings: the installed one on help pages, the stored one on a run's page.
 import type { MethodEntry } from '../client'
 import { count } from '../format/numbers'
-import { type Column, DataTable } from '../ui/DataTable'
+import { type Column, Table } from '../ui/Table'
 import { Docstring } from './Docstring'
 import styles from './help.module.css'
 
@@ -40,7 +40,7 @@ export function MethodText({ method }: { method: MethodEntry }) {
       {options.length > 0 && (
         <details>
           <summary>{options.length === 1 ? 'One setting' : `${options.length} settings`}</summary>
-          <DataTable kind="tight" items={options} keyOf={([name]) => name} columns={COLUMNS} />
+          <Table tight rows={options} by={([name]) => name} columns={COLUMNS} />
         </details>
       )}
     </>
@@ -48,9 +48,9 @@ export function MethodText({ method }: { method: MethodEntry }) {
 }
 
 const COLUMNS: readonly Column<[string, Rule]>[] = [
-  { head: 'Setting', look: 'mono', cell: ([name]) => name },
-  { head: 'Default', look: 'tn nw', cell: ([, rule]) => (rule.default === undefined ? 'must be given' : written(rule.default)) },
-  { head: 'Meaning', look: 'sec', cell: ([, rule]) => meaning(rule) },
+  { head: 'Setting', tone: 'mono', cell: ([name]) => name },
+  { head: 'Default', tone: 'tn nw', cell: ([, rule]) => (rule.default === undefined ? 'must be given' : written(rule.default)) },
+  { head: 'Meaning', tone: 'sec', cell: ([, rule]) => meaning(rule) },
 ]
 
 /** What a method may state in a few words. */

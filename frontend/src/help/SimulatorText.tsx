@@ -1,17 +1,17 @@
 // The text of a simulator with its parameters and results, from the catalogue.
 import type { ResultEntry, SimulatorEntry } from '../client'
 import { unitText } from '../format/units'
-import { type Column, DataTable } from '../ui/DataTable'
+import { type Column, Table } from '../ui/Table'
 import { Sign } from '../ui/Sign'
 import { Parameters } from './ComponentText'
 import { Docstring } from './Docstring'
 
 const COLUMNS: readonly Column<ResultEntry>[] = [
-  { head: 'Name', look: 'mono', cell: ({ name }) => name },
+  { head: 'Name', tone: 'mono', cell: ({ name }) => name },
   { head: 'Symbol', cell: ({ quantity }) => <Sign text={quantity} /> },
-  { head: 'Meaning', look: 'sec', cell: ({ text, title }) => text || title },
-  { head: 'Worse when', look: 'sec', cell: ({ worse }) => worse },
-  { head: 'Unit', look: 'sec', cell: ({ unit }) => unitText(unit) },
+  { head: 'Meaning', tone: 'sec', cell: ({ text, title }) => text || title },
+  { head: 'Worse when', tone: 'sec', cell: ({ worse }) => worse },
+  { head: 'Unit', tone: 'sec', cell: ({ unit }) => unitText(unit) },
 ]
 
 export function SimulatorText({ simulator }: { simulator: SimulatorEntry }) {
@@ -27,7 +27,7 @@ export function SimulatorText({ simulator }: { simulator: SimulatorEntry }) {
       )}
       <details>
         <summary>Results: {results.length}</summary>
-        <DataTable kind="tight" items={results} keyOf={({ name }) => name} columns={COLUMNS} />
+        <Table tight rows={results} by={({ name }) => name} columns={COLUMNS} />
       </details>
     </>
   )

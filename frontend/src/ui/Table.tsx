@@ -19,7 +19,7 @@ export interface Column<T> {
   /** The tooltip of a cell. */
   tip?: (row: T) => string | undefined
   /** The header next to a cell where cells are below each other. */
-  label?: string
+  label?: string | ((row: T) => string | undefined)
   cell: (row: T, i: number) => ReactNode
 }
 
@@ -34,6 +34,8 @@ interface TableProps<T> {
   by?: (row: T) => string | number
   row?: (row: T, i: number) => RowProps
   className?: string
+  /** For screen readers. */
+  name?: string
   /** A row of another kind before the others. */
   first?: ReactNode
   tight?: boolean
@@ -41,10 +43,10 @@ interface TableProps<T> {
   stack?: boolean
 }
 
-export function Table<T>({ columns, rows, by, row: rowProps, className, first, tight, stack }: TableProps<T>) {
+export function Table<T>({ columns, rows, by, row: rowProps, className, name, first, tight, stack }: TableProps<T>) {
   const shown = columns.filter((column) => column !== false)
   return (
-    <table className={clsx(tables.table, tight && tables.tight, stack && tables.stack, className)}>
+    <table className={clsx(tables.table, tight && tables.tight, stack && tables.stack, className)} aria-label={name}>
       <thead>
         <tr>
           {shown.map((column, k) => (
@@ -81,7 +83,7 @@ function Cell<T>({ column, row, i }: { column: Column<T>; row: T; i: number }) {
   const { className, tone, tip, label, cell } = column
   const toned = typeof tone === 'function' ? tone(row, i) : tone
   return (
-    <td className={clsx(isNum(column) && 'num', toned, className) || undefined} title={tip?.(row)} data-label={label}>
+    <td className={clsx(isNum(column) && 'num', toned, className) || undefined} title={tip?.(row)} data-label={typeof label === 'function' ? label(row) : label}>
       {cell(row, i)}
     </td>
   )

@@ -10,7 +10,7 @@ import type { DraftSummary } from '../../client'
 import { count } from '../../format/numbers'
 import { moment, when } from '../../format/time'
 import { Card, Tags } from '../../ui/Card'
-import { type Column, DataTable, hidden } from '../../ui/DataTable'
+import { type Column, hiddenHead, Table } from '../../ui/Table'
 import { DialogForm } from '../../ui/DialogForm'
 import { Modal } from '../../ui/Modal'
 import { useNow } from '../../ui/useNow'
@@ -35,14 +35,14 @@ export function Drafts() {
         </Link>
       ),
     },
-    { head: 'Name', look: layout.wrapAny, label: 'Name', cell: ({ name }) => name || <span className="mut">Untitled</span> },
-    { head: 'Tags', align: layout.hideN, label: ({ tags }) => (tags.length > 0 ? 'Tags' : undefined), cell: ({ tags }) => <Tags tags={tags} /> },
+    { head: 'Name', tone: layout.wrapAny, label: 'Name', cell: ({ name }) => name || <span className="mut">Untitled</span> },
+    { head: 'Tags', className: layout.hideN, label: ({ tags }) => (tags.length > 0 ? 'Tags' : undefined), cell: ({ tags }) => <Tags tags={tags} /> },
     {
       head: 'Saved by',
       label: 'Saved by',
       cell: ({ owner, saved_by }) => [saved_by, owner !== saved_by && <span key="owner" className="mut">, begun by {owner}</span>],
     },
-    { head: 'Saved', look: 'nw', label: 'Saved', title: ({ saved }) => moment(saved), cell: ({ saved }) => when(saved, now) },
+    { head: 'Saved', tone: 'nw', label: 'Saved', tip: ({ saved }) => moment(saved), cell: ({ saved }) => when(saved, now) },
     {
       head: 'Run',
       label: ({ run }) => (run ? 'Run' : undefined),
@@ -53,7 +53,7 @@ export function Drafts() {
           </Link>
         ),
     },
-    { head: hidden('Delete'), look: layout.acts, cell: (draft) => <Delete draft={draft} onAsk={() => setLeaving(draft)} /> },
+    { head: hiddenHead('Delete'), tone: layout.acts, cell: (draft) => <Delete draft={draft} onAsk={() => setLeaving(draft)} /> },
   ]
   const shown = all ? data : data.slice(0, FEW)
   return (
@@ -70,7 +70,7 @@ export function Drafts() {
         )
       }
     >
-      <DataTable kind="stack" items={shown} keyOf={({ id }) => id} columns={columns} />
+      <Table stack rows={shown} by={({ id }) => id} columns={columns} />
       <Modal
         opened={leaving !== null}
         onClose={() => setLeaving(null)}

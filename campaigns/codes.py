@@ -28,6 +28,7 @@ class CheckCode(StrEnum):
     DISTANCES = "distances"
     NOISE = "noise"
     EXCLUSIONS = "exclusions"
+    SAMPLE = "sample"
     OUTSIDE = "outside the bounds"
     PROBABILITY = "probability"
     TARGET = "target"

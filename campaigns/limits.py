@@ -18,5 +18,8 @@ SPOT_CHECKS, VIOLATIONS = 200, 200
 processes."""
 REPEATS = 10
 """Fewer independent calls of a noisy simulator would say too little about a finding."""
+SAMPLE, SAMPLE_CLOSED_LOOP = 59, 300
+"""The smallest independent sample that "cleared" rests on: without a violation it bounds P(violation) at 5 %, with a
+confidence of 95 %. Drawn where a campaign states none: so many of a simulator, and these of a closed loop (1 %)."""
 DRAWS = 20
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""

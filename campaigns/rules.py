@@ -58,6 +58,7 @@ ABOVE_NOISE = Limit(
     "the range of a million normal numbers",
 )
 EXCLUDED = Limit(0.1, "fraction of the draws, or of all evaluations, that may be excluded", CONVENTION)
+SAMPLE = Limit(limits.SAMPLE, "random samples, independent of every search", "bounds P(violation) at 5 %, at 95 %")
 DRAWS = Limit(limits.DRAWS, "draws for each requested sample, excluded ones included, at most", EFFORT)
 CEILING = Limit(0.05, "bound on P(violation) that a campaign without a target must meet", CONVENTION)
 CONFIDENCE = Limit(limits.CONFIDENCE, "confidence of the bounds", USUAL)
@@ -236,6 +237,14 @@ RULES = (
         CheckCode.EXCLUSIONS,
         "Excluded starts",
         f"At most {percent(EXCLUDED)} of the draws of the sample, and of all evaluations, were excluded.",
+    ),
+    Rule(
+        CheckCode.SAMPLE,
+        "Independent sample",
+        f"An independent sample of at least {SAMPLE.value} was drawn from the distributions, with a seed that was "
+        "drawn at launch and that nobody chose.",
+        ("certify",),
+        RemedyKind.SAMPLE,
     ),
     Rule(
         CheckCode.OUTSIDE,

@@ -25,6 +25,7 @@ from campaigns.results import Finding, TraceHead
 from campaigns.results.base import EXCLUDED
 from campaigns.results.trace import TraceColumn
 from campaigns.runs import RunState
+from campaigns.sample_seed import SampleSeed
 from campaigns.stored.records import Columns, StagePlan, StageRecord, Trace, join
 from campaigns.versions import Versions
 
@@ -40,6 +41,12 @@ def versions(connection: sa.Connection, run_id: int) -> Versions:
     """The installation that ran a run; for a run older than this column, the one stored with its verdict, if any."""
     row = connection.execute(sa.select(Run.flown, Run.summary).where(Run.id == run_id)).one()
     return Versions.of(row.flown or (row.summary or {}).get("provenance"))
+
+
+def sample_seed(connection: sa.Connection, run_id: int) -> SampleSeed | None:
+    """The seed of a run's independent sample; None for a run of an earlier version, which has the campaign's."""
+    row = connection.execute(sa.select(Run.sample_seed, Run.sample_seed_stated).where(Run.id == run_id)).one()
+    return None if row.sample_seed is None else SampleSeed(row.sample_seed, row.sample_seed_stated)
 
 
 def is_removed(connection: sa.Connection, run_id: int) -> bool:
@@ -127,7 +134,8 @@ def succeed(
     kept = sa.select(Run.name, Run.tags, Run.owner, Run.priority).where(Run.id == old)
     own_labels = labels.of_runs(writer, [old]).get(old, {})
     same = writer.execute(kept).one()._asdict()
-    run_id = submit(writer, campaign, **same, planned=planned, catalogue=catalogue, labelled=own_labels)
+    seed = sample_seed(writer, old)  # its evaluations are those of this seed
+    run_id = submit(writer, campaign, **same, planned=planned, catalogue=catalogue, labelled=own_labels, seed=seed)
     for row in writer.execute(sa.select(RunBaseline.__table__).where(RunBaseline.run_id == old)).mappings().all():
         writer.execute(sa.insert(RunBaseline).values({**row, "run_id": run_id}))
     writer.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **values))

@@ -22,6 +22,7 @@ from campaigns.asked.requirements import question
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.runs import HELD, RunState, StageState
+from campaigns.sample_seed import SampleSeed
 
 LEASE = 10.0
 """How long a worker may send no heartbeat before its run can be claimed by another [s]."""
@@ -68,11 +69,14 @@ def submit(
     priority: int = 0,
     catalogue: Catalogue | None = None,
     labelled: Mapping[str, str] | None = None,
+    seed: SampleSeed | None = None,
 ) -> int:
     """Queue a run of the campaign in the caller's transaction; returns its number.
 
-    Stores the catalogue entries of the campaign's components with it; given: its labels.
+    Stores the catalogue entries of the campaign's components with it; labelled: its labels; seed: that of its
+    independent sample, drawn here if none is stated.
     """
+    seed = seed or SampleSeed.drawn()
     created = now(connection)
     document = campaign.document()
     row = {"digest": campaign.digest, "name": campaign.name, "document": document, "created": created}
@@ -91,6 +95,8 @@ def submit(
         "snapshot": None if catalogue is None else snapshots.store(connection, campaign, catalogue),
         "needs": None if needed is None else needed.version,
         "size": sizes.of_document(document),
+        "sample_seed": seed.value,
+        "sample_seed_stated": seed.stated,
     }
     run_id = int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
     labels.store(connection, run_id, labelled or {})

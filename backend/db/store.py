@@ -27,6 +27,7 @@ from campaigns.checked.snapshot import values_changed
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.runs import RunState, StageState
+from campaigns.sample_seed import SampleSeed
 from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord, Trace
 from campaigns.versions import Code, OtherCode, Versions, differences, differing
 
@@ -40,6 +41,12 @@ class RunStore:
     def __init__(self, engine: sa.Engine, claim: Claim) -> None:
         self.engine, self.claim = engine, claim
         self._run = claim.run_id
+
+    @property
+    def sample_seed(self) -> SampleSeed | None:
+        """The seed of the run's independent sample; None for a run of an earlier version, which has the campaign's."""
+        with read(self.engine) as connection:
+            return continuation.sample_seed(connection, self._run)
 
     def describe(self, campaign: Campaign, catalogue: Catalogue) -> None:
         """Store the component descriptions of this installation; raises `OtherCode` if the run used others.

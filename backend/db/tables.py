@@ -83,6 +83,10 @@ class Run(Base):
     """The run whose searches this one extends with larger budgets."""
     carries: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
     """Whether it begins with those evaluations of the run that it continues which its worker may use."""
+    sample_seed: orm.Mapped[int | None] = orm.mapped_column(sa.BigInteger)
+    """From which the points of its independent sample follow; None for runs older than this column: the campaign's."""
+    sample_seed_stated: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
+    """Whether the launch stated it; otherwise it was drawn."""
     snapshot: orm.Mapped[str | None] = orm.mapped_column(sa.ForeignKey("catalogue_snapshots.digest"))
     """Digest of the snapshot of its components; None for runs older than snapshots."""
     flown: orm.Mapped[JsonObject | None]

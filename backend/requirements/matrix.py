@@ -195,7 +195,8 @@ def _whole(edge: Edge, known: Known | None, row: Any, stated: str, text: str) ->
         return edge
     changes = (*known.changes, *_text_changes(known, row, stated, text))
     own = all(one.own for one in known.signoffs if one.current)
-    return replace(edge, signed=known.signed, own=own, changes=changes)
+    lacks = known.outcome.not_sampled
+    return replace(edge, not_sampled=lacks, signed=known.signed, own=own, changes=changes)
 
 
 def _text_changes(known: Known, row: Any, stated: str, text: str) -> Iterator[str]:

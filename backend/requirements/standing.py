@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_name
 
-Status = Literal["violated", "inconclusive", "no verdict", "suspect", "unsigned", "no evidence", "met"]
+Status = Literal["violated", "inconclusive", "not sampled", "no verdict", "suspect", "unsigned", "no evidence", "met"]
 
-ORDER: tuple[Status, ...] = ("violated", "inconclusive", "no verdict", "suspect", "unsigned", "no evidence", "met")
+ORDER: tuple[Status, ...] = get_args(Status)
 """The worst first."""
 
 
@@ -43,15 +43,17 @@ class Model:
 
 @dataclass(frozen=True)
 class Edge:
-    """One run of a requirement. question: see `campaigns.asked.requirements`; signed: whether a valid sign-off covers
-    its results; own: whether only users who launched it have signed; changes: what has changed since it ran, as
-    clauses; threshold and worst: of its criterion, and the lowest value of any evaluation [unit of the criterion]."""
+    """One run of a requirement. question: see `campaigns.asked.requirements`; not_sampled: as its verdict has it;
+    signed: whether a valid sign-off covers its results; own: whether only users who launched it have signed; changes:
+    what has changed since it ran, as clauses; threshold and worst: of its criterion, and the lowest value of any
+    evaluation [unit of the criterion]."""
 
     run_id: int
     campaign: str
     question: str
     verdict: VerdictWord | None
     model: Model
+    not_sampled: bool = False
     signed: bool = False
     own: bool = False
     changes: tuple[str, ...] = ()
@@ -113,6 +115,9 @@ def _of_campaign(name: str, edges: Sequence[Edge], others: Sequence[Edge]) -> St
             f"{run}, the newest with a verdict, on the same question and model; no verdict confirms it.{before}"
         )
         return Standing("inconclusive", text, evidence, runs)
+    if newest.not_sampled:
+        lacks = "has no independent sample with a seed drawn at launch, so what every search missed would not show"
+        return Standing("not sampled", f"{name}: {run}, the newest with a verdict, {lacks}.{before}", evidence)
     if newest.verdict != VerdictWord.CLEARED:
         text = f"{name}: {run}, the newest with a verdict, is {newest.verdict}.{before}"
         return Standing("inconclusive", text, evidence)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
+from backend.db.continuation import sample_seed
 from backend.db.tables import Finding, Stage
 from campaigns import Campaign
 from campaigns.results.draws import of_draws
@@ -21,14 +22,13 @@ def drawn(reader: sa.Connection, run_id: int, campaign: Campaign) -> dict[int, l
     drawing = {kind: stage.draws for kind, stage in declared().items() if stage.draws is not None}
     query = sa.select(Stage.position, Stage.kind, Stage.result, Stage.evaluations)
     query = query.where(Stage.run_id == run_id, Stage.kind.in_(drawing))
-    found = {}
+    found, drawn_at_launch = {}, sample_seed(reader, run_id)
+    seed = campaign.seed if drawn_at_launch is None else drawn_at_launch.value
     for row in reader.execute(query).all():
         result = None if row.result is None else stage_result(row.result)
         count = drawing[row.kind](campaign, row.evaluations) if result is None else result.drawn
         known = None if result is None else result.seeds
-        found[row.position] = (
-            of_draws(campaign.seed, 0, min(count, row.evaluations)).tolist() if known is None else known
-        )
+        found[row.position] = of_draws(seed, 0, min(count, row.evaluations)).tolist() if known is None else known
     return found
 
 

@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from backend.http.schema import Instant, Schema
-from campaigns.results.verdict import VerdictWord
+from campaigns.results.verdict import VerdictWord, not_sampled
 from campaigns.runs import RunState, run_name
 
 
@@ -48,6 +48,8 @@ class Outcome(Schema):
     samples: int | None
     confidence: float | None
     """Of the upper bound."""
+    not_sampled: bool = False
+    """Whether nothing but an independent sample is missing to clear it."""
     created: Instant
     finished: Instant | None
     removed: bool
@@ -61,6 +63,7 @@ _STATISTICS = {
     "samples": Run.summary["statistics", "samples"].as_integer(),
     "confidence": Run.summary["statistics", "confidence"].as_float(),
 }
+_CHECKS = {"checks": Run.summary["checks"].as_json(), "source": Run.summary["statistics", "source"].as_string()}
 CODE = Run.flown["code"].as_string()
 """The code digest of a run, as a column."""
 
@@ -71,7 +74,7 @@ def outcomes(
     """The outcomes of the runs that fulfil the conditions, newest first; purged runs are omitted."""
     columns = [Run.id, Run.removed, Run.worst_cost, Run.upper_bound, *(getattr(Run, name) for name in _PLAIN)]
     columns += [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
-    columns += [expression.label(name) for name, expression in _STATISTICS.items()]
+    columns += [expression.label(name) for name, expression in (_STATISTICS | _CHECKS).items()]
     columns += [CODE.label("code"), Run.flown["clearance"].as_string().label("clearance")]
     columns += [CampaignRow.name.label("campaign_name"), CampaignRow.document["seed"].as_string().label("seed")]
     query = sa.select(*columns).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
@@ -92,7 +95,13 @@ def _outcome(row: Any) -> Outcome:
         unit=row.unit or "",
         code=row.code,
         clearance=row.clearance,
+        not_sampled=done and _not_sampled(row),
         campaign_name=row.campaign_name,
         seed=1 if row.seed is None else int(row.seed),
         removed=row.removed is not None,
     )
+
+
+def _not_sampled(row: Any) -> bool:
+    drawn = row.samples or 0 if row.source in (None, "certify") else 0
+    return not_sampled(row.verdict, [check["name"] for check in row.checks or [] if not check["ok"]], drawn)

@@ -189,6 +189,16 @@ class Campaign(Strict):
     baseline: Annotated[Baseline | None, UNSTATED] = None
     """Added by a launch with a baseline; its findings are evaluated after the nominal case."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _sampled(cls, document: Any) -> Any:
+        """A campaign that does not state whether it draws a sample draws one; `certify: null` draws none."""
+        stages = document.get("stages") if isinstance(document, Mapping) else None
+        if not isinstance(stages, Mapping) or "certify" in stages:
+            return document
+        samples = limits.SAMPLE_CLOSED_LOOP if document.get("simulator") is None else limits.SAMPLE
+        return {**document, "stages": {**stages, "certify": {"samples": samples}}}
+
     @field_validator("uncertain")
     @classmethod
     def _in_order(cls, uncertain: dict[str, Uncertain]) -> dict[str, Uncertain]:

@@ -103,5 +103,6 @@ class Stages(Strict):
     sensitivity: Sensitivity | None = Sensitivity()
     search: Annotated[list[Search], Field(min_length=1, max_length=32)]
     certify: Certify | None = None
+    """If omitted, 300 samples of a closed loop and 59 of a simulator; null draws none, and then nothing is cleared."""
     findings: Findings = Findings()
     validate_: Validate = Field(default=Validate(), alias="validate")

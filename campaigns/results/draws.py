@@ -1,4 +1,4 @@
-"""The noise seed of each draw of a random sample, computed from the campaign's seed and the draw's index.
+"""The noise seed of each draw of a random sample, computed from the sample's seed and the draw's index.
 
 The highest bits of SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
 """
@@ -16,7 +16,7 @@ assert 1 << _BITS == MAX_SEED
 
 
 def of_draws(seed: int, first: int, count: int) -> NDArray[np.int64]:
-    """The realisations of the draws `first`, first + 1, ... of the certify stage of a campaign with this seed."""
+    """The realisations of the draws `first`, first + 1, ... of a sample with this seed."""
     index = np.arange(first, first + count, dtype=np.uint64)
     stream = _mixed(np.array([seed + 1], dtype=np.uint64) * np.uint64(_GAMMA))
     mixed = _mixed(stream + (index + np.uint64(1)) * np.uint64(_GAMMA))

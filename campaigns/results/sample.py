@@ -6,6 +6,7 @@ from typing import Literal
 
 from campaigns.results.base import Described, Result, Stop, Values
 from campaigns.results.stage import StageResult
+from campaigns.sample_seed import SampleSeed
 
 Noise = Literal["none", "drawn", "stated"]
 
@@ -97,6 +98,10 @@ class CertifyResult(StageResult, Described):
     stage: Literal["certify"] = "certify"
     sample: Sample
     grid: GridResult | None
+    seed: int | None = None
+    """From which its points and noise follow; null in results of earlier versions: the campaign's."""
+    drawn_at_launch: bool = False
+    """Whether the seed was drawn when the run was launched, so that nobody has chosen it."""
     drawn_realisations: int = 0
     """How many of the stage's first evaluations each drew their own noise realisation."""
     evaluations: int = 0
@@ -108,6 +113,10 @@ class CertifyResult(StageResult, Described):
     @property
     def drawn(self) -> int:
         return self.drawn_realisations
+
+    @property
+    def sample_seed(self) -> SampleSeed | None:
+        return None if self.seed is None else SampleSeed(self.seed, stated=not self.drawn_at_launch)
 
     @property
     def ended(self) -> Stop | None:

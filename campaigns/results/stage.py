@@ -8,6 +8,7 @@ from typing import ClassVar
 from campaigns.results.base import Result, Status, Stop, Values
 from campaigns.results.measured import Measured
 from campaigns.results.slices import Curve
+from campaigns.sample_seed import SampleSeed
 
 
 class Reevaluated(Result):
@@ -50,7 +51,12 @@ class StageResult(Result):
 
     @property
     def seeds(self) -> list[int] | None:
-        """The noise seeds of these evaluations, in their order; None if they follow from the campaign's seed."""
+        """The noise seeds of these evaluations, in their order; None if they follow from the seed of the sample."""
+        return None
+
+    @property
+    def sample_seed(self) -> SampleSeed | None:
+        """The seed of its independent sample; None without one, and in results of earlier versions."""
         return None
 
     @property

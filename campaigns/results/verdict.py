@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
@@ -11,6 +11,7 @@ from pydantic import Field, computed_field, model_validator
 from campaigns.claims.spans import Spans, values, words
 from campaigns.codes import CheckCode
 from campaigns.documented import UNLESS_EMPTY
+from campaigns.limits import SAMPLE
 from campaigns.results.base import Claim, Described, Result, Values, with_spans
 from campaigns.results.regression import OptionalRegression
 from campaigns.results.sample import Noise, QuantileBound
@@ -144,6 +145,15 @@ class Verdict(Result):
         """The numbers of the sentence by name."""
         return values(self.statement)
 
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def not_sampled(self) -> bool:
+        """Whether nothing but an independent sample is missing: every other check holds, as in what earlier versions
+        cleared without one."""
+        sample = self.statistics
+        drawn = 0 if sample is None or sample.source != "certify" else sample.samples
+        return not_sampled(self.verdict, [check.name for check in self.checks if not check.ok], drawn)
+
     @model_validator(mode="before")
     @classmethod
     def _worded(cls, stored: Any) -> Any:
@@ -156,3 +166,8 @@ class Verdict(Result):
     def reason(self) -> str:
         """Sentence and scope."""
         return f"{self.sentence} {self.scope}".strip()
+
+
+def not_sampled(word: str | None, lacking: Sequence[str], drawn: int) -> bool:
+    """Whether a verdict with these failing checks and so many samples of a certify stage lacks a sample only."""
+    return list(lacking) == [CheckCode.SAMPLE] or (word == VerdictWord.CLEARED and drawn < SAMPLE)

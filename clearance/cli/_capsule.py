@@ -46,7 +46,14 @@ def of_capsule(path: Path, allow_code: bool) -> Opened:
     if capsule.program is not None:
         _install(path, capsule.program, allow_code)
     recorded = Recorded(
-        capsule.specification, [], {}, [capsule.finding], capsule.versions, capsule.modules, measured=capsule.measured
+        capsule.specification,
+        capsule.specification.seed,
+        [],
+        {},
+        [capsule.finding],
+        capsule.versions,
+        capsule.modules,
+        measured=capsule.measured,
     )
     executed = [] if capsule.program is None else ["the command"]
     executed += ["the components"] if is_inside(capsule) else []

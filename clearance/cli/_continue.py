@@ -89,7 +89,7 @@ def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
     earlier = _Earlier(str(folder), campaign, store, versions_of(folder), {})
     onward, columns = earlier.onward(budget)
     refuse_other_campaign(folder, campaign)
-    memory = preloaded(onward, columns)
+    memory = preloaded(onward, columns, store.sample_seed)
     with explained(memory):
         return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)
 
@@ -200,4 +200,5 @@ def _snapshot(connection: sa.Connection, run_id: int) -> MemoryStore:
         chunks={at: [columns] for at, columns in stored.evaluations(connection, run_id).items()},
         findings=stored.findings(connection, run_id),
         traces={t.name: t for t in stored.traces(connection, run_id)},
+        sample_seed=stored.sample_seed(connection, run_id),
     )

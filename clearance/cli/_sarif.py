@@ -26,6 +26,7 @@ VIOLATION, CHECK, CHANGE, NO_VERDICT = "violation", "check/", "change/", "no-ver
 WHERE: Mapping[str, tuple[str, ...]] = {
     CheckCode.SEARCH: ("stages.search",),
     CheckCode.AGREEMENT: ("agreement", "stages.search"),
+    CheckCode.SAMPLE: ("stages.certify", "stages"),
     CheckCode.OUTSIDE: ("uncertain",),
     CheckCode.PROBABILITY: ("stages.certify",),
     CheckCode.TARGET: ("target_probability", "stages.certify"),

@@ -110,19 +110,20 @@ def of_folder(folder: Path) -> Recorded:
         kinds = [stage.plan.kind for stage in store.stages]
         results, findings = earlier.brought_up(kinds, results, stated["findings"])
         typed = [Finding.model_validate(found) for found in findings]
-        drew = {at: stage_result(r) for at, r in enumerate(results) if (r or {}).get("drawn_realisations")}
+        known = {at: stage_result(r) for at, r in enumerate(results) if r is not None}
         measured = (results[0] or {}).get("measured") if results else None
         noise = None if measured is None else Measured.model_validate(measured)
     except UNREADABLE as error:
         raise WrongInputError(f"{folder} cannot be replayed: {error}") from None
     chunks = {at: columns for at in store.chunks if (columns := store.evaluations(at)) is not None}
     plans = [stage.plan for stage in store.stages]
-    drawn, seeds = _drawn(drew)
-    return Recorded(campaign, plans, chunks, typed, versions_of(folder), drawn=drawn, measured=noise, seeds=seeds)
+    drawn, seeds = _drawn(known)
+    seed = store.sample_seed.value if store.sample_seed is not None else campaign.seed
+    return Recorded(campaign, seed, plans, chunks, typed, versions_of(folder), drawn=drawn, measured=noise, seeds=seeds)
 
 
 def _drawn(results: Mapping[int, StageResult | None]) -> tuple[dict[int, int], dict[int, list[int]]]:
-    """By stage: how many evaluations drew noise from the campaign's seed, and the seeds of those that had their own."""
+    """By stage: how many evaluations drew noise from the sample's seed, and the seeds of those that had their own."""
     known = {at: result for at, result in results.items() if result is not None}
     drawn = {at: result.drawn for at, result in known.items() if result.seeds is None}
     return drawn, {at: result.seeds for at, result in known.items() if result.seeds is not None}
@@ -145,9 +146,11 @@ def of_database(connection: sa.Connection, run_id: int) -> Recorded:
     except CampaignError as error:
         raise WrongInputError(f"the campaign of {name} is one of another version of Clearance: {error}") from None
     stages, versions = stored.stages(connection, run_id), stored.versions(connection, run_id)
+    seed = stored.sample_seed(connection, run_id)
     drawn, seeds = _drawn({at: stage.result for at, stage in enumerate(stages)})
     return Recorded(
         campaign,
+        campaign.seed if seed is None else seed.value,
         [stage.plan for stage in stages],
         stored.evaluations(connection, run_id),
         stored.findings(connection, run_id),

@@ -120,6 +120,10 @@ class VerdictParts(Answer):
     """The scope of the sentence, as plain text."""
     values: dict[str, float] = {}
     """The numbers of the sentence by name."""
+    not_sampled: bool | None = None
+    """Whether nothing but an independent sample is missing: every other check holds, as in what earlier versions
+    cleared without one.
+    """
 
 
 class Run(RunAnswer):
@@ -322,6 +326,8 @@ class Outcome(Answer):
     samples: int | None = None
     confidence: float | None
     """Of the upper bound."""
+    not_sampled: bool | None = None
+    """Whether nothing but an independent sample is missing to clear it."""
     created: AwareDatetime | None = None
     finished: AwareDatetime | None = None
     removed: bool | None = None

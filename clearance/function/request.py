@@ -246,7 +246,7 @@ def _document(
         },
         "uncertain": {f"simulator.{n}": {"low": low, "high": high} for n, (low, high) in request.ranges.items()},
         "criterion": {"result": request.result, "threshold": threshold},
-        "stages": {"search": searches, **({"certify": {"samples": certify}} if certify else {})},
+        "stages": {"search": searches, "certify": {"samples": certify} if certify else None},
         "seed": seed,
     }
 

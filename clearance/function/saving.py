@@ -50,7 +50,7 @@ def _page(engine: sa.Engine, origin: Origin) -> str:
     planned = sum(record.plan.planned for record in store.stages)
     submitted = partial(
         queue.submit, campaign=campaign, name=campaign.name, tags=campaign.tags, owner="clearance.search",
-        planned=planned, catalogue=origin.known,
+        planned=planned, catalogue=origin.known, seed=store.sample_seed,
     )  # fmt: skip
     run = write(engine, submitted, PATIENCE)
     claim = queue.Queue(engine).claim("clearance.search", [s.version for s in origin.known.simulators])

@@ -17,6 +17,8 @@ from campaigns import Campaign, Catalogue, load_file
 from campaigns.cells import Writer
 from campaigns.checked.snapshot import snapshot, values_changed
 from campaigns.results.base import OK, STATUS
+from campaigns.sample_seed import SampleSeed
+from campaigns.stages.found import stage_result
 from campaigns.stages.plan import plan
 from campaigns.unreadable import UNREADABLE
 from campaigns.versions import Versions, short
@@ -74,7 +76,20 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
         chunks = _read_bits(folder / ARRAYS, len(stages))
     except UNREADABLE as error:
         raise CannotContinue(f"{ARRAYS} in it cannot be read ({error}); run the campaign again") from None
-    return campaign, MemoryStore(stages=stages, chunks={at: [columns] for at, columns in chunks.items()})
+    seed = _sample_seed(folder)
+    return campaign, MemoryStore(
+        stages=stages, chunks={at: [columns] for at, columns in chunks.items()}, sample_seed=seed
+    )
+
+
+def _sample_seed(folder: Path) -> SampleSeed | None:
+    """The seed of the independent sample; None in a folder of an earlier version, and without a sample."""
+    try:
+        results = json.loads((folder / "evidence.json").read_text(encoding="utf-8"))["results"]
+    except UNREADABLE:
+        return None
+    found = (stage_result(result) for result in results if result and result.get("seed") is not None)
+    return next((result.sample_seed for result in found if result is not None), None)
 
 
 def versions_of(folder: Path) -> Versions:

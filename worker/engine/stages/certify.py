@@ -1,9 +1,9 @@
 """Certify: an independent sample from the campaign's distributions, declared before the run, and what follows from it.
 
-It has its own random stream, separate from every search; no point comes from an optimiser. Excluded draws are counted
-and drawn again. If the scenario has noise, every draw simulates its own realisation (`campaigns.results.draws`), so
-that the probability is that of the noisy system; of a simulator that does not repeat, every draw is one call. A full
-grid, if requested, supports no claim beyond its own points.
+Its random stream follows from a seed drawn at launch (`campaigns.sample_seed`); no point comes from an optimiser.
+Excluded draws are counted and drawn again. If the scenario has noise, every draw simulates its own realisation
+(`campaigns.results.draws`), so that the probability is that of the noisy system; of a simulator that does not repeat,
+every draw is one call. A full grid, if requested, supports no claim beyond its own points.
 """
 
 from __future__ import annotations
@@ -50,9 +50,9 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     assert request is not None
     drawn = _Drawn()
     grid = 0 if request.grid is None else request.grid.points**problem.dimension
-    random = stream(context.campaign.seed, STREAM)
+    seed = context.sample_seed
     single = slotted(problem.system).single() if noise.noisy(context) else None
-    searching = _search(problem, request, random, drawn, single)
+    searching = _search(problem, request, seed.value, drawn, single)
     driven = drive(context, position, searching, DRAWS * request.samples + grid + 1)
     assert driven.columns is not None
     own = problem.realisations.random
@@ -65,6 +65,8 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     result = CertifyResult(
         sample=drawing.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
         grid=_grid(context, request.grid.points, driven.columns, drawn.draws) if request.grid is not None else None,
+        seed=seed.value,
+        drawn_at_launch=not seed.stated,
         drawn_realisations=drawn.draws if own else 0,
         evaluations=tally.evaluations,
         failed=tally.failed,
@@ -76,14 +78,13 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     return Outcome(result)
 
 
-def _search(
-    problem: Problem, request: Certify, random: np.random.Generator, drawn: _Drawn, single: System | None
-) -> Asking[str]:
+def _search(problem: Problem, request: Certify, seed: int, drawn: _Drawn, single: System | None) -> Asking[str]:
+    random = stream(seed, STREAM)
     most = DRAWS * request.samples
     while drawn.evaluated < request.samples and drawn.draws < most:
         draws = min(BLOCK, request.samples - drawn.evaluated, most - drawn.draws)
         drawn_points = problem.quantile(random.random((draws, problem.dimension)))
-        own = of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
+        own = of_draws(seed, drawn.draws, draws) if problem.realisations.random else None
         if single is not None:
             batch: Batch = yield Through(drawn_points, single)
         else:

@@ -249,6 +249,7 @@ def _probability(run: Run) -> dict[str, bool]:
         checks["noise"] = noise == "drawn" and not (realisations.combine == "mean" and len(realisations.seeds) > 1)
     if excluded:
         checks["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= limits.EXCLUDED
+    checks["sample"] = _sampled(run)
     if run.outside():
         checks["outside the bounds"] = run.outside() <= limits.CEILING
     if campaign.target_probability is not None:
@@ -256,6 +257,13 @@ def _probability(run: Run) -> dict[str, bool]:
     elif sample is not None:
         checks["probability"] = bound <= limits.CEILING
     return checks
+
+
+def _sampled(run: Run) -> bool:
+    """Whether the certify stage drew enough, with a seed that nobody chose."""
+    certify = [k for k, planned in enumerate(run.plan) if planned.kind == "certify"]
+    drawn = [k for k in certify if run.claims["results"][k].get("drawn_at_launch") is True]
+    return any(run.samples[k]["samples"] >= limits.SAMPLE for k in drawn)
 
 
 def _sentence(run: Run) -> tuple[Tree, Tree]:

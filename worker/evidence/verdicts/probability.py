@@ -38,7 +38,13 @@ def statistics(evidence: Evidence) -> Statistics | None:
 
 def probability(problem: Problem, evidence: Evidence) -> list[Check]:
     """The checks of the noise, the exclusions, the draws outside the bounds, and the bound."""
-    return [*_noise(problem, evidence), *_excluded(evidence), *_outside(problem), *_bound(problem, evidence)]
+    return [
+        *_noise(problem, evidence),
+        *_excluded(evidence),
+        _sampled(evidence),
+        *_outside(problem),
+        *_bound(problem, evidence),
+    ]
 
 
 def outside(problem: Problem) -> Spans:
@@ -88,6 +94,23 @@ def _excluded(evidence: Evidence) -> list[Check]:
     if much > most:
         statement = say(statement, "; narrow the bounds until at most ", percent(most, 6, "most"), " are excluded")
     return [check(CheckCode.EXCLUSIONS, much <= most, statement)]
+
+
+def _sampled(evidence: Evidence) -> Check:
+    """Whether the campaign has an independent sample that is large enough and that nobody could choose."""
+    certificate, least = evidence.certificate, rules.SAMPLE.value
+    if certificate is None:
+        lacks = "not sampled: no independent sample was drawn, which would show what every search missed; "
+        return check(CheckCode.SAMPLE, False, lacks, "add a certify stage of at least ", count(least, "least"))
+    drawn = count(certificate.sample.samples, "samples")
+    if certificate.sample.samples < least:
+        return check(
+            CheckCode.SAMPLE, False, "the independent sample has ", drawn, ", fewer than ", count(least, "least")
+        )
+    if not certificate.drawn_at_launch:
+        stated = " was stated before the run, so that a sample without a violation could be chosen; "
+        return check(CheckCode.SAMPLE, False, "the seed of the independent sample", stated, "run it with a drawn one")
+    return check(CheckCode.SAMPLE, True, "an independent sample of ", drawn, " was drawn with a seed of the launch")
 
 
 def _advice(sample: Sample) -> Spans:

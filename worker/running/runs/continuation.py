@@ -18,6 +18,7 @@ from campaigns.asked.spec import MAX_EVALUATIONS, Search
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
+from campaigns.sample_seed import SampleSeed
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions, differences, differing, other_code
@@ -115,7 +116,8 @@ def refuse_other_code(new: Campaign, then: Versions, modules: dict[str, str] | N
         raise CannotContinue(other_code("it", others))
 
 
-def preloaded(new: Campaign, evaluations: dict[int, Columns]) -> MemoryStore:
+def preloaded(new: Campaign, evaluations: dict[int, Columns], seed: SampleSeed | None) -> MemoryStore:
     """A store in memory that a run of the new campaign resumes from."""
     stages = [StageRecord(StagePlan(*planned)) for planned in plan(new)]
-    return MemoryStore(stages=stages, chunks={at: [columns] for at, columns in evaluations.items()})
+    chunks = {at: [columns] for at, columns in evaluations.items()}
+    return MemoryStore(stages=stages, chunks=chunks, sample_seed=seed or SampleSeed.drawn())

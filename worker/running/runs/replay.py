@@ -41,6 +41,7 @@ class Recorded:
     drew their own noise seed; measured: whether its simulator repeated."""
 
     campaign: Campaign
+    sample_seed: int
     plans: Sequence[StagePlan]
     evaluations: Mapping[int, Columns]
     findings: Sequence[Finding]
@@ -143,7 +144,7 @@ def _case(recorded: Recorded, problem: Problem, name: str) -> Case:
     if columns is None or index >= stored:
         raise UnknownCase(f"stage {place[1]} has {count(stored)} evaluations, counted from 0; there is no {index}")
     plan, draws = recorded.plans[position], recorded.drawn.get(position, 0)
-    seed = int(of_draws(recorded.campaign.seed, index, 1)[0]) if index < draws else None
+    seed = int(of_draws(recorded.sample_seed, index, 1)[0]) if index < draws else None
     own = recorded.seeds.get(position, ())
     seed = own[index] if index < len(own) else seed
     vector = problem.vectors(columns.points[index : index + 1])[0]

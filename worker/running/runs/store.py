@@ -10,6 +10,7 @@ import numpy as np
 from campaigns.capsules.sources import Sources
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.runs import StageState
+from campaigns.sample_seed import SampleSeed
 from campaigns.versions import Code, Versions
 from worker.engine.stages.parts.store import Ahead, Columns, StagePlan, StageRecord, Trace, join
 
@@ -26,6 +27,7 @@ class MemoryStore:
     versions: Versions | None = None
     sources: tuple[Sources, dict[str, bytes]] | None = None
     waiting: dict[int, list[Ahead]] = field(default_factory=dict)
+    sample_seed: SampleSeed | None = field(default_factory=SampleSeed.drawn)
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
         if not self.stages:

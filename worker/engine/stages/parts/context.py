@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple, TypeVar
 from campaigns import Campaign
 from campaigns.results import NominalResult, SearchResult, StageResult
 from campaigns.results.base import Stop
+from campaigns.sample_seed import SampleSeed
 from worker.engine.problem.evaluate import Evaluate
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Batch, Method, Several
@@ -70,6 +71,11 @@ class Context:
     plan: Sequence[StagePlan] = ()
     methods: Mapping[str, Method] = field(default_factory=dict)
     """The installed search methods by name."""
+
+    @property
+    def sample_seed(self) -> SampleSeed:
+        """The seed of the independent sample; of a run of an earlier version the campaign's."""
+        return self.store.sample_seed or SampleSeed(self.campaign.seed)
 
     @property
     def nominal_cost(self) -> float | None:

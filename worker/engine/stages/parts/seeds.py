@@ -1,6 +1,6 @@
 """The noise realisation of each evaluation, if a stage draws one per evaluation.
 
-It is that of the baseline's finding, or computed from the campaign's seed and the evaluation's index
+It is that of the baseline's finding, or computed from the seed of the sample and the evaluation's index
 (`campaigns.results.draws`), so it is never stored with the evaluation.
 """
 
@@ -33,7 +33,7 @@ def _seeds(context: Context, position: int, drawn: int) -> Seeds:
     result = context.results.get(position)
     if result is not None and result.seeds is not None:
         return np.array(result.seeds, dtype=np.int64)
-    return of_draws(context.campaign.seed, 0, drawn)
+    return of_draws(context.sample_seed.value, 0, drawn)
 
 
 def _drawn(context: Context, position: int) -> int:

@@ -12,6 +12,7 @@ from typing import Protocol
 
 from campaigns.capsules.sources import Sources
 from campaigns.results import Finding, StageResult, Verdict
+from campaigns.sample_seed import SampleSeed
 from campaigns.stored.records import (
     Ahead,
     Cited,
@@ -38,6 +39,10 @@ __all__ = [
 
 class Store(Protocol):
     """The storage that a runner needs. Positions are those of the plan; indices count from 0 within a stage."""
+
+    @property
+    def sample_seed(self) -> SampleSeed | None:
+        """The seed of the run's independent sample; None for a run of an earlier version, which has the campaign's."""
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
         """Write the plan of a new run; return the state of every stage (a resumed run finds its earlier state)."""

@@ -56,6 +56,7 @@ def search(
     budget: int | None = None,
     certify: int = 300,
     seed: int = 1,
+    sample_seed: int | None = None,
     vectorized: bool | None = None,
     progress: bool = False,
     name: str = "",
@@ -76,7 +77,8 @@ def search(
         evaluations are cheap.
     budget: evaluations of each search whose method has none of its own; 500 for each parameter if not given.
     certify: size of the independent random sample that bounds the probability of a violation; 0 for none.
-    seed: of everything random. progress: show bars in a terminal. name: of the campaign.
+    seed: of everything random but the independent sample. progress: show bars in a terminal. name: of the campaign.
+    sample_seed: of the independent sample, to repeat an earlier result; nothing is cleared with one that was stated.
     quantity, unit: of the returned number, for sentences, tables and axes. worse: only "low".
     result: which result of a decorated function decides, if it has several.
 
@@ -90,15 +92,18 @@ def search(
             "a search was started while its file is only loaded for its functions: "
             "put the call of clearance.search under `if __name__ == '__main__':`"
         )
-    _plain(threshold, budget, certify, seed, worse)
+    _plain(threshold, budget, certify, seed, sample_seed, worse)
     request = _request_of(fly, parameters, nominal, vectorized, quantity, unit, result)
     document = _document(request, threshold, name, _searches(methods, budget, len(request.ranges)), certify, seed)
+    from campaigns.sample_seed import SampleSeed
     from clearance.function.running import run
 
-    return run(request, document, progress)
+    return run(request, document, progress, None if sample_seed is None else SampleSeed(sample_seed))
 
 
-def _plain(threshold: object, budget: object, certify: object, seed: object, worse: object) -> None:
+def _plain(
+    threshold: object, budget: object, certify: object, seed: object, sample_seed: object, worse: object
+) -> None:
     """The arguments that are checked one by one."""
     if threshold is None or not finite(threshold):
         raise ValueError(f"threshold must be a finite number, given {threshold!r:.60}")
@@ -107,8 +112,10 @@ def _plain(threshold: object, budget: object, certify: object, seed: object, wor
             f"worse={worse!r:.60} is not supported, a verdict needs a number that is worse when low: "
             "return the margin, such as limit - value, and give threshold=0"
         )
-    for label, value, least in (("budget", budget, 1), ("certify", certify, 0), ("seed", seed, 0)):
-        if label == "budget" and value is None:
+    for label, value, least in (
+        ("budget", budget, 1), ("certify", certify, 0), ("seed", seed, 0), ("sample_seed", sample_seed, 0)
+    ):  # fmt: skip
+        if label in ("budget", "sample_seed") and value is None:
             continue
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= MAX_SEED:
             raise ValueError(f"{label} must be a whole number of at least {least}, given {value!r:.60}")

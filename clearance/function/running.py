@@ -12,6 +12,7 @@ from worker.running.runs import sources as sources  # first: it records the file
 # isort: split
 from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.asked.load import load_document
+from campaigns.sample_seed import SampleSeed
 from clearance.function.request import Request
 from clearance.function.result import Interrupted, Origin, Result, evaluations, of
 from clearance.local.interrupt import deferred
@@ -27,13 +28,13 @@ from worker.running.runs.store import MemoryStore
 Show = Callable[[int, Tally], None]
 
 
-def run(request: Request, document: dict[str, object], progress: bool) -> Result:
+def run(request: Request, document: dict[str, object], progress: bool, seed: SampleSeed | None = None) -> Result:
     """The result of the campaign; raises ValueError for one that cannot be run, `Interrupted` after Ctrl-C."""
     function = PythonFunction(request.declaration, dict(request.place), request.call)
     known = catalogue().model_copy(update={"simulators": [function.entry]})
     campaign = _campaign(document, known)
     problem = Problem(campaign, opened.simulated(campaign, function, known))
-    store = MemoryStore()
+    store = MemoryStore(sample_seed=seed or SampleSeed.drawn())
     origin = Origin(campaign, problem, store, known, tuple(request.ranges))
     try:
         with _interruptible() as stopped, _shown(campaign, progress) as show:

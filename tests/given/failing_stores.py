@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from campaigns.results import Verdict
+from tests.given.sampled_stages import DRAWN
 from worker.engine.stages.parts.store import Ahead, Columns, join
 from worker.running.runs.store import MemoryStore
 
@@ -17,7 +18,7 @@ class Unreliable(MemoryStore):
     """Raises after so many evaluations were stored."""
 
     def __init__(self, left: int) -> None:
-        super().__init__()
+        super().__init__(sample_seed=DRAWN)
         self.left = left
 
     def append(self, position: int, first: int, columns: Columns, ahead: Ahead | None = None) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from campaigns import Campaign
 from campaigns.results.base import EXCLUDED, FAILED, OK
+from campaigns.sample_seed import SampleSeed
 from clearance.testing.problems import Problem
 from tests.given.case_campaigns import campaign, case1
 from worker.engine.search.base import Batch, Floats
@@ -53,10 +54,13 @@ def asked(stages: dict[str, Any], **changes: Any) -> Campaign:
     return campaign(stages=given, **changes)
 
 
+DRAWN = SampleSeed(1, stated=False)
+"""The seed of a sample, as if it had been drawn at launch: every test has the same points."""
+
+
 def context(asked: Campaign, flown: Any = None, problem: Problem | None = None, seed: int | None = None) -> Context:
     """A run of one stage, at position 0, in memory."""
-    store = MemoryStore()
+    store = MemoryStore(sample_seed=SampleSeed(asked.seed if seed is None else seed, stated=False))
     planned = [StagePlan("certify", None, 1)]
     store.plan(planned)
-    seeded = asked if seed is None else asked.model_copy(update={"seed": seed})
-    return Context(seeded, problem or case1(), flown or evaluate(), store, plan=planned, methods=methods())
+    return Context(asked, problem or case1(), flown or evaluate(), store, plan=planned, methods=methods())

@@ -77,8 +77,8 @@ QUANTILE = QuantileBound(share=0.05, bound=0.9, text="at most 5 % of the flights
 
 def certificate(violations: int = 0, samples: int = 3000, **changes: Any) -> CertifyResult:
     """The result of a certify stage; `changes` are those of its sample."""
-    drawn = sample(violations, samples, quantile=QUANTILE, **changes)
-    return CertifyResult(sample=drawn, grid=None, text=drawn.text)
+    drawn = sample(violations, samples, **{"quantile": QUANTILE} | changes)
+    return CertifyResult(sample=drawn, grid=None, seed=1, drawn_at_launch=True, text=drawn.text)
 
 
 def nominal(cost: float | None = NOMINAL, reason: str = "") -> NominalResult:
@@ -167,9 +167,10 @@ def evidence(basins: dict[str, str | None] | None = None, **changes: Any) -> Evi
     first = [changes.pop("nominal", None) or nominal(), changes.pop("baseline", None)]
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())]
     searches = changes.pop("searches", searches)
+    drawn = certificate(samples=1000, quantile=None)
     rows = [_row(at, s, (basins or {}).get(s.method, "F1")) for at, s in enumerate(searches, 2)]
     validated = changed(changes.pop("validation", None) or validation(), comparison=rows)
-    results = [*first, *searches, changes.pop("certificate", None), validated]
+    results = [*first, *searches, changes.pop("certificate", drawn), validated]
     made = Evidence(
         results=[result for result in results if result is not None],
         finding=finding(),

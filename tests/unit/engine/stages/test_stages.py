@@ -15,6 +15,7 @@ from campaigns.results.base import Result
 from campaigns.results.verdict import NominalCost
 from tests.audited import audited
 from tests.given.case_campaigns import campaign, case1, searching
+from tests.given.sampled_stages import DRAWN
 from tests.given.verdict_evidence import check_of
 from worker.engine.reference import Reference
 from worker.engine.stages.parts.streams import stream
@@ -37,7 +38,7 @@ def ran() -> tuple[MemoryStore, Verdict]:
 
 
 def run(campaign: Campaign) -> tuple[MemoryStore, Verdict]:
-    store = MemoryStore()
+    store = MemoryStore(sample_seed=DRAWN)
     conclusion = execute(campaign, store, threads=1)
     audited(store, campaign)
     return store, conclusion
@@ -55,7 +56,9 @@ def result_of(store: MemoryStore, position: int, kind: type[R]) -> R:
 
 def test_the_stages_of_a_run() -> None:
     store, conclusion = ran()
-    assert [r.plan.kind for r in store.stages] == ["nominal", "sensitivity", "search", "search", "search", "validate"]
+    assert [r.plan.kind for r in store.stages] == [
+        "nominal", "sensitivity", "search", "search", "search", "certify", "validate",
+    ]  # fmt: skip
     assert all(r.state == "done" for r in store.stages)
     assert store.verdict is conclusion
     assert conclusion.verdict == "cleared"
@@ -195,7 +198,7 @@ def test_a_run_in_which_every_flight_fails_has_no_verdict() -> None:
 
 
 def test_validation_repeats_evaluations_by_independent_means() -> None:
-    found = result(5, ValidateResult)
+    found = result(6, ValidateResult)
     nominal, (worst,) = found.nominal, [f.validation for f in ran()[0].findings]
     assert found.ok
     assert nominal is not None
@@ -244,7 +247,7 @@ def test_what_only_polishing_found_names_no_method() -> None:
 
 
 def test_the_methods_side_by_side() -> None:
-    rows = {row.method: row for row in result(5, ValidateResult).comparison}
+    rows = {row.method: row for row in result(6, ValidateResult).comparison}
     assert list(rows) == ["direct", "sqp", "monte_carlo"]
     store = ran()[0]
     for position, row in zip((2, 3, 4), rows.values(), strict=True):

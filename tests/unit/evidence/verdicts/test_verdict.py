@@ -10,11 +10,10 @@ from hypothesis import settings
 from hypothesis import strategies as st
 
 from campaigns.codes import CheckCode
-from campaigns.results import SearchResult
 from campaigns.results.finding import Repeated
 from campaigns.results.sensitivity import Curve
 from campaigns.results.validate import Spread
-from campaigns.results.verdict import NominalCost, Provenance, Worst
+from campaigns.results.verdict import NominalCost, Provenance, Worst, not_sampled
 from tests.given.case_campaigns import campaign
 from tests.given.stated_facts import Fact, facts
 from tests.given.verdict_evidence import (
@@ -44,7 +43,7 @@ def test_cleared_when_everything_holds() -> None:
     assert all(c.ok for c in conclusion.checks)
     assert [c.name for c in conclusion.checks] == [
         "nominal", "search", "no violation", "minimum", "agreement", "validation", "evaluations",
-        "closest approach", "motion", "avoidance", "influence", "probability",
+        "closest approach", "motion", "avoidance", "influence", "sample", "probability",
     ]  # fmt: skip
 
 
@@ -203,11 +202,6 @@ EVEN = sample(upper_bound=None, text="they are no independent sample")
 TWO, MOST = [search("direct"), search("sqp")], [search("sqp"), search("monte_carlo", sample=sample())]
 
 
-def sampled(**changes: Any) -> list[SearchResult]:
-    """Two methods that agree, and an independent sample."""
-    return [*TWO, search("monte_carlo", 0.85, sample=sample(**changes))]
-
-
 BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
     "a search without a value": (
         CheckCode.SEARCH, {"searches": [search("direct"), search("sqp"), search("monte_carlo", None)]},
@@ -276,22 +270,39 @@ BARS: dict[str, tuple[CheckCode, dict[str, Any], list[Fact], str]] = {
         CheckCode.TARGET, {"target": 0.0015, "certificate": certificate(3)}, [0.00258, 0.0015],
         "the bound of 0.258 % does not meet the target of 0.15 %",
     ),
-    "a target without a sample": (CheckCode.TARGET, {"target": 0.5, "searches": TWO}, [0.05], NO_SAMPLE),
     "a target and no independent sample": (
-        CheckCode.TARGET, {"target": 0.5, "searches": [*TWO, search("monte_carlo", 0.85, sample=EVEN)]}, [0.05],
-        NO_SAMPLE,
+        CheckCode.TARGET, {"target": 0.5, "certificate": certificate(upper_bound=None)}, [0.05], NO_SAMPLE,
+    ),
+    "no sample": (
+        CheckCode.SAMPLE, {"certificate": None}, [59],
+        "not sampled: no independent sample was drawn, which would show what every search missed; add a certify stage "
+        "of at least 59",
+    ),
+    "the sample of a search only": (
+        CheckCode.SAMPLE, {"certificate": None, "searches": [*TWO, search("monte_carlo", sample=sample())]}, [59],
+        "not sampled: no independent sample was drawn, which would show what every search missed; add a certify stage "
+        "of at least 59",
+    ),
+    "a sample with a chosen seed": (
+        CheckCode.SAMPLE, {"certificate": changed(certificate(), drawn_at_launch=False)}, [],
+        "the seed of the independent sample was stated before the run, so that a sample without a violation could be "
+        "chosen; run it with a drawn one",
+    ),
+    "fewer samples than the least": (
+        CheckCode.SAMPLE, {"certificate": certificate(samples=58, upper_bound=0.01)}, [58, 59],
+        "the independent sample has 58, fewer than 59",
     ),
     "a sample that is too small": (
-        CheckCode.PROBABILITY, {"searches": sampled(samples=58)}, [0.0503, 0.05, 58],
-        "the bound of 5.03 % on P(violation) is above the required 5 %; draw more than 58 samples",
+        CheckCode.PROBABILITY, {"certificate": certificate(1, 60)}, [0.0766, 0.05, 60],
+        "the bound of 7.66 % on P(violation) is above the required 5 %; draw more than 60 samples",
     ),
     "a sample of which many violate is not advised to be larger": (
-        CheckCode.PROBABILITY, {"searches": sampled(samples=100, violations=76)}, [0.829, 0.05, 76, 100],
+        CheckCode.PROBABILITY, {"certificate": certificate(76, 100)}, [0.829, 0.05, 76, 100],
         "the bound of 82.9 % on P(violation) is above the required 5 %; 76 of its 100 samples violate the criterion",
     ),
     "a target that seems to permit more": (
-        CheckCode.TARGET, {"target": 0.9, "searches": sampled(samples=2)}, [0.776, 0.05, 0.9],
-        "the bound of 77.6 % does not meet the target of 5 %; the campaign states 90 %, which does not loosen it",
+        CheckCode.TARGET, {"target": 0.9, "certificate": certificate(2, 100)}, [0.0616, 0.05, 0.9],
+        "the bound of 6.16 % does not meet the target of 5 %; the campaign states 90 %, which does not loosen it",
     ),
     "an evaluation lower than every finding": (
         CheckCode.MINIMUM, {"lowest": WORST - 1e-9}, [0.84],
@@ -390,27 +401,33 @@ def test_the_target_is_met() -> None:
     assert facts(conclusion.checks[-1].statement) == [0.00299, 0.003]
 
 
-def test_the_first_sample_counts_and_the_second_does_not() -> None:
+def test_the_first_sample_of_a_search_is_stated_where_no_stage_draws_one() -> None:
     searches = [
         search("direct"), search("sqp"),
         search("monte_carlo", sample=sample(samples=100)), search("monte_carlo", sample=sample(samples=10_000)),
     ]  # fmt: skip
-    barred("target", campaign(target_probability=0.003), searches=searches)
+    found = concluded(campaign(target_probability=0.003), searches=searches, certificate=None)
+    assert [check.code for check in found.checks if not check.ok] == [CheckCode.SAMPLE, CheckCode.TARGET]
+    assert found.statistics is not None
+    assert (found.statistics.samples, found.statistics.source) == (100, "search")
 
 
 def test_without_a_target_the_bound_is_compared_with_a_ceiling() -> None:
-    def drawn(samples: int) -> dict[str, Any]:
-        sampled = search("monte_carlo", 0.85, sample=sample(samples=samples))
-        return {"searches": [search("direct"), search("sqp"), sampled]}
+    assert concluded(certificate=certificate(0, 59)).verdict == "cleared"
+    barred("probability", certificate=certificate(1, 59))
 
-    assert concluded(**drawn(59)).verdict == "cleared"
-    barred("probability", **drawn(58))
+
+@given_(st.sampled_from(["cleared", "inconclusive", "violated"]), st.integers(0, 100), st.booleans(), st.booleans())
+def test_what_lacks_only_a_sample_is_called_not_sampled(word: str, drawn: int, certified: bool, other: bool) -> None:
+    lacking = [*([] if certified else ["sample"]), *(["search"] if other else [])]
+    expected = (word == "cleared" and drawn < 59) or lacking == ["sample"]
+    assert not_sampled(word, lacking, drawn) == expected
 
 
 @pytest.mark.parametrize("target", [None, 0.001, 0.05, 0.2, 0.97])
 @pytest.mark.parametrize("samples", [2, 58, 59, 300, 3000])
 def test_a_target_makes_a_verdict_stricter_never_looser(target: float | None, samples: int) -> None:
-    drawn = {"searches": [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(samples=samples))]}
+    drawn = {"certificate": certificate(0, samples)}
     order = ["inconclusive", "cleared"]
     without, stated = concluded(**drawn), concluded(campaign(target_probability=target), **drawn)
     assert order.index(stated.verdict) <= order.index(without.verdict)
@@ -423,11 +440,10 @@ def test_draws_outside_the_bounds_count_with_and_without_a_sample(
 ) -> None:
     normal = {"kind": "normal", "mean": 5.0, "deviation": deviation}
     uncertain = {"vehicle.m": {"plus_minus": "20%", "distribution": normal}, "vehicle.J": {"plus_minus": "20%"}}
-    searches = [search("direct"), search("sqp")]
-    many = [*searches, search("monte_carlo", 0.85, sample=sample())] if sampled else searches
-    found = concluded(campaign(uncertain=uncertain), searches=many)
+    found = concluded(campaign(uncertain=uncertain), certificate=certificate() if sampled else None, searches=TWO)
     check = next(check for check in found.checks if check.code == CheckCode.OUTSIDE)
-    assert (found.verdict, check.ok) == (verdict, verdict == "cleared")
+    assert check.ok == (verdict == "cleared")
+    assert found.verdict == (verdict if sampled else "inconclusive")
     assert "outside the bounds" in found.reason or sampled
 
 
@@ -435,7 +451,7 @@ def test_the_certify_stage_replaces_the_sample_of_a_search() -> None:
     stands = concluded(certificate=certificate()).statistics
     assert stands is not None
     assert (stands.samples, stands.source, stands.quantile) == (3000, "certify", QUANTILE)
-    before = concluded().statistics
+    before = concluded(certificate=None).statistics
     assert before is not None
     assert (before.samples, before.source, before.quantile) == (1000, "search", None)
 
@@ -458,9 +474,9 @@ def test_a_certify_stage_is_not_passed_over_for_a_better_search() -> None:
 
 def test_points_that_are_no_independent_sample_give_no_statement() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=EVEN)]
-    assert concluded(searches=searches).statistics is None
+    assert concluded(searches=searches, certificate=None).statistics is None
     both = [*searches, search("monte_carlo", 0.85, sample=sample(samples=200))]
-    stated = concluded(searches=both).statistics
+    stated = concluded(searches=both, certificate=None).statistics
     assert stated is not None
     assert stated.samples == 200
 

@@ -139,7 +139,7 @@ def drawn(**changes: Any) -> CertifyResult:
 
 def test_a_noisy_scenario_needs_a_sample_that_draws_its_noise() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(noise="stated"))]
-    conclusion = conclude(noisy(), evidence(searches=searches), VERSIONS)
+    conclusion = conclude(noisy(), evidence(searches=searches, certificate=None), VERSIONS)
     assert conclusion.verdict == "inconclusive"
     assert (
         "only the realisations with seeds 0 were simulated; add a certify stage" in check_of("noise", conclusion).text
@@ -149,7 +149,7 @@ def test_a_noisy_scenario_needs_a_sample_that_draws_its_noise() -> None:
 
 def test_a_target_is_not_met_by_stated_realisations() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", sample=sample(noise="stated"))]
-    conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), VERSIONS)
+    conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches, certificate=None), VERSIONS)
     assert "holds only for the stated noise realisations" in check_of("target", conclusion).text
     assert conclusion.verdict == "inconclusive"
 

@@ -122,7 +122,7 @@ def test_it_equals_one_long_run(first: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     invoke(["run", "--continue", str(first), "--budget", "+300", "--out", str(out)])
     campaign, went_on = read_folder(out)
-    at_once = MemoryStore()
+    at_once = MemoryStore(sample_seed=went_on.sample_seed)
     execute(campaign, at_once)
     for position in range(len(at_once.stages)):
         one, other = at_once.evaluations(position), went_on.evaluations(position)

@@ -13,6 +13,7 @@ from campaigns.results.base import EXCLUDED
 from tests.audited import audited
 from tests.given.case_campaigns import searching
 from tests.given.failing_stores import Interrupted, Unreliable, outcome
+from tests.given.sampled_stages import DRAWN
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.search.base import Floats
@@ -31,7 +32,7 @@ QUICK = searching(*SEARCHES, scenario__horizon=1.0)
 
 
 def run(asked: Campaign, threads: int = 1) -> Any:
-    store = MemoryStore()
+    store = MemoryStore(sample_seed=DRAWN)
     conclusion = execute(asked, store, threads=threads)
     audited(store, asked)
     return outcome(store, conclusion)
@@ -77,14 +78,14 @@ def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
 def test_a_finished_run_without_a_verdict_is_concluded_without_new_evaluations(
     whole: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    store = MemoryStore()
+    store = MemoryStore(sample_seed=DRAWN)
     execute(QUICK, store, threads=1)
     monkeypatch.setattr(Problem, "evaluate", lambda *_: pytest.fail("everything is stored"))
     assert outcome(store, execute(QUICK, store, threads=1)) == whole
 
 
 def test_a_run_is_cancelled_between_any_two_requests() -> None:
-    store, asked = MemoryStore(), []
+    store, asked = MemoryStore(sample_seed=DRAWN), []
 
     def cancelled() -> bool:
         asked.append(True)
@@ -98,7 +99,7 @@ def test_a_run_is_cancelled_between_any_two_requests() -> None:
 
 def test_progress_is_reported() -> None:
     told: dict[int, Tally] = {}
-    store = MemoryStore()
+    store = MemoryStore(sample_seed=DRAWN)
     execute(QUICK, store, progress=lambda position, tally: told.update({position: replace(tally)}), threads=1)
     assert {p: t.evaluations for p, t in told.items()} == {
         p: len(c.status) for p in range(len(store.stages)) if (c := store.evaluations(p)) is not None

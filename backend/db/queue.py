@@ -80,7 +80,7 @@ def submit(
     created = now(connection)
     document = campaign.document()
     row = {"digest": campaign.digest, "name": campaign.name, "document": document, "created": created}
-    row |= {"seedless": campaign.seedless}
+    row |= {"seedless": campaign.seedless, "question": question(document)}
     connection.execute(insert(connection, CampaignRow).values(**row).on_conflict_do_nothing())
     needed = None if campaign.simulator is None or catalogue is None else catalogue.simulator(campaign.simulator.name)
     values = {

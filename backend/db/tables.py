@@ -52,6 +52,8 @@ class Campaign(Base):
     created: orm.Mapped[float]
     seedless: orm.Mapped[str | None] = orm.mapped_column(sa.String(64), index=True)
     """Digest of the document without its seed, see `campaigns.asked.spec.seedless`."""
+    question: orm.Mapped[str | None] = orm.mapped_column(sa.String(64), index=True)
+    """Digest of system, bounds and criterion, see `campaigns.asked.requirements.question`."""
     __table_args__ = (sa.Index("ix_campaigns_name", "name", "digest"),)
 
 

@@ -19,9 +19,30 @@ _ENDS = {
 def conditions(record: Record) -> list[str]:
     return [
         text
-        for text in (_measured(record), _horizon(record), _excluded(record), _failed(record), *_noise(record))
+        for text in (
+            _measured(record),
+            _horizon(record),
+            _excluded(record),
+            _failed(record),
+            *_noise(record),
+            _asked(record),
+        )  # fmt: skip
         if text
     ]
+
+
+def _asked(record: Record) -> str:
+    """How often the question was asked: whoever repeats a run until it is cleared is seen."""
+    runs = sum(record.question.values())
+    if runs < 2:
+        return "No other run of this service asks the same question: the same system, bounds and criterion."
+    each = ", ".join(
+        f"{numbers.count(n)} {'without a verdict' if word == 'none' else word}" for word, n in record.question.items()
+    )
+    return (
+        f"{numbers.count(runs)} runs of this service ask the same question, the same system, bounds and criterion, "
+        f"removed ones included: {each}."
+    )
 
 
 def _measured(record: Record) -> str:

@@ -20,6 +20,7 @@ from backend.runs.components import changed
 from backend.runs.schemas import RunDetail, RunVerdict, StageDetail
 from backend.signoffs import service as signoffs
 from backend.signoffs.schemas import Signoffs
+from backend.trends.related import asked_again
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ParameterEntry
 from campaigns.checked.check import parameters
@@ -52,6 +53,8 @@ class Record:
     """The metadata of the nominal flight; None until it is stored."""
     signoffs: Signoffs
     looks: Looks
+    question: dict[str, int]
+    """How many runs ask the same question, by verdict."""
 
     @property
     def digest(self) -> str:
@@ -107,6 +110,7 @@ def load(reader: sa.Connection, run_id: int) -> Record:
         nominal=traced.get("nominal"),
         signoffs=signoffs.listed(reader, run_id),
         looks=Looks(kept, installed),
+        question=asked_again(reader, run_id),
     )
 
 

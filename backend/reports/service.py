@@ -17,7 +17,7 @@ from backend.reports import charts, limits, sections, since, validated, words
 from backend.reports.record import Record, load
 from campaigns.claims import numbers
 from campaigns.claims.say import say
-from campaigns.results import SensitivityResult, TraceHead, ValidateResult
+from campaigns.results import CertifyResult, SensitivityResult, TraceHead, ValidateResult
 from campaigns.runs import RunState
 from campaigns.version import VERSION
 from campaigns.versions import Processor, Versions
@@ -134,6 +134,15 @@ def _shown(head: TraceHead) -> str:
     return f", noise seed {realised.seed}{of}"
 
 
+def _sample_seed(record: Record) -> str:
+    certified = record.result(CertifyResult)
+    if certified is None:
+        return "no sample was drawn"
+    if certified.sample_seed is None:
+        return "that of the campaign"
+    return f"{certified.sample_seed.value}, {'stated' if certified.sample_seed.stated else 'drawn'} at launch"
+
+
 def _origin(record: Record) -> list[tuple[str, str]]:
     versions, verdict = record.run.flown, record.verdict
     known: Versions = verdict.provenance if verdict is not None else versions or Versions()
@@ -148,6 +157,7 @@ def _origin(record: Record) -> list[tuple[str, str]]:
         ("Source digest", f"sha256 {versions.code}" if versions and versions.code else "not stored when the run began"),
         ("Loop digest", known.loop or unknown),
         ("Seed", str(record.campaign.seed if seed is None else seed)),
+        ("Sample seed", _sample_seed(record)),
         ("Clearance", known.clearance or unknown),
         ("Python", known.python or unknown),
         ("Packages", packages or unknown),

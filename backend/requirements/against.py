@@ -20,7 +20,6 @@ from backend.db.tables import Run, RunRequirement, Stage
 from backend.requirements import present
 from backend.requirements.present import chunks
 from backend.requirements.standing import Edge, Model
-from campaigns.asked.requirements import question
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 from campaigns.stages.found import declared
@@ -76,8 +75,8 @@ def against(reader: sa.Connection, edges: Mapping[str, Sequence[Edge]]) -> list[
 def _questions(reader: sa.Connection, digests: Collection[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for some in chunks(digests):
-        of = sa.select(CampaignRow.digest, CampaignRow.document).where(CampaignRow.digest.in_(some))
-        found |= {row.digest: question(row.document) for row in reader.execute(of)}
+        of = sa.select(CampaignRow.digest, CampaignRow.question).where(CampaignRow.digest.in_(some))
+        found |= {row.digest: row.question or "" for row in reader.execute(of)}
     return found
 
 

@@ -20,6 +20,7 @@ class Parts(TypedDict, total=False):
     labels: dict[str, str]
     baseline: str
     reuse: bool
+    sample_seed: int
     group: str
     priority: int
 
@@ -55,12 +56,15 @@ def asked(
     reuse: Annotated[
         bool, Query(description="Answer with an earlier run of the same campaign and code that has a verdict.")
     ] = False,
+    sample_seed: Annotated[
+        int | None, Query(description="Repeats the independent sample of an earlier run, which states its seed.")
+    ] = None,
     group: Annotated[
         str | None, Query(description="A concurrency group: runs of the same group that have not ended are cancelled.")
     ] = None,
     priority: Annotated[int | None, Query(ge=-10, le=10, description="Runs with a higher one start first.")] = None,
 ) -> Asked:
-    """Labels, baseline, reuse, group and priority in the address; 422 with a sentence for what is not allowed."""
+    """The parts of a submission that its address gives; 422 with a sentence for what is not allowed."""
     try:
         parts: Parts = {"labels": parsed(label)} if label else {}
     except ValueError as error:
@@ -69,6 +73,8 @@ def asked(
         parts["baseline"] = baseline
     if reuse:
         parts["reuse"] = True
+    if sample_seed is not None:
+        parts["sample_seed"] = sample_seed
     if group is not None:
         parts["group"] = group
     if priority is not None:

@@ -10,6 +10,7 @@ from backend.http.schema import Given
 from campaigns.asked.load import LARGEST_FILE
 from campaigns.asked.values import Notes
 from campaigns.labels import Group, Labels
+from campaigns.sample_seed import LARGEST
 
 Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
 Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
@@ -30,6 +31,9 @@ class RunSubmit(Given):
     name and criterion with that label. Its findings are evaluated first."""
     reuse: bool = False
     """Answer with an earlier run of the same campaign and code that has a verdict, if there is one."""
+    sample_seed: Annotated[int, Field(ge=0, le=LARGEST)] | None = None
+    """Repeats the independent sample of an earlier run of the campaign, which states its seed; nothing is cleared with
+    one that no run of it drew. If omitted, it is drawn."""
     group: Group | None = None
     """A concurrency group, such as project/branch: runs of the same group that have not ended are cancelled, if the
     submitter may cancel them."""

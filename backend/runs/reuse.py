@@ -17,17 +17,19 @@ LOOKED_AT = 20
 """Runs of the campaign that are examined, the newest first."""
 
 
-def reusable(reader: sa.Connection, campaign: Campaign) -> int | None:
+def reusable(reader: sa.Connection, campaign: Campaign, sample_seed: int | None = None) -> int | None:
     """The newest run of the campaign that the installed code ran to a verdict; None if there is none.
 
     Code, descriptions, the operator's own components and the simulator must be the installed ones, as far as workers
-    publish them; what is not stored with a run is not taken for equal.
+    publish them; what is not stored with a run is not taken for equal. Any sample seed will do if none is stated.
     """
     installed, catalogue = code_of(campaign, codes.installed(reader)), published(reader)
     if installed is None or catalogue is None:
         return None
     ended = (Run.state == RunState.DONE, Run.verdict.is_not(None), Run.removed.is_(None), Run.purged.is_(None))
     query = sa.select(Run.id, Run.flown).where(Run.campaign_digest == campaign.digest, *ended)
+    if sample_seed is not None:
+        query = query.where(Run.sample_seed == sample_seed)
     for run_id, flown in reader.execute(query.order_by(Run.id.desc()).limit(LOOKED_AT)).all():
         versions = Versions.of(flown)
         if versions.code != installed or versions.command:

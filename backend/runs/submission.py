@@ -13,7 +13,7 @@ from backend.db import audit, baselines, groups, queue, sizes
 from backend.db.access import Visitor
 from backend.db.baselines import Resolved
 from backend.db.engine import now, read
-from backend.db.tables import RunText
+from backend.db.tables import Run, RunText
 from backend.http import bodies, keys
 from backend.http.keys import Keyed
 from backend.runs import reuse
@@ -26,6 +26,7 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
 from campaigns.results.baselines import CannotCompare
 from campaigns.runs import RunState, run_name, run_number
+from campaigns.sample_seed import SampleSeed
 from campaigns.stages.plan import plan
 
 
@@ -44,6 +45,7 @@ class Submission:
     labels: dict[str, str]
     baseline: str | None
     reuse: bool
+    sample_seed: int | None
     group: str | None
 
 
@@ -69,7 +71,7 @@ def _submission(campaign: Campaign, request: RunSubmit, digest: str) -> Submissi
         text = "a baseline is added at launch: leave it out, and give the run next to the campaign, as baseline: R-0001"
         raise CampaignError("request", [Problem("campaign.baseline", campaign.baseline.run, text)])
     name = request.name or campaign.name
-    labelled = (request.labels, request.baseline, request.reuse, request.group)
+    labelled = (request.labels, request.baseline, request.reuse, request.sample_seed, request.group)
     return Submission(campaign, name, tags, request.priority, digest, request.text, *labelled)
 
 
@@ -85,7 +87,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         if problems:
             raise bodies.invalid(CampaignError("request", problems))
         resolved = _compared(reader, submission)
-        reused = reuse.reusable(reader, resolved.campaign) if submission.reuse else None
+        reused = reuse.reusable(reader, resolved.campaign, submission.sample_seed) if submission.reuse else None
     with engine.begin() as writer:
         repeated = _run(keys.claimed(writer, keyed))
         if submission.group is not None and repeated is None:
@@ -132,6 +134,7 @@ def _queue(
         planned=sum(stage.planned for stage in plan(resolved.campaign)),
         catalogue=catalogue,
         labelled=submission.labels,
+        seed=_sample_seed(writer, resolved.campaign, submission.sample_seed),
     )
     if submission.text is not None:
         writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
@@ -141,6 +144,16 @@ def _queue(
     if submission.group is not None:
         groups.store(writer, run_id, submission.group)
     return run_id
+
+
+def _sample_seed(reader: sa.Connection, campaign: Campaign, stated: int | None) -> SampleSeed | None:
+    """The seed that was stated; nobody chose it if an earlier run of the campaign had drawn it."""
+    if stated is None:
+        return None
+    drawn = sa.select(Run.id).where(
+        Run.campaign_digest == campaign.digest, Run.sample_seed == stated, Run.sample_seed_stated.is_(False)
+    )
+    return SampleSeed(stated, stated=reader.scalar(drawn.limit(1)) is None)
 
 
 def _supersede(

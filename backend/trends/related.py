@@ -9,6 +9,7 @@ from backend.db.tables import Run
 from backend.runs.outcomes import CODE, Outcome, outcomes
 from backend.runs.service import require
 from backend.trends.schemas import Difference, RelatedRun, RelatedRuns
+from campaigns.results.verdict import VerdictWord
 
 MOST = 50
 """Runs that are listed; all are counted."""
@@ -25,7 +26,19 @@ def related(reader: sa.Connection, run_id: int) -> RelatedRuns:
     conditions = [Run.id != run_id, Run.removed.is_(None), sa.or_(same, _other_seed(reader, own))]
     found = outcomes(reader, conditions, MOST)
     total = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(Run.purged.is_(None), *conditions)) or 0
-    return RelatedRuns(runs=[_related(own, other) for other in found], total=total)
+    return RelatedRuns(
+        runs=[_related(own, other) for other in found], total=total, question=asked_again(reader, run_id)
+    )
+
+
+def asked_again(reader: sa.Connection, run_id: int) -> dict[str, int]:
+    """How many runs ask the question of this one, by verdict: whoever repeats it until it is cleared is seen."""
+    own = sa.select(CampaignRow.question).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
+    same = sa.select(CampaignRow.digest).where(CampaignRow.question == own.scalar_subquery())
+    verdict = sa.func.coalesce(Run.verdict, "none")
+    of = sa.select(verdict, sa.func.count()).where(Run.campaign_digest.in_(same)).group_by(verdict)
+    found = dict(reader.execute(of).tuples().all())
+    return {word: found[word] for word in (*VerdictWord, "none") if word in found}
 
 
 def _other_seed(reader: sa.Connection, own: Outcome) -> sa.ColumnElement[bool]:

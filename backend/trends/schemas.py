@@ -27,6 +27,9 @@ class RelatedRuns(Schema):
     """The newest of them, newest first."""
     total: int
     """How many there are."""
+    question: dict[str, int]
+    """All runs of the service that ask the same question (system, bounds and criterion), this one and removed ones
+    included, by verdict; `none` has none."""
 
 
 class TrendRun(Outcome):

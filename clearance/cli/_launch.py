@@ -7,6 +7,7 @@ from typing import Annotated, NamedTuple, TypeAlias
 
 import typer
 
+from campaigns.sample_seed import LARGEST
 from clearance.cli import WrongInputError
 
 Label: TypeAlias = Annotated[
@@ -22,6 +23,14 @@ Baseline: TypeAlias = Annotated[
         metavar="RUN", show_default=False,
         help="Evaluate the findings of this run first and compare: R-0001, or label:branch=main for the newest run "
         "of the same campaign with that label.",
+    ),
+]  # fmt: skip
+SampleSeed: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        "--sample-seed", metavar="SEED", min=0, max=LARGEST, show_default=False,
+        help="Repeat the independent sample of an earlier run, which states its seed; nothing is cleared with a seed "
+        "that no earlier run drew.",
     ),
 ]  # fmt: skip
 Junit: TypeAlias = Annotated[

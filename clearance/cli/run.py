@@ -59,6 +59,7 @@ def run(
     allow_code: code.AllowCode = False,
     label: launch.Label = None,
     baseline: launch.Baseline = "",
+    sample_seed: launch.SampleSeed = None,
     junit: launch.Junit = None,
     markdown: launch.Summary = None,
     sarif: launch.Sarif = None,
@@ -66,7 +67,7 @@ def run(
     """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.running.runs import sources as sources  # first: it records the files before they are loaded
 
-    _check_options(file, onward, budget, bool(label or baseline))
+    _check_options(file, onward, budget, bool(label or baseline) or sample_seed is not None)
     writable(out)
     options = launch.Launch.read(label, baseline, junit, markdown, sarif)
     evaluators.use(evaluator)
@@ -80,7 +81,9 @@ def run(
     else:
         assert file is not None
         campaign, note = _with_baseline(file, allow_code, options.baseline, data, database)
-        campaign, store, verdict = _fresh(file, campaign, _announcing(execute, data, database, quiet=as_json))
+        campaign, store, verdict = _fresh(
+            file, campaign, _announcing(execute, data, database, quiet=as_json), sample_seed
+        )
         cites = None
     from clearance.local.summary import summary
 
@@ -142,7 +145,9 @@ def _source(file: Path | None, options: launch.Launch) -> Source | None:
 
 def _check_options(file: Path | None, onward: str, budget: str, launched: bool) -> None:
     if onward and launched:
-        raise WrongInputError("an extended run has the labels and the baseline of the earlier one: give neither")
+        raise WrongInputError(
+            "an extended run has the labels, the baseline and the sample seed of the earlier one: leave them out"
+        )
     if onward and file is not None:
         raise WrongInputError("give either a campaign or --continue RUN, not both")
     if not onward and file is None:
@@ -161,8 +166,11 @@ def _with_baseline(file: Path, allow_code: bool, baseline: str, data: Path, data
     return compared(campaign, baseline, data, database)
 
 
-def _fresh(file: Path, campaign: Campaign, execute: Execute) -> tuple[Campaign, MemoryStore, Verdict]:
+def _fresh(
+    file: Path, campaign: Campaign, execute: Execute, sample_seed: int | None
+) -> tuple[Campaign, MemoryStore, Verdict]:
     from campaigns import CampaignError, check
+    from campaigns.sample_seed import SampleSeed
     from worker.engine.systems.base import CampaignUnusable
     from worker.running.catalogue.installed import catalogue
     from worker.running.runs.store import MemoryStore
@@ -171,7 +179,7 @@ def _fresh(file: Path, campaign: Campaign, execute: Execute) -> tuple[Campaign, 
         if any(problem.field == "simulator.name" for problem in problems):
             code.report_unusable()
         raise CampaignError(str(file), problems)
-    store = MemoryStore()
+    store = MemoryStore(sample_seed=SampleSeed.drawn() if sample_seed is None else SampleSeed(sample_seed))
     try:
         with interrupt.explained(store):
             return campaign, store, execute(campaign, store, lambda: False)

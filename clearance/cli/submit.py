@@ -47,6 +47,7 @@ def submit(
         bool,
         typer.Option("--reuse", help="Reuse an earlier verdict of the same campaign and code, if there is one."),
     ] = False,
+    sample_seed: launch.SampleSeed = None,
     junit: launch.Junit = None,
     summary: launch.Summary = None,
     sarif: launch.Sarif = None,
@@ -72,7 +73,7 @@ def submit(
 
     writable(out)
     options = launch.Launch.read(label, baseline, junit, summary, sarif)
-    _check_options(options, sweep, wait, reuse, cancel_on_exit, group)
+    _check_options(options, sweep, wait, reuse or sample_seed is not None, cancel_on_exit, group)
     if sweep:
         parsed(sweep)  # before anything is sent
     path = found(file)
@@ -87,7 +88,7 @@ def submit(
             try:
                 queued = client.submit(
                     document, text=text, name=called, tags=tags, labels=options.labels, priority=priority,
-                    baseline=compared, reuse=reuse, group=group or None,
+                    baseline=compared, reuse=reuse, sample_seed=sample_seed, group=group or None,
                 )  # fmt: skip
             except KeyboardInterrupt:
                 typer.echo(
@@ -121,7 +122,7 @@ def _check_options(options: launch.Launch, sweep: str, wait: bool, reuse: bool, 
     """Raises `WrongInputError` for options that do not belong together."""
     if sweep and (options.baseline or options.wanted or reuse or cancel or group):
         raise WrongInputError(
-            "--sweep takes none of --baseline, --junit, --summary, --sarif, --reuse, --group and --cancel-on-exit"
+            "--sweep takes none of --baseline, --junit, --summary, --sarif, --reuse, --sample-seed, --group and --cancel-on-exit"
         )
     if not wait and (options.wanted or cancel):
         raise WrongInputError(

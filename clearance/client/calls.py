@@ -98,6 +98,7 @@ def submit(
     priority: int = 0,
     group: str | None = None,
     reuse: bool = False,
+    sample_seed: int | None = None,
     text: str | None = None,
     key: str | None = None,
 ) -> Call[answers.Submitted]:
@@ -105,16 +106,17 @@ def submit(
 
     campaign: a document, the path of a file, the name of one in the library, or YAML text. baseline: R-0001, or
     label:branch=main. priority: -10 to 10, higher starts first. group: cancels the runs of the same group and owner
-    that have not ended. reuse: answer with an earlier run of the same campaign and code that has a verdict. text:
-    original text of a document, which is stored with its comments. key: a repeated submission with the same key returns
-    the same run; by default each call has its own.
+    that have not ended. reuse: answer with an earlier run of the same campaign and code that has a verdict.
+    sample_seed: of the independent sample of an earlier run of the campaign, which is repeated. text: original text of
+    a document, which is stored with its comments. key: a repeated submission with the same key returns the same run; by
+    default each call has its own.
     """
     body = (
         document(campaign)
         | _set(text=text)
         | _set(name=name, tags=None if tags is None else list(tags), labels=dict(labels or {}))
     )
-    body |= _set(baseline=baseline, group=group) | ({"priority": priority} if priority else {})
+    body |= _set(baseline=baseline, group=group, sample_seed=sample_seed) | ({"priority": priority} if priority else {})
     body |= {"reuse": True} if reuse else {}
     return Call("POST", "/runs", answers.Submitted, body=body, key=key or str(uuid.uuid4()))
 

@@ -153,6 +153,7 @@ def search(
     priority: int = 0,
     group: str | None = None,
     reuse: bool = False,
+    sample_seed: int | None = None,
     key: str | None = None,
 ) -> Script[answers.RunDetail]:
     """Submit a campaign and wait for its verdict: `submit` and `wait` in one, with the arguments of `submit`.
@@ -161,7 +162,7 @@ def search(
     """
     call = calls.submit(
         campaign, name=name, tags=tags, labels=labels, baseline=baseline, priority=priority, group=group, reuse=reuse,
-        key=key,
+        sample_seed=sample_seed, key=key,
     )  # fmt: skip
     done = yield from wait(session, (yield from ask(session, call)))
     if done.verdict is None:

@@ -61,7 +61,7 @@ export const finding = (label: string, more: Partial<FindingDetail> = {}): Findi
   anyFinding({ label, validation: validation({ name: label }), ...more })
 
 export const verdict = like<RunVerdict>({
-  verdict: 'inconclusive', statement: [], holds_for: [], values: {}, sentence: '', scope: '', checks: [], statistics: null, nominal: null, worst: null,
+  verdict: 'inconclusive', statement: [], holds_for: [], values: {}, sentence: '', scope: '', not_sampled: false, checks: [], statistics: null, nominal: null, worst: null,
   evaluations: null, quantity: 'd_min', unit: 'm',
   provenance: {
     code: null, loop: null, packages: {}, clearance: null, python: null, system: null, cpu: null, lanes: null, step: null, simulator: null, evaluator: null,

@@ -1,5 +1,5 @@
 // The table of requirements and runs.
-import { IconAlertTriangle, IconCircleCheck, IconCircleX, IconClock, IconHelpCircle, IconSignature } from '@tabler/icons-react'
+import { IconAlertTriangle, IconCircleCheck, IconCircleX, IconClock, IconDice, IconHelpCircle, IconSignature } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { RequirementRow, RequirementRun } from '../client'
@@ -16,6 +16,7 @@ import styles from './requirements.module.css'
 const ICONS: Record<Status, typeof IconClock> = {
   violated: IconCircleX,
   inconclusive: IconHelpCircle,
+  'not sampled': IconDice,
   'no verdict': IconClock,
   suspect: IconAlertTriangle,
   unsigned: IconSignature,

@@ -6,6 +6,7 @@ export type Status = RequirementRow['status']
 export const STATUSES: Record<Status, { word: string; tone: 'ok' | 'bad' | 'unk' | 'que' }> = {
   violated: { word: 'Violated', tone: 'bad' },
   inconclusive: { word: 'Inconclusive', tone: 'unk' },
+  'not sampled': { word: 'Not sampled', tone: 'unk' },
   'no verdict': { word: 'No verdict', tone: 'que' },
   suspect: { word: 'Suspect', tone: 'unk' },
   unsigned: { word: 'Not signed off', tone: 'unk' },

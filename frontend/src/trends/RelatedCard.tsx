@@ -4,7 +4,7 @@ import { IconArrowsDiff, IconChartDots } from '@tabler/icons-react'
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { getRelated } from '../api/calls'
-import type { RelatedRun, RunDetail } from '../client'
+import type { RelatedRun, RelatedRuns, RunDetail } from '../client'
 import { count } from '../format/numbers'
 import { Failed } from '../page/Trouble'
 import { Card } from '../ui/Card'
@@ -32,7 +32,14 @@ export function RelatedCard({ run }: { run: RunDetail }) {
           <IconChartDots className="i s" aria-hidden /> Trend
         </Link>
       }
-      footer={data && data.total > rows.length && `The newest ${rows.length} of ${count(data.total)} runs.`}
+      footer={
+        data && (
+          <>
+            {data.total > rows.length && `The newest ${rows.length} of ${count(data.total)} runs. `}
+            {askedAgain(data.question)}
+          </>
+        )
+      }
     >
       {!data && !error && <p className="mut">Loading other runs …</p>}
       {!data && error && <Failed error={error} retry={() => void refetch()} />}
@@ -40,6 +47,14 @@ export function RelatedCard({ run }: { run: RunDetail }) {
       {rows.length > 0 && <Others own={run.id} rows={rows} />}
     </Card>
   )
+}
+
+/** How often the question was asked: whoever repeats a run until it is cleared is seen. */
+function askedAgain(question: RelatedRuns['question']): string {
+  const words = Object.entries(question).map(([word, n]) => `${count(n)} ${word === 'none' ? 'without a verdict' : word}`)
+  const runs = Object.values(question).reduce((sum, n) => sum + n, 0)
+  if (runs < 2) return 'No other run asks the same question: the same system, bounds and criterion.'
+  return `${count(runs)} runs ask the same question, removed ones included: ${words.join(', ')}.`
 }
 
 function Others({ own, rows }: { own: string; rows: readonly RelatedRun[] }) {

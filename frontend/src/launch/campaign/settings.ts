@@ -49,12 +49,12 @@ export const STAGES: Group[] = [
     title: 'Certify',
     field: 'stages.certify',
     digest: ({ stages: { certify } }) =>
-      certify ? `${words(certify.samples ?? 3000, 'random samples')}${certify.grid ? ', full grid' : ''}` : 'omitted',
+      certify ? `${words(certify.samples ?? 3000, 'random samples')}${certify.grid ? ', full grid' : ''}` : 'none: not cleared',
     settings: [
       {
         at: ['stages', 'certify', 'samples'],
         label: 'Certify samples',
-        text: 'Independent samples for statements on probabilities; empty omits the stage',
+        text: 'Independent samples, without which nothing is cleared; empty draws none',
         empty: 'omitted',
       },
       {

@@ -73,7 +73,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
       id="section-methods"
       note="Each search ends by its own rule or at its budget."
       flush
-      footer="Cleared requires global methods that agree on the worst case, and a certify stage if a target for P(violation) is set."
+      footer="Cleared requires methods of two families that agree on the worst case, and an independent sample."
     >
       <table data-dense className={clsx(tables.table, styles.ptable)}>
         <thead>

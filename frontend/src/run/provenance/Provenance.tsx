@@ -1,4 +1,5 @@
 // Provenance: everything needed to reproduce the numbers, and the campaign as a file.
+import { resultOf } from '../../api/stages'
 import { IconDownload } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -105,10 +106,19 @@ function flightRows(data: RunData, origin: Origin): Rows {
     ['Source digest', <span key="o">{run.flown?.code && 'sha256 '}{hash(run.flown?.code)}</span>],
     [campaign.simulator ? 'Simulator digest' : 'Loop digest', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
+    ['Sample seed', sampleSeed(data)],
     ...(campaign.simulator ? [partRow(data, 'simulator', campaign.simulator.name)] : loopRows(data, origin)),
     ['Started by', `${run.owner}, ${moment(run.created)}`],
     ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
   ]
+}
+
+/** From which the independent sample follows, so that a launch can repeat it. */
+function sampleSeed({ stages }: RunData): string {
+  const [certified] = stages.flatMap((stage) => resultOf(stage, 'certify') ?? [])
+  if (!certified) return 'no sample'
+  if (certified.seed === null) return 'that of the campaign'
+  return `${certified.seed}, ${certified.drawn_at_launch ? 'drawn' : 'stated'} at launch`
 }
 
 type PartRole = 'vehicle' | 'controller' | 'avoider' | 'simulator'

@@ -22,7 +22,7 @@ export function Banner({ data }: { data: RunData }) {
       <OutcomeIcon outcome={outcome} />
       <div>
         <div className={cards.w} data-testid="verdict">
-          {run.verdict ? word : `${word}: no verdict`}
+          {run.verdict ? `${word}${summary?.not_sampled ? ': not sampled' : ''}` : `${word}: no verdict`}
         </div>
         <span className={styles.bannerHelp}>
           <HelpLink to="/help" at={outcome}>

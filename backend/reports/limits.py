@@ -26,7 +26,7 @@ def conditions(record: Record) -> list[str]:
             _failed(record),
             *_noise(record),
             _asked(record),
-        )  # fmt: skip
+        )
         if text
     ]
 

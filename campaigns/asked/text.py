@@ -11,8 +11,9 @@ from pydantic.fields import FieldInfo
 from campaigns.asked.reading import MOST_VALUES, Dumper
 from campaigns.asked.spec import Campaign
 
-_ALWAYS = frozenset({"version", "component", "kind", "seed"})
-"""Written even at their default: the first three identify a mapping, and the seed determines every result."""
+_ALWAYS = frozenset({"version", "component", "kind", "seed", "certify"})
+"""Written even at their default: the first three identify a mapping, the seed determines every result, and without
+`certify` a sample is drawn."""
 
 
 def to_yaml(campaign: Campaign) -> str:

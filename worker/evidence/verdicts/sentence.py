@@ -27,7 +27,6 @@ from worker.engine.problem.problem import Problem
 from worker.evidence.scopes.terms import terms
 from worker.evidence.verdicts import calls, encounter
 from worker.evidence.verdicts.evidence import Evidence
-from worker.evidence.verdicts.probability import outside
 
 
 def sentence(
@@ -57,7 +56,7 @@ def sentence(
         intended = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
         return say(
             *(quantity, " stayed above ", limit, " in all ", succeeded, f" evaluations{each}, searched by "),
-            *(_searched(evidence), ".", excluded, " ", worst, _chance(statistics) or _outside(problem)),
+            *(_searched(evidence), ".", excluded, " ", worst, _chance(statistics)),
             *intended,
             f"{caveat} A search can miss a worse case.",
         )
@@ -115,12 +114,6 @@ def _chance(statistics: Statistics | None) -> Spans:
     quantile = statistics.quantile
     bound = say(" ", capital(unnamed(quantile.statement)), ".") if quantile is not None else ()
     return say(" ", statistics.statement, ".", bound)
-
-
-def _outside(problem: Problem) -> Spans:
-    """Of a campaign without a sample, whose statement would contain it."""
-    beyond = outside(problem)
-    return say(" ", capital(beyond), ".") if beyond else ()
 
 
 def _counts(evidence: Evidence) -> Spans:

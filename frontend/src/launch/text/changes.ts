@@ -18,7 +18,7 @@ export function changesOf(from: unknown, to: unknown, at: At = []): Change[] {
 }
 
 /** Fields in which null removes a default; elsewhere null equals absence. */
-const speaks = (at: At, key: string): boolean => at.includes('options') || (at[0] === 'stages' && key === 'sensitivity')
+const speaks = (at: At, key: string): boolean => at.includes('options') || (at[0] === 'stages' && (key === 'sensitivity' || key === 'certify'))
 
 /** The service reorders these lists, so that indices differ from those in the text. */
 const WHOLE = new Set(['between', 'tags'])

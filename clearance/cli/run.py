@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from campaigns.refusals import RefusalCode
 from campaigns.runs import RunState
 from clearance.cli import UnreachableError, WrongInputError
 from clearance.cli import _code as code
@@ -142,7 +143,9 @@ def _source(file: Path | None, options: launch.Launch) -> Source | None:
 
 def _check_options(file: Path | None, onward: str, budget: str, launched: bool) -> None:
     if onward and launched:
-        raise WrongInputError("an extended run has the labels and the baseline of the earlier one: give neither")
+        raise WrongInputError(
+            "an extended run has the labels and the baseline of the earlier one: give neither", RefusalCode.OPTIONS
+        )
     if onward and file is not None:
         raise WrongInputError("give either a campaign or --continue RUN, not both")
     if not onward and file is None:
@@ -207,7 +210,7 @@ def _executing(threads: int | None, quiet: bool, evaluator: str = "") -> Execute
             with memory.bounded(threads):
                 return simulated(campaign, store, cancelled)
         except MemoryError:
-            raise WrongInputError(memory.sentence()) from None
+            raise WrongInputError(memory.sentence(), RefusalCode.TOO_LITTLE_MEMORY) from None
         except EvaluatorLost as error:
             raise UnreachableError(str(error)) from None
 

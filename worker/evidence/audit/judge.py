@@ -19,6 +19,7 @@ from campaigns.claims import earlier
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import Quantity, Spans, words
+from campaigns.refusals import RefusalCode
 from campaigns.results.base import OK, STATUS
 from campaigns.results.verdict import SCOPE
 from worker.evidence.audit import limits
@@ -63,7 +64,8 @@ def audit(record: Record, at_most: int = limits.VIOLATIONS, spot_checks: int = l
             unknown = dict.fromkeys(("results", "comparison", "statistics", "sentence"), MISSING)
             expected = _stored(run) | unknown | {"checks": dict.fromkeys(claims["checks"], MISSING)}
     except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
-        raise UnreadableError(f"the record is not that of a run: {type(error).__name__}: {error}") from None
+        message = f"the record is not that of a run: {type(error).__name__}: {error}"
+        raise UnreadableError(message, RefusalCode.UNREADABLE) from None
     return [*(Item(name, *pair) for name, pair in record.twice.items()), *_compared("", claims, expected)]
 
 

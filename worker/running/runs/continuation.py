@@ -18,6 +18,7 @@ from campaigns.asked.spec import MAX_EVALUATIONS, Search
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
+from campaigns.refusals import Refusal, RefusalCode
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
 from campaigns.versions import Versions, differences, differing, other_code
@@ -29,7 +30,7 @@ from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
 
-class CannotContinue(ValueError):
+class CannotContinue(Refusal):
     """The run cannot be extended; the message states why and what to do."""
 
 
@@ -99,7 +100,9 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
     if [(r.plan.kind, r.plan.method) for r in store.stages] != stages or [
         (p.kind, p.method) for p in plan(old)
     ] != stages:
-        raise CannotContinue("its stages were planned by another version of Clearance; run the campaign again")
+        raise CannotContinue(
+            "its stages were planned by another version of Clearance; run the campaign again", RefusalCode.OTHER_PLAN
+        )
     found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if not declared()[kind].of_findings}
     return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
 
@@ -112,7 +115,7 @@ def refuse_other_code(new: Campaign, then: Versions, modules: dict[str, str] | N
     here, code = versions(new, opened.system(new)), identity.code(new)
     others = differences(then, here, differing(modules, code.modules) if modules else None)
     if others:
-        raise CannotContinue(other_code("it", others))
+        raise CannotContinue(other_code("it", others), RefusalCode.OTHER_CODE)
 
 
 def preloaded(new: Campaign, evaluations: dict[int, Columns]) -> MemoryStore:

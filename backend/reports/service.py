@@ -29,6 +29,7 @@ FONTS = (
 )
 """Font family, prefix of its file name among the built pages, Unicode range."""
 
+UNRECORDED = "not stored when the run began"
 ELSEWHERE = " on other machines, whose processors are not recorded"
 _VERDICTS = {
     "cleared": ("ok", "Cleared", "M20 6 9 17l-5-5"),
@@ -145,7 +146,7 @@ def _origin(record: Record) -> list[tuple[str, str]]:
         ("Campaign", f"sha256 {record.run.campaign_digest}"),
         ("Results", f"sha256 {record.digest}"),
         ("Components", _components(record)),
-        ("Source digest", f"sha256 {versions.code}" if versions and versions.code else "not stored when the run began"),
+        ("Source digest", f"sha256 {versions.code}" if versions and versions.code else UNRECORDED),
         ("Loop digest", known.loop or unknown),
         ("Seed", str(record.campaign.seed if seed is None else seed)),
         ("Clearance", known.clearance or unknown),

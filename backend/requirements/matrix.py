@@ -28,6 +28,7 @@ from campaigns.results.verdict import VerdictWord
 from campaigns.runs import run_number
 
 _UNKNOWN = Model(None)
+OTHER_TEXT = "its campaign states another text of the requirement"
 
 
 @dataclass(frozen=True)
@@ -203,7 +204,7 @@ def _text_changes(known: Known, row: Any, stated: str, text: str) -> Iterator[st
     signed = [one.created for one in known.signoffs if one.current]
     if stated:
         if " ".join(stated.split()) != " ".join(text.split()):
-            yield "its campaign states another text of the requirement"
+            yield OTHER_TEXT
     elif row is not None and signed and row.changed >= max(signed):
         yield "the text of the requirement was registered or changed after the sign-off"
 

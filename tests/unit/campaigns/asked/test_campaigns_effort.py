@@ -69,7 +69,7 @@ def test_a_long_text_is_read_or_refused_soon(name: str) -> None:
 def test_too_many_values_are_refused_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "more than 60,000 values" in told(LARGE["yaml list"])
     monkeypatch.setattr(reading, "MOST_VALUES", 1000)
-    assert "line 1, column 1999: not readable as YAML: more than" in told("a: [" + "1," * 998 + "]")
+    assert "line 1, column 1999: " in told("a: [" + "1," * 998 + "]")
     assert len(parse("a: [" + "1," * 997 + "]")["a"]) == 997
 
 
@@ -78,7 +78,7 @@ def test_too_many_lists_are_refused_before_their_places_are_noted(piece: str) ->
     text = f'{{"name": [{",".join([piece] * 160_000)}]}}'
     tracemalloc.start()
     try:
-        with pytest.raises(CampaignError, match="more than 150,000 lists and mappings: shorten the campaign"):
+        with pytest.raises(CampaignError, match="150,000 lists and mappings"):
             load_document(json.loads(text))
         peak = tracemalloc.get_traced_memory()[1]
     finally:
@@ -90,7 +90,7 @@ def test_of_very_many_unreadable_texts_only_the_first_are_described() -> None:
     with pytest.raises(CampaignError) as caught:
         load_document({"name": ["\ud800"] * 100_000})
     assert len(caught.value.problems) == 50
-    assert caught.value.problems[-1].message == "and more problems; correct these first"
+    assert [bool(p.field) for p in caught.value.problems] == [True] * 49 + [False], "the last one counts the others"
 
 
 def test_as_many_starts_as_a_campaign_can_have_are_read() -> None:
@@ -135,7 +135,7 @@ def test_locations_are_built_only_where_there_is_a_problem() -> None:
         inner = {"k" * 200: inner}
     tracemalloc.start()
     try:
-        with pytest.raises(CampaignError, match=r"\.50000: invalid Unicode text: it contains an unpaired surrogate"):
+        with pytest.raises(CampaignError, match=r"\.50000: .* unpaired surrogate"):
             load_document(inner)
         peak = tracemalloc.get_traced_memory()[1]
     finally:

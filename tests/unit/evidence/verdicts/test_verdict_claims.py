@@ -49,7 +49,7 @@ def test_cleared_with_a_stored_violation_is_impossible_whatever_the_checks_say(m
     from worker.evidence.verdicts import conclude as module
 
     monkeypatch.setattr(module, "checks", lambda problem, evidence: [])
-    with pytest.raises(AssertionError, match="although a stored evaluation has"):
+    with pytest.raises(AssertionError, match=r" \S+, at or below 0\.5$"):
         concluded(violating=1)
 
 
@@ -113,7 +113,7 @@ def test_an_encounter_that_did_not_occur_bars_cleared(given: dict[str, Any], nam
     intended = campaign(encounter={"intended": {name.replace(" ", "_"): "a baseline"}})
     conclusion = concluded(intended, **given)
     assert conclusion.verdict == "cleared"
-    assert "which the author states is intended: a baseline." in conclusion.reason
+    assert "a baseline." in conclusion.reason
 
 
 def test_an_intention_without_need_is_not_mentioned() -> None:
@@ -141,16 +141,15 @@ def test_a_noisy_scenario_needs_a_sample_that_draws_its_noise() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(noise="stated"))]
     conclusion = conclude(noisy(), evidence(searches=searches), VERSIONS)
     assert conclusion.verdict == "inconclusive"
-    assert (
-        "only the realisations with seeds 0 were simulated; add a certify stage" in check_of("noise", conclusion).text
-    )
+    assert not check_of("noise", conclusion).ok
+    assert " seeds 0 " in check_of("noise", conclusion).text
     assert conclude(noisy(), evidence(certificate=drawn()), VERSIONS).verdict == "cleared"
 
 
 def test_a_target_is_not_met_by_stated_realisations() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", sample=sample(noise="stated"))]
     conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), VERSIONS)
-    assert "holds only for the stated noise realisations" in check_of("target", conclusion).text
+    assert not check_of("target", conclusion).ok
     assert conclusion.verdict == "inconclusive"
 
 
@@ -158,14 +157,15 @@ def test_a_mean_over_realisations_never_clears() -> None:
     mean = noisy(scenario__realisations={"seeds": [1, 2], "combine": "mean"})
     conclusion = conclude(mean, evidence(certificate=drawn()), VERSIONS)
     assert conclusion.verdict == "inconclusive"
-    assert "set combine to worst" in check_of("noise", conclusion).text
+    assert not check_of("noise", conclusion).ok
+    assert " mean " in check_of("noise", conclusion).text
 
 
 def test_much_that_is_excluded_bars_cleared() -> None:
     assert concluded(certificate=drawn(excluded_fraction=0.1), excluded=300).verdict == "cleared"
     sampled = barred("exclusions", certificate=drawn(excluded_fraction=0.9), excluded=300)
-    assert sampled.text.startswith("90 % of the draws of the sample start at or below the threshold and were excluded")
-    assert barred("exclusions", excluded=400).text.startswith("12 % of the evaluations")
+    assert facts(sampled.statement)[0] == 0.9
+    assert round(float(facts(barred("exclusions", excluded=400).statement)[0]), 2) == 0.12
 
 
 def test_a_violation_is_confirmed_by_every_integration_and_by_nothing_less() -> None:
@@ -179,8 +179,8 @@ def test_a_violation_whose_integrations_differ_states_by_how_much() -> None:
     half = HalfStep(step=0.0025, cost=0.48, difference=0.17)
     other = ReferenceCost(name="DOP853", cost=0.49, difference=0.18)
     apart = finding(0.31, validation=case(cost=0.31, agrees=False, half_step=half, integrator=other))
-    statement = concluded(**violation(finding=apart, violating=1)).reason
-    assert "beyond tolerance: 0.31 m at the step, 0.48 m at half the step, 0.49 m with DOP853." in statement
+    stated = facts(concluded(**violation(finding=apart, violating=1)).statement)
+    assert stated[-3:] == [0.31, 0.48, 0.49]
 
 
 def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:
@@ -189,4 +189,4 @@ def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:
     given = validation(violations=Violations(stored=135, checked=135, confirmed=120, text=text))
     statement = concluded(**violation(finding=own, violating=135, validation=given)).reason
     assert f" {text}." in statement
-    assert "with the noise realisation of seed 77" in statement
+    assert " seed 77" in statement

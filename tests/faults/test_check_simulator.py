@@ -75,6 +75,7 @@ def test_one_that_always_fails(capsys: pytest.CaptureFixture[str]) -> None:
         assert invoke(["check-simulator", "adversary"]) == NOT_AS_IT_IS
     shown = capsys.readouterr().out
     assert "0 of 15 " in shown
+    assert "whether it repeats is unknown" in shown
     assert "Proposal" not in shown
 
 

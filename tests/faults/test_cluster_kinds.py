@@ -112,7 +112,7 @@ def test_a_function_whose_file_changed_ends_the_run_with_a_sentence(
     simulated = function(tmp_path)
     (tmp_path / "bowl.py").write_text(FUNCTION + "# changed\n", encoding="utf-8")
     try:
-        with pytest.raises(EvaluatorLost, match=r" other files "):
+        with pytest.raises(EvaluatorLost, match=r"has other files in .* copy the simulator's folder to all nodes"):
             simulated.evaluate(np.array([[0.5, 0.5]]))
     finally:
         simulated.close()

@@ -83,7 +83,7 @@ def test_an_incumbent_that_violated_by_luck_is_named() -> None:
     with adversary("now and then too low"):
         verdict, _ = ran(campaign(**REPEATS))
     (stated,) = [one.text for one in verdict.checks if not one.ok and "DIRECT" in one.text]
-    assert " none of its calls" in stated
+    assert "in the search, and in none of its calls" in stated
 
 
 def test_a_simulator_that_declares_noise_is_not_cleared_by_single_calls() -> None:
@@ -107,7 +107,7 @@ def test_several_calls_are_not_cleared_without_an_independent_sample() -> None:
     with adversary("none"):
         verdict, _ = ran(load_document(asked))
     assert not check(verdict, "noise of calls").ok
-    assert " certify " in check(verdict, "noise of calls").text
+    assert "add a certify stage, in which every sample is one call" in check(verdict, "noise of calls").text
 
 
 def test_the_first_stored_evaluation_is_the_nominal_one() -> None:

@@ -80,4 +80,4 @@ def test_a_taken_port_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[
 def test_an_address_open_to_other_machines_is_refused(tmp_path: Path) -> None:
     refused = clearance("serve", "--data", str(tmp_path), "--port", "0", "--host", "0.0.0.0", "--workers", "0")
     assert refused.returncode == 3
-    assert "loopback" in refused.stdout
+    assert "only the loopback address is allowed" in refused.stdout

@@ -93,8 +93,7 @@ def test_a_crossing_that_never_happens_is_a_failure_with_a_sentence(folders: dic
     batch, reasons = simulated.evaluate(np.array([[2.0, 40.0, 1.5, 0.0]]))
     simulated.close()
     assert batch.status.tolist() == [FAILED]
-    assert reasons[0].startswith("the variable z ")
-    assert " t = 3 s; " in reasons[0]
+    assert reasons[0].startswith("the variable z does not cross 0 while falling until t = 3 s; it stays within [0, ")
 
 
 def test_set_gives_values_to_further_variables(tmp_path: Path) -> None:
@@ -124,7 +123,7 @@ def test_whatever_goes_wrong_costs_one_evaluation(simulated: FmuSimulator) -> No
         assert batch.status[2 * k] == status, reasons
         assert reason in reasons.get(2 * k, "")
     assert "EnterInitializationMode " in reasons[len(rows)]
-    assert reasons[len(rows)].endswith(f"{OUTPUT}[error] cannot throw")
+    assert f"{OUTPUT}[error] cannot throw" in reasons[len(rows)]
     assert batch.status[1::2].tolist() == [OK] * (len(TROUBLE) + 1)
     assert np.unique(batch.costs[1::2, 0]).size == 1, "what failed changed another evaluation"
 
@@ -154,12 +153,12 @@ def test_state_that_stays_behind_is_noticed_and_changes_nothing(tmp_path: Path, 
 
 @pytest.mark.parametrize(("fmi", "what"), [(2, "GUID"), (3, "instantiation token")])
 def test_a_wrong_token_is_refused_before_anything_is_evaluated(tmp_path: Path, fmi: int, what: str) -> None:
-    with pytest.raises(FmuUnusable, match=f"{what} is .8c4e810f"):
+    with pytest.raises(FmuUnusable, match=f"refuses to be instantiated; .*{what} is .8c4e810f"):
         simulator(made.folder(tmp_path, fmi, token="{other}"))
 
 
 def test_a_binary_that_cannot_be_loaded_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(FmuUnusable, match=r"thrown\.so"):
+    with pytest.raises(FmuUnusable, match=r"the FMU cannot be loaded: .*thrown\.so"):
         simulator(made.folder(tmp_path, 2, binary=b"not a library"))
 
 
@@ -169,7 +168,7 @@ def test_a_file_that_changes_meanwhile_is_not_simulated(tmp_path: Path) -> None:
     batch, reasons = simulated.evaluate(simulated.nominal[None, :])
     simulated.close()
     assert batch.status.tolist() == [FAILED]
-    assert "model.fmu " in reasons[0]
+    assert "model.fmu has changed since this run opened it" in reasons[0]
 
 
 def test_what_was_extracted_is_removed_at_the_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

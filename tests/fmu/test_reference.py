@@ -158,9 +158,11 @@ def test_a_trace_has_the_communication_points(tmp_path: Path, fmi: str) -> None:
 def test_a_model_of_whole_numbers_is_refused_with_what_is_expected(tmp_path: Path, fmi: str) -> None:
     """Stair counts seconds and has no parameter."""
     kind = "Integer" if fmi == "2.0" else "Int32"
-    with pytest.raises(BadDescriptor, match=f"results.counter.variable: counter is {kind}; "):
+    with pytest.raises(
+        BadDescriptor, match=f"results.counter.variable: counter is {kind}; one real number is expected"
+    ):
         described(tmp_path, fmi, "Stair", {"results": {"counter": {"variable": "counter", "take": "final"}}})
-    with pytest.raises(BadDescriptor, match="no parameter and no input"):
+    with pytest.raises(BadDescriptor, match="has no parameter and no input that is a real number"):
         described(tmp_path, fmi, "Stair", {"results": {"end": {"variable": "time", "take": "final"}}})
 
 
@@ -170,7 +172,7 @@ def test_an_input_passes_through_and_further_variables_are_set(tmp_path: Path, f
         "results": {"out": {"variable": "Float64_continuous_output", "take": "final"}},
         "set": {"Int32_input": 3, "Boolean_input": True},
     }
-    with pytest.raises(BadDescriptor, match="step: "):
+    with pytest.raises(BadDescriptor, match="step: the model states none; give it in seconds"):
         described(tmp_path, fmi, "Feedthrough", given)
     given |= {"step": 0.1}
     found = described(tmp_path, fmi, "Feedthrough", given)

@@ -76,7 +76,7 @@ def test_a_ulog_that_is_cut_within_a_message_is_refused(tmp_path: Path) -> None:
 def test_a_log_that_ends_between_two_messages_is_a_shorter_one(tmp_path: Path) -> None:
     file = ulog(tmp_path / "a.ulg", {TOPIC: STRAIGHT[:3]})
     assert separation_of_ulog(file, [BESIDE]).d_min > 4.0
-    with pytest.raises(Unreadable, match=r" 0\.200 s; .* 1 s .*\(lasts\)"):
+    with pytest.raises(Unreadable, match=r"ends after 0\.200 s; at least 1 s are expected \(lasts\)"):
         separation_of_ulog(file, [BESIDE], lasts=1.0)
 
 
@@ -90,19 +90,21 @@ def message_ends(content: bytes) -> set[int]:
 
 def test_other_topics_and_fields(tmp_path: Path) -> None:
     file = ulog(tmp_path / "a.ulg", {TOPIC: STRAIGHT})
-    with pytest.raises(Unreadable, match="topic intruder:1"):
+    with pytest.raises(Unreadable, match="the log has no topic intruder:1"):
         separation_of_ulog(file, other="intruder:1")
     late = ulog(tmp_path / "b.ulg", {TOPIC: STRAIGHT, "intruder": [(t + 0.8, x, y, z) for t, x, y, z in STRAIGHT]})
-    with pytest.raises(Unreadable, match=r"intruder .* 0\.800 s after t = 0\.000 s, .* vehicle_local"):
+    with pytest.raises(
+        Unreadable, match=r"intruder has no sample for 0\.800 s after t = 0\.000 s, while vehicle_local"
+    ):
         separation_of_ulog(late, other="intruder")
     odd = ulog(tmp_path / "c.ulg", {TOPIC: STRAIGHT}, FIELDS.replace("float z", "float down"))
     with pytest.raises(Unreadable, match="the topic vehicle_local_position has no z"):
         separation_of_ulog(odd, [BESIDE])
     for content in (b"", b"ULog", b"\0" * 100):
         odd.write_bytes(content)
-        with pytest.raises(Unreadable, match=r"c\.ulg .* ULog file"):
+        with pytest.raises(Unreadable, match=r"c\.ulg is not a ULog file"):
             separation_of_ulog(odd, [BESIDE])
-    with pytest.raises(Unreadable, match=r"none\.ulg .*: No such file"):
+    with pytest.raises(Unreadable, match=r"none\.ulg cannot be read: No such file"):
         separation_of_ulog(tmp_path / "none.ulg", [BESIDE])
 
 
@@ -159,7 +161,7 @@ def test_damage_inside_is_refused(tmp_path: Path) -> None:
     whole = bytearray(recorded(tmp_path).read_bytes())
     whole[len(whole) // 4] ^= 0xFF
     (tmp_path / "a.mcap").write_bytes(whole)
-    with pytest.raises(Unreadable, match=r"a\.mcap "):
+    with pytest.raises(Unreadable, match=r"a\.mcap cannot be read to its end"):
         separation_of_mcap(tmp_path / "a.mcap", "/odom", "/person")
 
 
@@ -183,7 +185,7 @@ def test_an_invalid_request_is_refused() -> None:
         closest(track, [BESIDE], None, 0)
     with pytest.raises(ValueError, match="finite coordinates"):
         closest(track, [Sphere(0, 0, math.nan)], None, 0.5)
-    with pytest.raises(ValueError, match="radius"):
+    with pytest.raises(ValueError, match="radius of at least 0"):
         closest(track, [Sphere(0, 0, 0, -1.0)], None, 0.5)
 
 

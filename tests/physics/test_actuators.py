@@ -155,5 +155,5 @@ class TestGuidance:
         assert waited(0.0, (), (), (), g, p) == pytest.approx((2 * periods, 2 * periods + 1))
 
     def test_it_needs_sampled_guidance(self) -> None:
-        with pytest.raises(ValueError, match=r"sampled guidance"):
+        with pytest.raises(ValueError, match=r"only sampled guidance can be delayed"):
             loop_with("guidance_delay", periods=1.0)

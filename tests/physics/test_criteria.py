@@ -288,7 +288,7 @@ class TestCheck:
         made = load_file(library()["uav_aca"]).document() | {"objectives": [{"component": "goal_miss"}]}
         [problem] = check(load_document(made), catalogue())
         assert problem.field == "objectives.0.component"
-        assert "follows a path" in problem.message
+        assert "follows a path and has no goal" in problem.message
 
     def test_its_parameters_are_checked_against_their_limits(self) -> None:
         wrong = {"component": "time_to_goal", "parameters": {"radius": -1.0}}

@@ -129,7 +129,7 @@ class TestIntegrator:
     def test_agrees_with_dop853_as_far_as_the_switches_allow(self, values: dict[str, float], apart: float) -> None:
         # The trajectory slides along v_RO = 0, where the force is discontinuous: the order of convergence is lost.
         other = reference.Reference(PROBLEM.system).simulate(PROBLEM.vector(values))
-        assert other.reason, "it cannot integrate across the switches"
+        assert "switches back and forth" in other.reason
         assert other.cost == pytest.approx(cost(PROBLEM, values), abs=apart)
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 3e-4), (CORNER, 1e-3)])

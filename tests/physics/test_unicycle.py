@@ -107,7 +107,7 @@ class TestIntegrator:
             PROBLEM.vector({"vehicle.m": 4.0, "vehicle.J": 0.04})[None], 0.01
         )
         assert batch.status[0] == FAILED
-        assert " turn rate " in reasons[0]
+        assert "the turn rate exceeds" in reasons[0]
 
 
 class TestFormulations:

@@ -115,7 +115,7 @@ def test_a_process_that_starts_slowly_is_waited_for_by_later_requests(tmp_path: 
     live = Live((sys.executable, "-c", f"open({str(gate)!r}).close()\n{STAND_IN}"), limit=30.0, first_limit=0.1)
     try:
         for x in range(2):
-            with pytest.raises(LiveError, match=" starting: "):
+            with pytest.raises(LiveError, match="still starting: ask again"):
                 fly(live, x=x)
         child = live._child
         assert child is not None
@@ -130,7 +130,7 @@ def test_a_process_that_starts_slowly_is_waited_for_by_later_requests(tmp_path: 
 
 def test_a_process_that_cannot_be_started_is_reported() -> None:
     live = Live(("/nowhere/at/all",))
-    with pytest.raises(LiveError, match="/nowhere/at/all"):
+    with pytest.raises(LiveError, match="could not be started"):
         fly(live)
     live.close()
 

@@ -118,7 +118,7 @@ def test_files_and_report_have_every_criterion(client: httpx.Client, run: str) -
     assert told["findings"][0]["values"]["goal_miss"] == 1.5 - 0.8
     report = re.sub(r"<[^>]+>", " ", client.get(f"/api/v1/runs/{run}/report.html").text)
     assert "more is worse" in report
-    assert "Vermillion: " in report
+    assert "Vermillion: the others at the worst case" in report
 
 
 def test_one_criterion_costs_nothing_more(service: Service, client: httpx.Client) -> None:

@@ -210,14 +210,16 @@ def altered(component: str, **changes: Any) -> Catalogue:
 
 def test_a_controller_is_accepted_only_for_vehicles_it_fits() -> None:
     problems = check(campaign(), altered("pid_speed", fits=["quadrotor", "blimp"]))
-    assert [(p.field, p.given) for p in problems] == [("scenario.controller.component", "pid_speed")]
-    assert "quadrotor, blimp, not unicycle" in problems[0].message
+    assert [(p.field, p.given, p.message) for p in problems] == [
+        ("scenario.controller.component", "pid_speed", "this controller controls quadrotor, blimp, not unicycle")
+    ]
 
 
 def test_components_share_their_dimension() -> None:
     problems = check(campaign(), altered("circle", dimension=3))
-    assert [(p.field, p.given) for p in problems] == [("scenario.obstacles.0.component", "circle")]
-    assert "3 dimensions" in problems[0].message
+    assert [(p.field, p.given, p.message) for p in problems] == [
+        ("scenario.obstacles.0.component", "circle", "has 3 dimensions, the vehicle 'unicycle' has 2")
+    ]
     assert check(campaign(), altered("circle", dimension=None)) == []
 
 
@@ -235,7 +237,7 @@ def test_options_that_may_be_nothing() -> None:
 
     assert statement(None) == statement(0.5) == statement(2) == []
     assert statement(0) == ["expected above 0"]
-    assert [message.split()[-1] for message in statement("x")] == ["number"]
+    assert statement("x") == ["expected a value of type number"]
 
 
 def test_every_parameter_has_a_path() -> None:

@@ -33,6 +33,7 @@ def test_nothing_is_started(
     monkeypatch.setenv(jit.VARIABLE, "1")
     assert invoke([*command, "--data", str(tmp_path / "data")]) == WRONG_INPUT
     statement = capsys.readouterr().err
+    assert statement.startswith("Error: numba's compiler is switched off, by NUMBA_DISABLE_JIT")
     assert "Unset NUMBA_DISABLE_JIT" in statement
     assert not (tmp_path / "data").exists()
 

@@ -68,9 +68,9 @@ def test_how_a_sample_is_extended() -> None:
     for sampling in ("plain", "sobol"):
         options = monte_carlo.Options(sampling=sampling)  # type: ignore[arg-type]
         assert monte_carlo.extend(options, 500) == replace(options, continued=True)
-    with pytest.raises(ValueError, match="Latin hypercube"):
+    with pytest.raises(ValueError, match="a Latin hypercube is designed for its number of samples and cannot be"):
         monte_carlo.extend(monte_carlo.Options(sampling="latin_hypercube"), 500)
-    with pytest.raises(ValueError, match="narrower interval"):
+    with pytest.raises(ValueError, match="start it again with a narrower interval"):
         monte_carlo.extend(monte_carlo.Options(interval=0.01), 500)
 
 

@@ -34,10 +34,10 @@ def test_one_that_can_be_used_as_it_is(capsys: pytest.CaptureFixture[str]) -> No
     with adversary():
         assert invoke(["check-simulator", "adversary", "--points", "7"]) == 0
     shown = capsys.readouterr().out
-    assert [line for line in shown.splitlines() if not line.startswith(("adversary: ", "methods and"))][:4] == [
-        "  parameter a: nominal 0.5, 0 to 1", "  parameter b: nominal 0.5, 0 to 1", "  result d [m], worse when low",
+    assert {
+        "  parameter a: nominal 0.5, 0 to 1", "  result d [m], worse when low",
         "21 of 21 evaluations of 7 points have a value of d",
-    ]  # fmt: skip
+    } <= set(shown.splitlines())  # fmt: skip
     assert words(calls.measured(7, 21, 0, True, True, None, "m")) in shown
     assert "Proposal" not in shown
     (asked,) = [line for line in shown.splitlines() if line.startswith("methods and budgets for it: clearance ")]

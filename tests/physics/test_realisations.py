@@ -173,12 +173,14 @@ class TestRefused:
     def test_seeds_where_nothing_is_random(self) -> None:
         (problem,) = self.problems(realisations={"seeds": [1, 2]})
         assert problem.startswith("scenario.realisations.seeds: ")
+        assert "nothing in the scenario is random" in problem
 
     def test_a_seed_as_something_uncertain(self) -> None:
         document = noisy([1]).document()
         document["uncertain"] = {"faults.0.seed": {"low": 0, "high": 9}}
         (problem,) = check(load_document(document), catalogue())
         assert problem.field == "uncertain.faults.0.seed"
+        assert "is not a quantity" in str(problem)
 
     @pytest.mark.parametrize("seeds", [[], [1, 1], [-1], [2**20], [0.5], list(range(65))])
     def test_seeds_that_cannot_be(self, seeds: list[float]) -> None:

@@ -35,7 +35,7 @@ class RefusalCode(StrEnum):
     UNUSED_SOURCE = "unused-source"
 
 
-class Refusal(ValueError):
+class Refusal(Exception):
     """An input that is refused; the message states why and what to do."""
 
     def __init__(self, message: str, code: str = RefusalCode.OTHER) -> None:

@@ -45,7 +45,7 @@ _NAME = re.compile(r"[\w.+-]{1,64}")
 _OF_USER = (User.role, User.disabled, User.password.is_not(None).label("has_password"))
 
 
-class AccessError(Refusal):
+class AccessError(Refusal, ValueError):
     """A token cannot be created or revoked; the message gives the reason and what to do."""
 
 

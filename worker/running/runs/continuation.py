@@ -30,7 +30,7 @@ from worker.running.runs.provenance import versions
 from worker.running.runs.store import MemoryStore
 
 
-class CannotContinue(Refusal):
+class CannotContinue(Refusal, ValueError):
     """The run cannot be extended; the message states why and what to do."""
 
 

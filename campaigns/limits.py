@@ -18,5 +18,7 @@ SPOT_CHECKS, VIOLATIONS = 200, 200
 processes."""
 REPEATS = 10
 """Fewer independent calls of a noisy simulator would say too little about a finding."""
+CONTINUED = 2
+"""Flights are simulated on to this multiple of the horizon, to see whether an encounter lies beyond it."""
 DRAWS = 20
 """The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""

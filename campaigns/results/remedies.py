@@ -106,12 +106,13 @@ def _smaller_step(check: Check, ran: Ran) -> Iterator[Remedy]:
 
 
 def _longer_horizon(check: Check, ran: Ran) -> Iterator[Remedy]:
-    """A longer horizon, if the closest approach is at its end; a whole number of guidance periods."""
+    """A longer horizon, if the closest approach is at its end or later; a whole number of guidance periods."""
     scenario = ran.campaign.scenario
     if scenario is None or "horizon" not in check.values:
         return
     grain = max(scenario.step, scenario.guidance.period)
-    horizon = float(f"{math.ceil(LONGER * scenario.horizon / grain - 1e-9) * grain:.12g}")
+    wanted = LONGER * max(scenario.horizon, scenario.horizon + check.values.get("after", 0.0))
+    horizon = float(f"{math.ceil(wanted / grain - 1e-9) * grain:.12g}")
     yield _remedy(RemedyKind.HORIZON, ("with horizon ", number(horizon, "s")), (("scenario", "horizon"), horizon))
 
 

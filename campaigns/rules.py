@@ -58,6 +58,7 @@ ABOVE_NOISE = Limit(
     "the range of a million normal numbers",
 )
 EXCLUDED = Limit(0.1, "fraction of the draws, or of all evaluations, that may be excluded", CONVENTION)
+TURN = Limit(limits.TURN, "angle by which an obstacle may turn within a step [rad]: pi/4", "aliasing")
 CONTINUED = Limit(limits.CONTINUED, "multiple of the horizon to which flights are simulated on", CONVENTION)
 DRAWS = Limit(limits.DRAWS, "draws for each requested sample, excluded ones included, at most", EFFORT)
 CEILING = Limit(0.05, "bound on P(violation) that a campaign without a target must meet", CONVENTION)
@@ -221,6 +222,13 @@ RULES = (
         "Effect of the parameters",
         "The criterion varies over the evaluations, by more than the noise of a simulator.",
         intended="No uncertain parameter need change the criterion.",
+    ),
+    Rule(
+        CheckCode.SAMPLING,
+        "Motion of the obstacles",
+        "No obstacle turns by more than pi/4 within a step, for any values within the bounds, at the rate that its "
+        "component declares.",
+        remedy=RemedyKind.STEP,
     ),
     Rule(
         CheckCode.DISTANCES,

@@ -112,7 +112,7 @@ def _shown(record: Record, shown: Encounter, unseen: Unseen) -> list[tuple[Marku
     closest = "; ".join(_closest(name, approach) for name, approach in approaches if approach is not None)
     rows = [(Markup.escape("Closest approach"), Markup.escape(closest))]
     if shown.beyond is not None:
-        rows.append((Markup.escape("Beyond the horizon"), Markup.escape(_beyond(shown.beyond, of))))
+        rows.append((Markup.escape("Beyond the horizon"), Markup.escape(_beyond(record, shown.beyond))))
     moved = "not known" if shown.moved is None else f"{numbers.plain(shown.moved)} m"
     rows.append((Markup.escape("Path length of the nominal case"), Markup.escape(moved)))
     rows.append(
@@ -126,14 +126,13 @@ def _closest(name: str, approach: ClosestApproach) -> str:
     return f"{name}{time} {_AT[approach.at]}"
 
 
-def _beyond(beyond: Beyond, of: Quantity) -> str:
+def _beyond(record: Record, beyond: Beyond) -> str:
     """What flights that are simulated on meet after the horizon."""
     many = f"{numbers.count(beyond.closer)} of {numbers.count(beyond.flights)} flights come closer"
-    later = beyond.lowest
+    later, plain = beyond.lowest, numbers.plain
     if later is None:
         return f"{many}; no obstacle is approaching"
-    return (
-        f"{many}; lowest: {later.name}, obstacle {later.obstacle + 1}, {numbers.plain(later.distance)} m away at the last "
-        f"sample, closing at {numbers.plain(later.closing)} m/s; {of.symbol} {numbers.plain(later.value)} {of.unit} after "
-        f"another {numbers.plain(later.time)} s ({'simulated' if later.simulated else 'extrapolated'})"
-    )
+    how = "simulated" if later.simulated else "extrapolated"
+    away = f"obstacle {later.obstacle + 1}, {plain(later.distance)} m away at the last sample"
+    value = f"{record.of.symbol} {plain(later.value)} {record.of.unit} after another {plain(later.time)} s ({how})"
+    return f"{many}; lowest: {later.name}, {away}, closing at {plain(later.closing)} m/s; {value}"

@@ -95,12 +95,14 @@ def _remedy(kind: RemedyKind, statement: Sequence[Part], *changes: tuple[Sequenc
 
 
 def _smaller_step(check: Check, ran: Ran) -> Iterator[Remedy]:
-    """Half the step, of a closed loop."""
+    """Half the step of a closed loop, halved again until an obstacle does not turn too far within it."""
     scenario = ran.campaign.scenario
     if scenario is None:
         yield from _repeated_calls(check, ran)
         return
-    step = scenario.step / 2
+    step, largest = scenario.step / 2, check.values.get("largest", scenario.step)
+    while step > largest > 0.0:
+        step /= 2
     statement = ("with step ", number(1000 * step, "ms"))
     yield _remedy(RemedyKind.STEP, statement, (("scenario", "step"), step))
 

@@ -90,6 +90,11 @@ def test_a_vehicle_declares_its_states_and_limits(vehicle: Vehicle) -> None:
 
 
 @EACH
+def test_it_turns_no_faster_than_it_declares(component: Component) -> None:
+    contract(component).test_it_turns_no_faster_than_it_declares()
+
+
+@EACH
 def test_it_can_be_simulated_with_the_first_other_components_that_fit(component: Component) -> None:
     contract(component).test_it_can_be_simulated_with_the_first_other_components_that_fit()
 

@@ -68,13 +68,15 @@ PATIENCE = 5_000
 """Calls without progress after which `flown` gives up a tolerance."""
 
 
-def flown(system: System, instants: Any, asks: Any = None, before: float = 0.0) -> tuple[Floats, Floats]:
+def flown(
+    system: System, instants: Any, asks: Any = None, before: float = 0.0, look: float = math.inf
+) -> tuple[Floats, Floats]:
     """The result of `flight.fly`, and the last state."""
     instants = np.array(instants, dtype=float)
     b, found = np.zeros((ROWS, len(system.start))), np.zeros(6)
     asked = np.zeros(len(instants) - 1, dtype=bool) if asks is None else np.array(asks)
     with np.errstate(all="ignore"):
-        room = np.zeros((CHANNEL_ROWS, 1)), np.zeros(1), np.zeros(4)
+        room = np.zeros((CHANNEL_ROWS, 1)), np.zeros(1), np.array([0.0, 0.0, 0.0, 0.0, look])
         flight.fly(system, instants, asked, before, PATIENCE, b, *room, found)
     return found, b[X]
 

@@ -10,6 +10,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from campaigns.checked import rates
+from campaigns.limits import TURN
 from worker.engine.reference.instants import Stretches, Timetable
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
@@ -18,6 +20,9 @@ from worker.engine.systems.closed_loop.flights import Flights
 from worker.engine.systems.threads import usual_threads
 
 NAME = "DOP853"
+
+LOOKS = 200_000
+"""The largest number of looks at obstacles that turn fast, for one simulation."""
 
 _SYSTEMS: WeakKeyDictionary[Loop, Any] = WeakKeyDictionary()
 """Compiled systems and the integrator by loop, for as long as the loop exists."""
@@ -103,7 +108,23 @@ class Reference:
         states, channels = np.zeros((ROWS, loop.n_state)), np.zeros((CHANNEL_ROWS, last - first))
         parameters = np.array((*p, *(0.0,) * (compiled.draws(loop) + loop.n_held)))
         where = stretches.instants, stretches.asks, stretches.before, stretches.patience
-        fly(system.address, *where, states, channels, parameters, np.zeros(4), found)
+        fly(system.address, *where, states, channels, parameters, self._control(p), found)
+
+    def _control(self, p: tuple[float, ...]) -> Floats:
+        """The state of the step control, with the longest interval between two looks at obstacles that turn this
+        fast."""
+        from worker.engine.reference import flight
+
+        parts, paths = self.flights.parts, self.flights.paths
+        highest = 0.0
+        for i, obstacle in enumerate(parts.obstacles):
+            entry = self.flights.installed.catalogue.component("obstacle", obstacle.name)
+            if entry is not None and entry.rate is not None:
+                values = {q.name: p[paths[f"obstacles.{i}.{q.name}"]] for q in entry.parameters}
+                highest = max(highest, rates.fastest(entry.rate, {name: (v, v) for name, v in values.items()}))
+        control = np.zeros(5)
+        control[flight.LOOK] = max(TURN / highest, self.timetable.horizon / LOOKS) if highest > 0.0 else np.inf
+        return control
 
     def _judged(self, found: Floats) -> Flight:
         from worker.engine.reference import flight  # imported late: a campaign's process must start fast

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from campaigns.catalogue import MethodEntry
-from campaigns.checked import extents
+from campaigns.checked import extents, rates
 from campaigns.checked.check import parameters
 from campaigns.claims import earlier
 from campaigns.claims.numbers import count
@@ -203,6 +203,8 @@ def _encounter(run: Run) -> dict[str, bool]:
     if criterion.measured_to == "centre" and not campaign.criterion.from_centre:
         inside = extents.within(campaign, components, parameters(campaign, components))
         shown |= {"distances": False} if inside else {}
+    turning, step = rates.turning(campaign, components, parameters(campaign, components)), campaign.given_scenario.step
+    shown |= {"sampling": False} if not all(each.rate * step <= limits.TURN for each in turning) else {}
     return shown
 
 

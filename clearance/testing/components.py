@@ -61,7 +61,8 @@ class ComponentContract:
     def test_it_turns_no_faster_than_it_declares(self) -> None:
         """Of an obstacle whose motion is prescribed: within pi over its rate it turns by half a turn at most."""
         if isinstance(self.component, Obstacle) and self.component.moving and not self.component.states:
-            turns_as_declared(problem(self.component, compiled=False), own(self.component))
+            flown, declared = problem(self.component, compiled=False), entry(self.component).rate
+            turns_as_declared(flown, own(self.component), declared)
 
     def test_it_can_be_simulated_with_the_first_other_components_that_fit(self) -> None:
         made = load_document(around(self.component))

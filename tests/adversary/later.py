@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from campaigns import library, load_file
 from campaigns.asked.load import load_document
-from tests.adversary.classes import ANY, MASSES, NOT_CLEARED, Attack, avoider, brute_force, campaign, circle
+from tests.adversary.classes import ANY, NOT_CLEARED, Attack, brute_force, campaign, circle
 
 GOAL = (6.0, 7.0)
 """Of case 1; the unicycle is near it from 9 s on."""
@@ -105,22 +106,32 @@ def _after(name: str, random: np.random.Generator, moving: dict[str, Any], horiz
     return Attack(name, made.document, ANY if clear else NOT_CLEARED)
 
 
-def aliased_next_to_the_path(random: np.random.Generator) -> Attack:
-    """An orbit of half the step, seen at its farthest point from the path at every step; the avoider
-    samples at the steps."""
-    step, speed = float(random.choice([0.004, 0.005])), float(random.uniform(800.0, 1000.0))
-    period = 0.5 * step
-    way = speed * period / (2 * math.pi)
-    at, side = float(random.uniform(0.15, 0.4)), float(random.choice([-1.0, 1.0]))
-    phase = math.atan2(side * GOAL[0], -side * GOAL[1])
+def aliased_on_the_path(random: np.random.Generator) -> Attack:
+    """A robot crosses an orbit of half a step, which every integration and the avoider see behind the start."""
+    base = load_file(library()["pioneer_moving"]).document()
+    speed, step = float(random.uniform(850.0, 1000.0)), 0.02
+    way = speed * 0.5 * step / (2 * math.pi)
+    along, heading = float(random.uniform(0.3, way - 0.9)), base["scenario"]["start"]["psi"]
     orbiting = {
         "component": "orbiting_circle",
         "parameters": {
-            "centre": _point(at * GOAL[0] + way * math.cos(phase), at * GOAL[1] + way * math.sin(phase)),
-            "way": way, "phase": phase, "speed": speed, "radius": 0.05,
+            "centre": _point(along * math.cos(heading), along * math.sin(heading)), "way": way,
+            "phase": heading - math.pi + float(random.uniform(-0.3, 0.3)), "speed": speed, "radius": 0.05,
         },
     }  # fmt: skip
-    return _fast("aliased next to the path", random, orbiting, step, period)
+    scenario = base["scenario"] | {
+        "obstacles": [circle(14.285498650663659, 4.601578892281082, 0.2), orbiting], "step": step,
+        "guidance": {"period": step}, "faults": [], "horizon": 30.0,
+    }  # fmt: skip
+    stages = {
+        "search": [{"method": "direct", "evaluations": 100}, {"method": "cma_es", "evaluations": 100}],
+        "certify": {"samples": 60}, "validate": {"neighbours": 10},
+    }  # fmt: skip
+    uncertain = {"vehicle.m": {"low": 15.0, "high": 20.0}, "vehicle.B_e": {"low": 0.7, "high": 0.9}}
+    criterion = {"component": "separation", "threshold": float(random.uniform(0.3, 0.5))}
+    made = base | {"name": "aliased on the path", "published": [], "scenario": scenario, "uncertain": uncertain}
+    made |= {"stages": stages, "criterion": criterion, "seed": int(random.integers(1, 2**31))}
+    return _fast("aliased on the path", made, step / 2)
 
 
 def there_and_back(random: np.random.Generator) -> Attack:
@@ -136,18 +147,17 @@ def there_and_back(random: np.random.Generator) -> Attack:
     else:
         path = {"position": _point(*(length * c for c in along)), "goal": _point(*(-length * c for c in along))}
         dashing = {"component": "moving_circle", "parameters": path | {"speed": speed, "radius": 0.05}}
-    return _fast("there and back", random, dashing, step, length / speed)
-
-
-def _fast(name: str, random: np.random.Generator, moving: dict[str, Any], step: float, period: float) -> Attack:
     made = campaign(
-        name, random, ANY, scenario__obstacles=[circle(4.0, 4.0, 0.5), moving], scenario__avoider=avoider(4.0),
-        scenario__step=step, scenario__guidance={"period": step}, scenario__horizon=8.0, uncertain=MASSES,
-        criterion__threshold=float(random.uniform(0.3, 0.6)),
+        "there and back", random, ANY, scenario__obstacles=[circle(4.0, 4.0, 0.5), dashing], scenario__step=step,
+        scenario__guidance={"period": step}, criterion__threshold=float(random.uniform(0.3, 0.6)),
     )  # fmt: skip
-    lowest = brute_force(load_document(made.document), 5, finer=math.ceil(20 * step / period))
-    clear = lowest > made.document["criterion"]["threshold"]
-    return Attack(name, made.document, ANY if clear else NOT_CLEARED)
+    return _fast("there and back", made.document, length / speed)
 
 
-CLASSES = (straight_after_the_horizon, turning_after_the_horizon, aliased_next_to_the_path, there_and_back)
+def _fast(name: str, made: dict[str, Any], period: float) -> Attack:
+    """The truth by a step that divides the period of the motion by twenty."""
+    lowest = brute_force(load_document(made), 5, finer=math.ceil(20 * made["scenario"]["step"] / period))
+    return Attack(name, made, ANY if lowest > made["criterion"]["threshold"] else NOT_CLEARED)
+
+
+CLASSES = (straight_after_the_horizon, turning_after_the_horizon, aliased_on_the_path, there_and_back)

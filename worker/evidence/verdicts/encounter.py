@@ -90,7 +90,8 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
 
 def _closer(problem: Problem, beyond: Beyond) -> Spans:
     """How many flights come closer beyond the horizon, and where that of the lowest one is at the last sample."""
-    many = say(count(beyond.closer), " of ", count(beyond.flights), " flights come closer beyond the horizon")
+    come = "comes" if beyond.closer == 1 else "come"
+    many = say(count(beyond.closer), " of ", count(beyond.flights), f" flights {come} closer beyond the horizon")
     later = beyond.lowest
     if later is None:
         return many

@@ -19,9 +19,9 @@ Intervals = Mapping[str, tuple[float, float]]
 
 
 class Turning(NamedTuple):
-    """An obstacle that moves by itself: its index, title and rate [rad/s], NaN if it declares none."""
+    """An obstacle that moves by itself: its number from 0, title and rate [rad/s], NaN if it declares none."""
 
-    index: int
+    number: int
     title: str
     rate: float
 

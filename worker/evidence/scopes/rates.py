@@ -34,4 +34,4 @@ def unfollowed(flights: Flights) -> Spans:
 
 
 def _named(obstacle: rates.Turning) -> str:
-    return f"obstacle {obstacle.index + 1} ({obstacle.title})"
+    return f"obstacle {obstacle.number + 1} ({obstacle.title})"

@@ -10,8 +10,6 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from campaigns.checked import rates
-from campaigns.limits import TURN
 from worker.engine.reference.instants import Stretches, Timetable
 from worker.engine.systems.base import Floats
 from worker.engine.systems.closed_loop.assemble import Loop
@@ -115,15 +113,8 @@ class Reference:
         fast."""
         from worker.engine.reference import flight
 
-        parts, paths = self.flights.parts, self.flights.paths
-        highest = 0.0
-        for i, obstacle in enumerate(parts.obstacles):
-            entry = self.flights.installed.catalogue.component("obstacle", obstacle.name)
-            if entry is not None and entry.rate is not None:
-                values = {q.name: p[paths[f"obstacles.{i}.{q.name}"]] for q in entry.parameters}
-                highest = max(highest, rates.fastest(entry.rate, {name: (v, v) for name, v in values.items()}))
         control = np.zeros(5)
-        control[flight.LOOK] = max(TURN / highest, self.timetable.horizon / LOOKS) if highest > 0.0 else np.inf
+        control[flight.LOOK] = max(self.flights.look(p), self.timetable.horizon / LOOKS)
         return control
 
     def _judged(self, found: Floats) -> Flight:

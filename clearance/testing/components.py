@@ -15,8 +15,9 @@ from campaigns import check
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from clearance.testing.flights import as_in_plain_python, in_any_order, no_number_shows, unbreakable
+from clearance.testing.rates import turns_as_declared
 from clearance.testing.scenes import around, entry, own, problem
-from worker.engine.kernels.component import Component
+from worker.engine.kernels.component import Component, Obstacle
 from worker.running.catalogue.installed import catalogue, source_of
 
 PURE = {"", "-", "N m^(3-n)"}
@@ -56,6 +57,12 @@ class ComponentContract:
             assert p.symbol, path
             assert -1e12 <= p.low < p.high <= 1e12, path
             assert p.default is None or p.low <= p.default <= p.high, path
+
+    def test_it_turns_no_faster_than_it_declares(self) -> None:
+        """Of an obstacle whose motion is prescribed: within pi over its rate it turns by half a turn at most."""
+        if isinstance(self.component, Obstacle) and self.component.moving and not self.component.states:
+            flown, declared = problem(self.component, compiled=False), entry(self.component).rate
+            turns_as_declared(flown, own(self.component), declared)
 
     def test_it_can_be_simulated_with_the_first_other_components_that_fit(self) -> None:
         made = load_document(around(self.component))

@@ -3,6 +3,8 @@
 A test compares the two, name by name.
 """
 
+import math
+
 LEAST = {"global": 25, "local": 3}
 """By the kind of methods that can agree: the fewest evaluations per parameter that count as a search."""
 METHODS = 2
@@ -13,4 +15,5 @@ MOVED, ABOVE_NOISE = 0.01, 10.0
 EXCLUDED, CEILING = 0.1, 0.05
 SAME_COST = 0.01
 SPOT_CHECKS, VIOLATIONS = 200, 200
+TURN, CONTINUED = math.pi / 4, 2
 DRAWS = 20

@@ -63,6 +63,18 @@ def test_disagreeing_integrations_ask_for_half_the_step() -> None:
     assert again(asked, remedy).given_scenario.step == 0.01
 
 
+def test_an_obstacle_that_turns_too_fast_asks_for_a_step_that_follows_it() -> None:
+    asked = campaign(scenario__step=0.02)
+    remedy = only(remedies(failing(CheckCode.SAMPLING, largest=0.0061), ran(asked)))
+    assert again(asked, remedy).given_scenario.step == 0.005
+
+
+def test_an_encounter_after_the_horizon_asks_for_one_that_holds_it() -> None:
+    asked = campaign(scenario__horizon=10.0)
+    remedy = only(remedies(failing(CheckCode.CLOSEST_APPROACH, horizon=10.0, after=12.0), ran(asked)))
+    assert again(asked, remedy).given_scenario.horizon == pytest.approx(33.0)
+
+
 def test_an_encounter_cut_off_asks_for_a_longer_horizon_of_whole_periods() -> None:
     asked = campaign(scenario__horizon=15.0, scenario__step=0.005, scenario__guidance={"period": 0.4})
     late = failing(CheckCode.CLOSEST_APPROACH, horizon=15.0)

@@ -14,6 +14,7 @@ from llvmlite import binding
 
 from campaigns.asked.spec import Campaign
 from campaigns.identity.code import model_of
+from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.versions import Processor, Versions
 from worker.engine.kernels.numba_internals import processor_features
 from worker.engine.stages.parts.store import StageRecord, Store
@@ -30,7 +31,8 @@ def begin(store: Store, system: System, campaign: Campaign, records: Sequence[St
     """
     here = versions(campaign, system)
     store.record_versions(here, identity.code(campaign))
-    carry(store, here, records)
+    simulator = simulator_of(campaign)
+    carry(store, identity_of(here, simulator), simulator, records)
     found = added(campaign)
     if found is not None:
         store.record_sources(*found)

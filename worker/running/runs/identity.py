@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 from campaigns import Campaign
 from campaigns.checked.check import parts
-from campaigns.identity.code import CLOSED_LOOP, SIMULATOR, code_of, component_key
+from campaigns.identity.code import CLOSED_LOOP, SIMULATOR, code_of, component_key, model_of
 from campaigns.identity.identity import PYTHON
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
-from campaigns.versions import Code, CodeParts
+from campaigns.versions import Code, CodeParts, Versions
 from worker.engine.problem.evaluate import InProcess
 from worker.engine.problem.problem import Problem
 from worker.engine.reference import Reference
@@ -75,10 +75,17 @@ def packages(campaign: Campaign) -> dict[str, str]:
     return {name: v for name, v in sources.LOADED.packages.items() if name in reached.packages | guests}
 
 
-def own_files(campaign: Campaign) -> dict[str, str]:
-    """The digests of the operator's own files that a run of the campaign uses, by file."""
+def versions(campaign: Campaign) -> Versions:
+    """The code and packages of this installation that a run of the campaign uses, as known without opening its
+    system."""
     used = [installed.components().get((role, part.component)) for *_, role, part in parts(campaign)]
-    return sources.own(installed.own_modules(component for component in used if component is not None))
+    return Versions(
+        code=code(campaign).digest or None,
+        model=model_of(campaign, code_parts()),
+        python=platform.python_version(),
+        packages=packages(campaign),
+        components=sources.own(installed.own_modules(component for component in used if component is not None)),
+    )
 
 
 @cache

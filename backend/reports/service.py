@@ -178,12 +178,9 @@ def _code(identity: Identity | None) -> str:
 
 def _files(identity: Identity) -> Iterator[tuple[str, str]]:
     """The digests of the engine and of each own file."""
-    if identity.engine:
-        yield "Engine", f"sha256 {identity.engine}"
+    yield from ((name, f"sha256 {digest}") for name, digest in identity.digests.items())
     if identity.loop:
         yield "Compiled loop", identity.loop
-    for name, digest in identity.files.items():
-        yield name, f"sha256 {digest}"
 
 
 def _components(record: Record) -> str:

@@ -58,6 +58,17 @@ class Identity(Documented):
         named = {ENGINE: self.engine, LOOP: self.loop or "", **self.files, **self.packages}
         return hashlib.sha256("".join(f"{name}:{named[name]};" for name in sorted(named)).encode()).hexdigest()
 
+    @property
+    def digests(self) -> dict[str, str]:
+        """Of the engine and of each own file, by name."""
+        return ({ENGINE: self.engine} if self.engine else {}) | self.files
+
+    @property
+    def text(self) -> str:
+        """The digests in one line, shortened."""
+        whole = f"sha256 {short(self.digest)}" if self.digest else f"not identified ({', '.join(self.unidentified)})"
+        return f"{whole}: {', '.join(f'{name} {short(digest)}' for name, digest in self.digests.items())}".rstrip(": ")
+
 
 UNSTORED = Identity(unidentified=(ENGINE,))
 """Of a run that has not begun, or of which nothing was stored."""

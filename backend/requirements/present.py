@@ -19,6 +19,7 @@ from campaigns.identity.identity import changes as differing
 from campaigns.runs import run_name
 
 Value = TypeVar("Value", int, str)
+NOT_STORED = "its code is not stored, so a change of the model cannot be excluded"
 CHUNK = 500
 """Values that are read in one statement."""
 
@@ -67,11 +68,13 @@ def changes(now: Present, run_id: int, name: str, document: Mapping[str, Any], t
         yield "no worker has published the code to compare it with"
         return
     if then is None:
-        yield "its code is not stored, so a change of the model cannot be excluded"
+        yield NOT_STORED
         return
     here = installed(load_document(document, f"the campaign of {run_name(run_id)}"), now.catalogue, then)
     yield from (change.text for change in differing(then, here))
     if ENGINE in here.unidentified:
         yield "a part of it is no longer installed"
-    for unread in dict.fromkeys(then.unidentified + tuple(name for name in here.unidentified if name != ENGINE)):
+    if ENGINE in then.unidentified:
+        yield NOT_STORED
+    for unread in dict.fromkeys(name for name in then.unidentified + here.unidentified if name != ENGINE):
         yield f"{unread} is not identified, so a change cannot be excluded"

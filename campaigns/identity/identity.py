@@ -89,10 +89,10 @@ class Change:
         """A clause."""
         if self.name in (ENGINE, LOOP):
             what = "code" if self.name == ENGINE else "loop"
-            return f"the {what} digest was {short(self.before)}, now it is {short(self.after)}{_named(self.modules)}"
+            return f"the {what} digest was {short(self.before)}, here it is {short(self.after)}{_named(self.modules)}"
         if self.name.startswith((f"{COMPONENTS}/", f"{SIMULATORS}/")):
             return f"{self.name} {'is new' if not self.before else 'has changed' if self.after else 'is gone'}"
-        return f"{self.name} was {self.before}, now it is {self.after}"
+        return f"{self.name} was {self.before}, here it is {self.after}"
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -125,8 +125,8 @@ def identity_of(versions: Versions, simulator: str) -> Identity:
 def installed(campaign: Campaign, catalogue: Catalogue, then: Identity) -> Identity:
     """The identity that a run of the campaign would have now, as far as workers publish it.
 
-    then: that of an earlier run, for what is not published: which own files the campaign uses, and the compiled loop,
-    which follows from them. An own file that is not installed is not in it.
+    then: that of an earlier run, for what is not published: which own files and packages the campaign uses, and the
+    compiled loop, which follows from them. An own file that is not installed is not in it.
     """
     code: CodeParts | None = catalogue.code
     own = {f"{COMPONENTS}/{name}": digest for name, digest in catalogue.own.items()}
@@ -141,7 +141,8 @@ def installed(campaign: Campaign, catalogue: Catalogue, then: Identity) -> Ident
         simulator,
     )
     files = now.files | {name: own[name] for name in then.files if name in own}
-    packages = {name: v for name, v in (code.packages if code else {}).items() if name in then.packages}
+    published = {} if code is None else code.packages
+    packages = {name: published.get(name, version) for name, version in then.packages.items()}
     return now.model_copy(update={"files": dict(sorted(files.items())), "packages": packages, "machine": then.machine})
 
 

@@ -91,7 +91,7 @@ def test_a_requirement_is_met_by_signed_evidence_until_something_changes(
     with changed(service.engine, sa.update(CatalogueDocument).values(document=edited())):
         suspect = row(client, "REQ-1")
         assert (suspect["status"], suspect["runs"][0]["suspect"]) == ("suspect", True)
-        assert f"the code has changed (sha256 {CODE.digest[:12]}, now {OTHER.digest[:12]})" in suspect["sentence"]
+        assert f"the code digest was {CODE.digest[:12]}, here it is {OTHER.digest[:12]}" in suspect["sentence"]
     assert row(client, "REQ-1")["status"] == "met"
     with changed(service.engine, sa.update(Finding).values(cost=1.2999999999999998)):
         assert row(client, "REQ-1")["status"] == "unsigned", "the sign-off is of other results"

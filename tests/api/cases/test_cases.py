@@ -42,7 +42,8 @@ for line in sys.stdin:
     if wind < 0: columns, data = [], {}
     told = {"status": "ok", "reason": ""} if wind >= 0 else {"status": "failed", "reason": "it crashed"}
     told |= {"cost": wind, "margin": wind - 1.0, "columns": columns, "data": data}
-    told |= {"meta": meta, "seconds": 0.25, "identity": {"engine": "0" * 64, "files": {"simulators/wind": "d"}}, "untraced": "", "needs": asked["simulator"]}
+    told |= {"meta": meta, "seconds": 0.25, "untraced": "", "needs": asked["simulator"]}
+    told |= {"identity": {"engine": "0" * 64}}
     print(json.dumps({"id": asked["id"], **told}), flush=True)
 """
 

@@ -253,7 +253,7 @@ def test_a_run_of_a_command_that_is_not_as_it_was_is_not_extended(
 
     program = (tmp_path / "bowl.py").read_text()
     (tmp_path / "bowl.py").write_text(program + "# changed")
-    assert "the simulator digest was" in refused()
+    assert "simulators/bowl has changed" in refused()
     (tmp_path / "bowl.py").write_text(program)
     description = (ended / "simulator.yaml").read_text()
     for content, why in (("a: [1", "simulator.yaml in it cannot be read"), ("name: bowl", "this key is required")):

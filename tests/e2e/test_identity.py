@@ -341,3 +341,36 @@ def test_two_versions_are_told_apart(home: Home, place: str) -> None:
 def test_the_trend_names_the_file_where_it_changed(home: Home) -> None:
     assert home.case.name not in trend(home, home.runs[0])
     assert home.case.name in trend(home, home.runs[1])
+
+
+def test_the_pages_name_the_file(home: Home, browser: Browser) -> None:
+    kind, (first, second), name = home.case.name.partition("/")[0], home.runs, home.case.name
+    digest = home.get(f"/runs/{first}").json()["campaign_digest"]
+    with visiting(browser, home.service.link().partition("/login")[0]) as visit:
+        page = visit.page
+        made = home.said("login-link", "--data", str(home.service.data))
+        visit.go(f"/login?code={made.strip().rpartition('code=')[2]}")
+        visit.go(f"/trends?campaign={digest}")
+        expect(page.get_by_text(f"The code changed before {second} ({name})")).to_be_visible()
+        expect(page.get_by_text(f"changed: {name}")).to_be_visible()
+        looks(visit, f"identity-trends-{kind}")
+        visit.go(f"/runs/{first}")
+        visit.near("#provenance")
+        expect(page.locator("#provenance")).to_contain_text(name)
+        visit.near("#related")
+        expect(page.locator("#related")).to_contain_text(f"code: {name}")
+        if home.case.published:
+            visit.near("#components")
+            expect(page.locator("#components")).to_contain_text(f"What differs: {name}.")
+        page.get_by_role("button", name="What-if").first.click()
+        if home.case.what_if == "cases":
+            page.get_by_role("button", name="Evaluate").click()
+        expect(page.get_by_test_id("what-if-code")).to_contain_text(f"Simulated by other code than this run: {name}.")
+        looks(visit, f"identity-run-{kind}")
+        visit.shot(f"identity-what-if-{kind}", of=page.locator("#what-if"))
+        visit.go(f"/api/v1/runs/{first}/report.html")
+        expect(page.get_by_text(name, exact=True)).to_be_visible()
+        visit.shot(f"identity-report-{kind}")
+        visit.go(f"/compare?runs={first},{second}")
+        expect(page.locator("#code")).to_contain_text(name)
+        visit.shot(f"identity-compare-{kind}")

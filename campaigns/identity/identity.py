@@ -159,14 +159,15 @@ def changes(then: Identity, now: Identity, modules: Sequence[str] = ()) -> list[
 
     modules: those of the engine that differ, if known.
     """
-    return list(_changes(then, now, modules))
+    found = list(_changes(then, now, modules))
+    if not found and then.loop and now.loop and then.loop != now.loop:  # else it follows from what has changed
+        found.append(Change(LOOP, then.loop, now.loop))
+    return found
 
 
 def _changes(then: Identity, now: Identity, modules: Sequence[str]) -> Iterator[Change]:
     if then.engine and now.engine and then.engine != now.engine:
         yield Change(ENGINE, then.engine, now.engine, tuple(modules))
-    if then.loop and now.loop and then.loop != now.loop:
-        yield Change(LOOP, then.loop, now.loop)
     unread = {*then.unidentified, *now.unidentified}
     for name in differing(then.files, now.files):
         # Without the engine's digest those of own components were not stored either.

@@ -18,6 +18,7 @@ from typing import Any
 import httpx
 import pytest
 import sqlalchemy as sa
+from playwright.sync_api import Browser, expect
 
 from backend.db.engine import connect, default_url, read
 from backend.db.tables import Run
@@ -29,6 +30,8 @@ from backend.webhooks import body
 from campaigns.identity.identity import Identity
 from campaigns.runs import run_number
 from clearance.cli import invoke
+from tests.e2e.browser import visiting
+from tests.e2e.looking import looks
 from tests.faults.cases import campaign
 from tests.faults.processes import CLEARANCE, until
 from tests.faults.serving import Service, serving

@@ -239,8 +239,8 @@ class RunComponents(Schema):
     code: str | None
     """Digest of the identity of the run; None if it has not started, or if something of it is not identified."""
     code_installed: str | None
-    """Of what the newest worker has installed; None if no worker has published it, or if something is not
-    identified."""
+    """Of what the newest worker has installed, with the compiled loop of the run, which workers do not publish; None if
+    no worker has published it, or if something is not identified."""
     code_changes: list[str]
     """What differs between the two: own files, packages, modules of the engine."""
     unidentified: list[str]

@@ -30,7 +30,7 @@ MOST = 3
 
 
 class Identity(Documented):
-    """What could have changed a number of a run. Digests are SHA-256, 64 hexadecimal digits unless stated."""
+    """What could have changed a number of a run, as digests in hexadecimal digits."""
 
     model_config = ConfigDict(frozen=True)
     engine: str | None = None

@@ -46,16 +46,16 @@ const sameCode = ({ code, code_installed, code_changes, unidentified }: RunCompo
   code !== null && code_installed !== null && code_changes.length === 0 && unidentified.length === 0
 
 function Code({ record }: { record: RunComponents }) {
-  const { code, code_installed: installed, code_changes: names, unidentified } = record
+  const { code, code_changes: names, unidentified } = record
   if (names.length > 0)
     return (
       <div className={clsx(cards.note, cards.warn)}>
         <div>
           <p className="m">
-            The code has changed since this run
-            {code && installed && (
+            The code installed now is not the one that simulated this run
+            {code && (
               <>
-                : <Digest of={code} first={12} /> simulated it, <Digest of={installed} first={12} /> is installed now
+                , <Digest of={code} first={12} />
               </>
             )}
             . The same campaign may give other results.

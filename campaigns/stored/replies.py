@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any, TypedDict
 
+from campaigns.documents import JsonObject
 from campaigns.results.base import Status
 
 
@@ -20,7 +21,7 @@ class FlightReply(TypedDict):
     data: dict[str, list[float | None]]
     meta: dict[str, Any]
     """A `TraceHead`."""
-    identity: dict[str, Any]
+    identity: JsonObject
     """An `Identity`: the code that simulated it."""
 
 
@@ -47,7 +48,7 @@ class FieldReply(TypedDict):
     own: list[float] | None
     """The demand at the vehicle's own position."""
     demand: list[list[float] | None]
-    identity: dict[str, Any]
+    identity: JsonObject
     """An `Identity`: the code that computed it."""
 
 

@@ -39,6 +39,7 @@ from typing import Any
 from campaigns import Campaign, thin
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
+from campaigns.documents import JsonObject
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from campaigns.stored.replies import CaseReply
@@ -70,7 +71,7 @@ class Opened:
 
     system: System
     threshold: float
-    identity: dict[str, Any]
+    identity: JsonObject
     """Of the code that evaluates, as JSON."""
     evaluated: bool = False
 

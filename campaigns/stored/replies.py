@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from typing import Any, TypedDict
 
-from campaigns.documents import JsonObject
 from campaigns.results.base import Status
 
 
@@ -21,7 +20,7 @@ class FlightReply(TypedDict):
     data: dict[str, list[float | None]]
     meta: dict[str, Any]
     """A `TraceHead`."""
-    identity: JsonObject
+    identity: object
     """An `Identity`: the code that simulated it."""
 
 
@@ -48,7 +47,7 @@ class FieldReply(TypedDict):
     own: list[float] | None
     """The demand at the vehicle's own position."""
     demand: list[list[float] | None]
-    identity: JsonObject
+    identity: object
     """An `Identity`: the code that computed it."""
 
 

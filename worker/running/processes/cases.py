@@ -39,7 +39,6 @@ from typing import Any
 from campaigns import Campaign, thin
 from campaigns.asked.load import load_document
 from campaigns.asked.problem import Problem
-from campaigns.documents import JsonObject
 from campaigns.results import TraceHead
 from campaigns.results.base import OK, STATUS, Status
 from campaigns.stored.replies import CaseReply
@@ -71,7 +70,7 @@ class Opened:
 
     system: System
     threshold: float
-    identity: JsonObject
+    identity: object
     """Of the code that evaluates, as JSON."""
     evaluated: bool = False
 

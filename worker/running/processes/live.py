@@ -32,7 +32,6 @@ import numpy as np
 
 from campaigns.asked.load import load_document
 from campaigns.asked.spec import MAX_SEED
-from campaigns.documents import JsonObject
 from campaigns.stored.replies import FieldReply, FlightReply
 from worker.engine.systems.closed_loop.field import MOST, UNITS, field
 from worker.engine.systems.closed_loop.flights import Flights
@@ -54,7 +53,7 @@ class Opened(NamedTuple):
     """The flights of a campaign, and the identity of the code that simulates them, as JSON."""
 
     flights: Flights
-    identity: JsonObject
+    identity: object
 
 
 Problems = OrderedDict[str, Opened]
@@ -111,7 +110,7 @@ def _realised(flights: Flights, request: Mapping[str, object]) -> Flights:
     return flights.under(seed)
 
 
-def _flight(flights: Flights, values: dict[str, float], rows: int, identity: JsonObject) -> FlightReply:
+def _flight(flights: Flights, values: dict[str, float], rows: int, identity: object) -> FlightReply:
     simulated = trace(flights, "live", values, rows)
     head = simulated.meta
     return {
@@ -126,7 +125,7 @@ def _flight(flights: Flights, values: dict[str, float], rows: int, identity: Jso
     }
 
 
-def _field(flights: Flights, values: dict[str, float], time: Any, places: Any, identity: JsonObject) -> FieldReply:
+def _field(flights: Flights, values: dict[str, float], time: Any, places: Any, identity: object) -> FieldReply:
     if isinstance(time, bool) or not isinstance(time, int | float) or not np.isfinite(time):
         raise TypeError(f"time must be a number of seconds, given {time!r}")
     wanted = np.asarray(places, dtype=np.float64)

@@ -13,7 +13,6 @@ from pathlib import Path
 from llvmlite import binding
 
 from campaigns.asked.spec import Campaign
-from campaigns.documents import JsonObject
 from campaigns.identity.identity import identity_of, simulator_of
 from campaigns.versions import Processor, Versions
 from worker.engine.kernels.numba_internals import processor_features
@@ -57,7 +56,7 @@ def versions(campaign: Campaign, system: System) -> Versions:
     return identity.versions(campaign).model_copy(update=system_values)
 
 
-def identified(campaign: Campaign, loop: str | None = None, simulator: str | None = None) -> JsonObject:
+def identified(campaign: Campaign, loop: str | None = None, simulator: str | None = None) -> object:
     """The identity of a simulation in this process as JSON, with the digest of its compiled loop or simulator."""
     machine = {"system": f"{platform.system()} {platform.machine()}", "cpu": _processor()}
     here = identity.versions(campaign).model_copy(update={**machine, "loop": loop, "simulator": simulator})

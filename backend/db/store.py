@@ -24,11 +24,12 @@ from campaigns.asked.spec import Campaign
 from campaigns.capsules.sources import Sources
 from campaigns.catalogue import Catalogue
 from campaigns.checked.snapshot import values_changed
+from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.runs import RunState, StageState
 from campaigns.stored.records import Ahead, Begun, Cited, Columns, StagePlan, StageRecord, Trace
-from campaigns.versions import Code, OtherCode, Versions, differences, differing
+from campaigns.versions import Code, OtherCode, Versions, differing
 
 PATIENCE = 120.0
 """How long a write is retried while the database is unreachable or locked [s]."""
@@ -169,7 +170,9 @@ class RunStore:
             fenced(connection, self.claim, flown=versions.model_dump(mode="json"))
             return
         begun = self._begun(connection)
-        others = differences(begun.versions, versions, differing(begun.modules, code.modules) if begun.modules else [])
+        simulator = simulator_of(self.claim.document)
+        then, here = identity_of(begun.versions, simulator), identity_of(versions, simulator)
+        others = differences(then, here, differing(begun.modules, code.modules) if begun.modules else [])
         if others:
             raise OtherCode("; ".join(others))
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import sqlalchemy as sa
 
-from backend.catalog.service import published
-from backend.db import codes
 from backend.db.tables import Run
+from backend.runs import identity
 from backend.runs.components import components
 from campaigns import Campaign
-from campaigns.identity.code import code_of
+from campaigns.identity.identity import UNSTORED, same
 from campaigns.runs import RunState, run_name
 from campaigns.versions import Versions, short
 
@@ -20,34 +19,28 @@ LOOKED_AT = 20
 def reusable(reader: sa.Connection, campaign: Campaign) -> int | None:
     """The newest run of the campaign that the installed code ran to a verdict; None if there is none.
 
-    Code, descriptions, the operator's own components and the simulator must be the installed ones, as far as workers
-    publish them; what is not stored with a run is not taken for equal.
+    Its identity and its descriptions must be the installed ones, as far as workers publish them; what is not
+    identified is not taken for equal.
     """
-    installed, catalogue = code_of(campaign, codes.installed(reader)), published(reader)
-    if installed is None or catalogue is None:
-        return None
     ended = (Run.state == RunState.DONE, Run.verdict.is_not(None), Run.removed.is_(None), Run.purged.is_(None))
     query = sa.select(Run.id, Run.flown).where(Run.campaign_digest == campaign.digest, *ended)
     for run_id, flown in reader.execute(query.order_by(Run.id.desc()).limit(LOOKED_AT)).all():
-        versions = Versions.of(flown)
-        if versions.code != installed or versions.command:
-            continue
-        if campaign.simulator is not None and (
-            not versions.simulator or catalogue.digests.get(campaign.simulator.name) != versions.simulator
-        ):
+        then = identity.of_run(reader, run_id)
+        now = None if then is None else identity.of_installed(reader, campaign, then)
+        if then is None or now is None or not same(then, now) or Versions.of(flown).command:
             continue
         descriptions = components(reader, run_id)
-        if descriptions.digest is None or descriptions.changes or descriptions.code_changes:
-            continue
-        return int(run_id)
+        if descriptions.digest is not None and not descriptions.changes:
+            return int(run_id)
     return None
 
 
 def sentence(reader: sa.Connection, run_id: int) -> str:
     name = run_name(run_id)
-    campaign, flown = reader.execute(sa.select(Run.campaign_digest, Run.flown).where(Run.id == run_id)).one()
-    code = Versions.of(flown).code or ""
+    campaign = reader.scalar(sa.select(Run.campaign_digest).where(Run.id == run_id)) or ""
+    then = identity.of_run(reader, run_id) or UNSTORED
+    own = "".join(f", {file} {short(digest)}" for file, digest in then.files.items())
     return (
         f"{name} is reused: it has a verdict on the same campaign (sha256 {short(campaign)}) by the same code (sha256 "
-        f"{short(code)}). Package versions and machine are not compared, and the labels are those of {name}."
+        f"{short(then.digest or '')}{own}) and packages. Machines are not compared, and the labels are those of {name}."
     )

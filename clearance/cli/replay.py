@@ -185,14 +185,17 @@ def _opened(run: str, recorded: Recorded, permitted: str) -> Problem:
 
 def _compared(recorded: Recorded, problem: Problem) -> tuple[list[str], list[str]]:
     """What differs from the installation, and from the machine, that made the run."""
-    from campaigns.versions import differences, differing
+    from campaigns.identity.identity import differences, identity_of, simulator_of
+    from campaigns.versions import differing
     from worker.running.runs import identity
     from worker.running.runs.provenance import versions
     from worker.running.runs.replay import other_machine
 
     now = versions(recorded.campaign, problem.system)
-    modules = differing(dict(recorded.modules), identity.code(recorded.campaign).modules) if recorded.modules else None
-    return differences(recorded.versions, now, modules), other_machine(recorded.versions, now)
+    modules = differing(dict(recorded.modules), identity.code(recorded.campaign).modules) if recorded.modules else []
+    simulator = simulator_of(recorded.campaign)
+    then, here = identity_of(recorded.versions, simulator), identity_of(now, simulator)
+    return differences(then, here, modules), other_machine(recorded.versions, now)
 
 
 def _noise(recorded: Recorded, problem: Problem) -> str:

@@ -110,6 +110,8 @@ def _ended(
     campaign: Campaign, store: MemoryStore, verdict: Verdict, out: Path | None, options: launch.Launch, note: str,
     file: Path | None,
 ) -> EndedRun:  # fmt: skip
+    from campaigns.identity.identity import identity_of, simulator_of
+
     return EndedRun(
         run="" if out is None else str(out),
         campaign=campaign.name,
@@ -128,6 +130,7 @@ def _ended(
         ),
         source=_source(file, options),
         requirements=tuple(one.id for one in campaign.criterion.requirements),
+        identity=identity_of(verdict.provenance, simulator_of(campaign)),
     )
 
 

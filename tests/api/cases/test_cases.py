@@ -42,7 +42,8 @@ for line in sys.stdin:
     if wind < 0: columns, data = [], {}
     told = {"status": "ok", "reason": ""} if wind >= 0 else {"status": "failed", "reason": "it crashed"}
     told |= {"cost": wind, "margin": wind - 1.0, "columns": columns, "data": data}
-    told |= {"meta": meta, "seconds": 0.25, "digest": "d", "untraced": "", "needs": asked["simulator"]}
+    told |= {"meta": meta, "seconds": 0.25, "untraced": "", "needs": asked["simulator"]}
+    told |= {"identity": {"engine": "0" * 64}}
     print(json.dumps({"id": asked["id"], **told}), flush=True)
 """
 
@@ -76,7 +77,7 @@ def test_a_case_is_evaluated_drawn_and_not_stored(evaluating: Service) -> None:
         found = answer.json()
         conforms(found, {"$ref": "#/components/schemas/CaseAnswer"})
         assert (found["cost"], found["margin"], found["threshold"], found["unit"]) == (2.0, 1.0, 1.0, "m")
-        assert (found["seconds"], found["changed"], found["drawn"], found["seed"]) == (0.25, None, KEY, None)
+        assert (found["seconds"], found["code_known"], found["drawn"], found["seed"]) == (0.25, False, KEY, None)
         assert found["criteria"][0]["value"] == 2.0
         assert found["data"]["x"] == [0.0, 2.0]
         assert asked(client, run).json()["data"] == {}

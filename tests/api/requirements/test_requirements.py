@@ -94,7 +94,7 @@ def test_a_requirement_is_met_by_signed_evidence_until_something_changes(
         assert (suspect["status"], suspect["runs"][0]["suspect"]) == ("suspect", True)
         (change,) = suspect["runs"][0]["changes"]
         assert change in suspect["sentence"]
-        assert f" {CODE.digest[:12]}, now {OTHER.digest[:12]})" in change
+        assert f" {CODE.digest[:12]}, here it is {OTHER.digest[:12]}" in change
     assert row(client, "REQ-1")["status"] == "met"
     with changed(service.engine, sa.update(Finding).values(cost=1.2999999999999998)):
         assert row(client, "REQ-1")["status"] == "unsigned", "the sign-off is of other results"

@@ -15,7 +15,7 @@ from backend.db.tables import CatalogueDocument, Run
 from backend.runs.submission import AT_LAUNCH
 from campaigns.claims.say import say
 from campaigns.results.regression import FindingChange, Regression, Standing
-from tests.given.code_versions import CODE, edited
+from tests.given.code_versions import CODE, IDENTITY, VERSIONS, edited
 from tests.given.problem_documents import problem
 from tests.given.reported_runs import PARAMETERS, finish_fully
 from tests.given.service import Service
@@ -144,7 +144,7 @@ def test_a_verdict_is_reused_for_the_same_campaign_and_code(service: Service, cl
     found = launched(client, "k1", reuse=True, labels={"build": "2"})
     assert (found["id"], found["verdict"], found["labels"]) == ("R-0001", "cleared", {})
     assert found["reused"].startswith("R-0001 is reused: ")
-    assert f"(sha256 {CODE.digest[:12]})" in found["reused"]
+    assert f"(sha256 {str(IDENTITY.digest)[:12]})" in found["reused"]
     assert launched(client, "k1", reuse=True, labels={"build": "2"})["reused"] == found["reused"]
     assert launched(client)["reused"] is None, "only on request"
 
@@ -154,6 +154,11 @@ CHANGES = {
     "no stored code": lambda c: c.execute(sa.update(Run).values(flown=None)),
     "an own component has changed": lambda c: c.execute(
         sa.update(Run).values(flown={"code": CODE.digest, "components": {"my_robot.py": "0" * 16}})
+    ),
+    "another package": lambda c: c.execute(
+        sa.update(Run).values(
+            flown=VERSIONS.model_copy(update={"packages": {"numpy": "2.5.0"}}).model_dump(mode="json")
+        )
     ),
     "no stored descriptions": lambda c: c.execute(sa.update(Run).values(snapshot=None)),
     "removed": lambda c: c.execute(sa.update(Run).values(removed=1.0)),

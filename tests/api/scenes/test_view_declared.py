@@ -20,7 +20,7 @@ from tests.given.viewer_clients import KEY, Panel, frames_until, steer, viewing
 def drawn(stored: Trace) -> Flight | None:
     data = {column.name: stored.data[:, k] for k, column in enumerate(stored.columns)}
     columns = [column.model_dump() for column in stored.columns]
-    return from_live({"columns": columns, "data": data, "meta": stored.meta.model_dump()})
+    return from_live({"columns": columns, "data": data, "meta": stored.meta.model_dump(), "identity": {}})
 
 
 def scene(frame: str = "z_up", **vehicle: Any) -> dict[str, Any]:

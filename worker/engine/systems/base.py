@@ -132,8 +132,6 @@ class Settings:
     step: float | None = None
     """[s]"""
     integrator: str | None = None
-    own: tuple[str, ...] = ()
-    """The modules of the operator's own components that it uses."""
 
 
 class Evaluated(NamedTuple):

@@ -18,10 +18,11 @@ from campaigns.asked.spec import MAX_EVALUATIONS, Search
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
+from campaigns.identity.identity import differences, identity_of, simulator_of
 from campaigns.refusals import Refusal, RefusalCode
 from campaigns.stages.found import declared
 from campaigns.stages.plan import plan
-from campaigns.versions import Versions, differences, differing, other_code
+from campaigns.versions import Versions, differing, other_code
 from worker.engine.stages.parts.store import Columns, StagePlan, StageRecord
 from worker.running.catalogue.installed import catalogue, methods
 from worker.running.opening import opened
@@ -112,8 +113,9 @@ def refuse_other_code(new: Campaign, then: Versions, modules: dict[str, str] | N
 
     `modules` are the digests of its modules, if stored. Fields that were not stored are not compared.
     """
-    here, code = versions(new, opened.system(new)), identity.code(new)
-    others = differences(then, here, differing(modules, code.modules) if modules else None)
+    here, code, simulator = versions(new, opened.system(new)), identity.code(new), simulator_of(new)
+    apart = differing(modules, code.modules) if modules else []
+    others = differences(identity_of(then, simulator), identity_of(here, simulator), apart)
     if others:
         raise CannotContinue(other_code("it", others), RefusalCode.OTHER_CODE)
 

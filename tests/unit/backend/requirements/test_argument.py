@@ -24,6 +24,7 @@ def run(number: int, verdict: str | None = "cleared", **changes: Any) -> Require
         "id": f"R-{number:04d}", "name": "x", "state": "done" if verdict else "failed", "verdict": verdict,
         "error": None,
         "campaign_name": f"Campaign {number}", "campaign_digest": f"{number:x}" * 64, "seed": 1, "code": "c" * 64,
+        "unidentified": [],
         "clearance": "0.1.0", "quantity": "d_min", "unit": "m", "threshold": 0.5, "worst_cost": 0.84, "margin": 0.34,
         "upper_bound": None, "violations": None, "samples": None, "confidence": None, "created": 1.0, "finished": 2.0,
         "removed": False, "part": "evidence", "signed": True, "suspect": False, "changes": [],

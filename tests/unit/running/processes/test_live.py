@@ -19,7 +19,7 @@ from worker.running.processes import memory
 
 def test_a_flight(live: Live) -> None:
     answer = live.ask(id=7, campaign=CASE1, parameters={"vehicle.m": 6.0, "vehicle.J": 0.06}, rows=100)
-    assert set(answer) == {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"}
+    assert set(answer) == {"id", "status", "reason", "cost", "margin", "columns", "data", "meta", "identity"}
     assert (answer["id"], answer["status"], answer["reason"]) == (7, "ok", "")
     assert answer["cost"] == pytest.approx(0.9417402, abs=2e-6)
     assert answer["margin"] == answer["cost"] - 0.5

@@ -53,7 +53,7 @@ class ClosedLoop(Flights, System):
             Parameter(path, p.unit, float(self.nominal[k]), p.low, p.high, p.text, p.symbol)
             for k, (path, p) in enumerate(declared)
         )
-        self.settings = Settings(lanes, self.step, "RK4", installed.own_modules(self.parts.named.values()))
+        self.settings = Settings(lanes, self.step, "RK4")
 
     @property
     def digest(self) -> str:

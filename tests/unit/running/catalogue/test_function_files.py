@@ -12,7 +12,7 @@ import pytest
 from campaigns.asked.load import load_document
 from tests.simulators import isolated
 from worker.engine.systems.base import CampaignUnusable
-from worker.engine.systems.simulators.declared.descriptor import FOLDERS
+from worker.engine.systems.simulators.declared.folder import FOLDERS
 from worker.running.catalogue import files
 from worker.running.catalogue.files import BadFile, PythonFunction, digest_of, listed_files, unusable_files
 from worker.running.catalogue.installed import _simulators_of, catalogue

@@ -4,8 +4,28 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+
+FOLDERS = "CLEARANCE_SIMULATORS"
+"""The environment variable that lists the operator's folders."""
+FILE = "simulator.yaml"
+"""The descriptor in the folder of a simulator."""
+
+
+def folders() -> list[Path]:
+    """The folders that the operator lists."""
+    return [Path(folder) for folder in os.environ.get(FOLDERS, "").split(os.pathsep) if folder]
+
+
+def watched() -> Iterator[Path]:
+    """The files of the operator's folders that decide which simulators there are, and their digests."""
+    for folder in folders():
+        for file in sorted(folder.glob("*.py")):
+            yield from files_of_place({"file": str(file)})
+        for descriptor in sorted(folder.glob(f"*/{FILE}")):
+            yield from files_of(descriptor.parent)
 
 
 def files_of(folder: Path) -> list[Path]:

@@ -96,10 +96,10 @@ class _Walk:
 
     def _own(self, name: str, spec: importlib.machinery.ModuleSpec) -> bool:
         """Whether a top module is one's own; a package that is installed is noted."""
-        where = _where(spec.origin or next(iter(spec.submodule_search_locations or [""]), ""))
-        if where == "installed":
+        kind = where(spec.origin or next(iter(spec.submodule_search_locations or [""]), ""))
+        if kind == "installed":
             self.found.packages.add(distribution(name))
-        return where == "own"
+        return kind == "own"
 
     def _added(self, name: str, spec: importlib.machinery.ModuleSpec) -> Iterator[tuple[Path, str]]:
         origin = spec.origin
@@ -126,7 +126,7 @@ def _distributions() -> dict[str, list[str]]:
     return dict(packages_distributions())
 
 
-def _where(origin: str) -> str:
+def where(origin: str) -> str:
     """`standard`, `installed` or `own`."""
     if any(origin.startswith(folder) for folder in _installed()) or {"site-packages", "dist-packages"} & set(
         Path(origin).parts

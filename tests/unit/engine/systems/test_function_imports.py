@@ -34,7 +34,7 @@ READ = {
     "inside, from a import b": ("", "taken(x)", "pack_a.inner"),
     "inside, from .a import b": ("from pack_a import inside", "inside.f(x)", "pack_a.inner"),
     "in a function in it": ("import helper_a", "(lambda: helper_a.f(x))()", "helper_a"),
-    "a package of one's own with a version": ("import helper_a; helper_a.__version__ = '1'", "helper_a.f(x)", "helper_a"),
+    "with a version of its own": ("import helper_a; helper_a.__version__ = '1'", "helper_a.f(x)", "helper_a"),
 }  # fmt: skip
 INSIDE = """
 def imported(x):

@@ -49,7 +49,7 @@ def _candidate(engine: sa.Engine, campaign: Campaign, baseline: bool) -> tuple[f
         if catalogue is None or not (baseline or reusable(reader, campaign) is not None):
             return None, None
     entry = None if campaign.simulator is None else catalogue.simulator(campaign.simulator.name)
-    return since, entry and entry.version
+    return since, None if entry is None else entry.version
 
 
 def _compared(engine: sa.Engine, simulator: str | None) -> float | None:

@@ -92,10 +92,12 @@ def _check_name(
 def _check_stores(kernel: reading.Function, of_scope: set[str]) -> None:
     """A kernel that writes into something outside of it."""
     for node in ast.walk(kernel):
-        inner = node if isinstance(node, ast.Subscript | ast.Attribute) and isinstance(node.ctx, ast.Store) else None
-        while isinstance(inner, ast.Subscript | ast.Attribute):
-            inner = inner.value  # type: ignore[assignment]
-        if isinstance(inner, ast.Name) and inner.id in of_scope:
+        inner: ast.AST = node
+        while isinstance(inner, ast.Subscript | ast.Attribute) and (
+            inner is not node or isinstance(inner.ctx, ast.Store)
+        ):
+            inner = inner.value
+        if inner is not node and isinstance(inner, ast.Name) and inner.id in of_scope:
             raise Mistake(
                 f"{kernel.name} changes {inner.id}, and a kernel cannot change anything outside: keep the value in a "
                 "state or in the memory",

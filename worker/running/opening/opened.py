@@ -92,7 +92,7 @@ def _python(simulator: PythonFunction, opening: Opening) -> Slotted:
         except BadFile as error:
             raise CampaignUnusable([Wrong("simulator.name", name, f"it cannot be used any more: {error}")]) from None
         if [f.entry for f in found] != [simulator.entry]:
-            text = "its file has other parameters or results than when this process started: restart the worker"
+            text = "its file has other parameters or results than when this process started: start the run again"
             raise CampaignUnusable([Wrong("simulator.name", name, text)])
         simulator = found[0]
     settings = simulator.declaration.settings
@@ -134,7 +134,7 @@ def _program(simulator: Program, opening: Opening) -> CommandSimulator:
         described = read(described.folder)
         if described.entry != simulator.entry:
             changed = (
-                "its descriptor has other parameters or results than when this process started: restart the worker"
+                "its descriptor has other parameters or results than when this process started: start the run again"
             )
     except BadDescriptor as error:
         changed = f"its descriptor cannot be used any more: {error}"

@@ -11,7 +11,9 @@ import yaml
 from campaigns.asked.load import load_document
 from tests.simulators import package
 from worker.engine.systems.simulators.declared.descriptor import read
+from worker.engine.systems.simulators.declared.reached import UNREAD
 from worker.engine.systems.simulators.declared.simulator import Program
+from worker.evidence.scopes.simulators import terms
 from worker.running.catalogue import installed
 from worker.running.catalogue.digests import with_digests
 from worker.running.catalogue.files import read_file
@@ -72,6 +74,24 @@ def test_they_are_those_of_the_opened_simulators_and_follow_their_files(tmp_path
     after = with_digests(installed.catalogue()).digests
     assert all(before[name] != after[name] for name in names)
     assert "digests" not in installed.catalogue().model_dump(mode="json")
+
+
+@pytest.mark.parametrize("isolated", [True, False])
+def test_code_that_cannot_be_read_has_none_and_its_scope_states_why(tmp_path: Path, isolated: bool) -> None:
+    """So that no verdict of it is reused, and no requirement rests on it."""
+    add_function(tmp_path / "functions")
+    file = tmp_path / "functions" / "function.py"
+    settings = "" if isolated else ", isolated=False"
+    dynamic = f"import importlib\njson = importlib.import_module('js' + 'on')\n{FUNCTION}"
+    file.write_text(dynamic.replace('unit="m")}', f'unit="m")}}{settings}'), encoding="utf-8")
+    (installed.simulators()["a_function"],) = read_file(file)
+    installed.catalogue.cache_clear()
+    assert "a_function" not in with_digests(installed.catalogue()).digests
+    system = opened.system(load_document(package.campaign(simulator={"name": "a_function"})))
+    assert system.digest.startswith(UNREAD)
+    scope = terms(system).scope.version
+    system.close()
+    assert "computed name, line 2 of function.py" in scope
 
 
 def test_files_that_cannot_be_read_have_none_and_prevent_nothing(tmp_path: Path) -> None:

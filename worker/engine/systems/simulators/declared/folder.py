@@ -76,8 +76,10 @@ def reached_from(place: Mapping[str, str]) -> Reached:
         file = Path(place["file"])
         return reached(file, search=(str(file.parent),))
     folder, inner = _folder_of(place), place["module"].split(".")[1:]
-    path = _within(place)[0] if folder is None else folder.joinpath(*inner, "__init__.py")
-    if folder is not None and not path.is_file():
+    if folder is None:
+        return reached(_within(place)[0]) if _within(place) else Reached()
+    path = folder.joinpath(*inner, "__init__.py")
+    if not path.is_file():
         path = folder.joinpath(*inner).with_suffix(".py")
     package = place["module"] if path.name == "__init__.py" else place["module"].rpartition(".")[0]
     return reached(path, package)

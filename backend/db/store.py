@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db import codes, continuation, evaluations_ahead, sizes, snapshots, sources
+from backend.db import codes, continuation, evaluations_ahead, sizes, snapshots, sources, workers
 from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
@@ -168,6 +168,9 @@ class RunStore:
         if not self._has_begun(connection):
             codes.store(connection, code)
             fenced(connection, self.claim, flown=versions.model_dump(mode="json"))
+            simulator: Any = self.claim.document.get("simulator")
+            if simulator and versions.simulator and not versions.command:
+                workers.correct(connection, simulator["name"], versions.simulator)
             return
         begun = self._begun(connection)
         simulator = simulator_of(self.claim.document)

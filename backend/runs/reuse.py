@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
-import sqlalchemy as sa
+import asyncio
+import time
 
+import sqlalchemy as sa
+from fastapi.concurrency import run_in_threadpool
+
+from backend.catalog.service import published
+from backend.db import workers
+from backend.db.engine import now, read
 from backend.db.tables import Run
 from backend.runs import identity
 from backend.runs.components import components
@@ -14,6 +21,41 @@ from campaigns.versions import Versions, short
 
 LOOKED_AT = 20
 """Runs of the campaign that are examined, the newest first."""
+PATIENCE = 10.0
+"""Time for the workers to compare their files with what they have published [s]; an idle one needs about 2 s."""
+PAUSE = 0.05
+"""Time between two looks at what they have compared [s]."""
+
+
+async def compared(engine: sa.Engine, campaign: Campaign, baseline: bool) -> bool:
+    """Wait until every worker that may run the campaign has compared its files with what it has published since now.
+
+    A file may have been edited a moment ago. False if no worker is there, or one does not answer; then nothing may be
+    reused. baseline: whether one is added to the campaign.
+    """
+    since, simulator = await run_in_threadpool(_candidate, engine, campaign, baseline)
+    deadline = time.monotonic() + PATIENCE
+    while since is not None and time.monotonic() < deadline:
+        at = await run_in_threadpool(_compared, engine, simulator)
+        if at is None or at >= since:
+            return at is not None
+        await asyncio.sleep(PAUSE)
+    return False
+
+
+def _candidate(engine: sa.Engine, campaign: Campaign, baseline: bool) -> tuple[float | None, str | None]:
+    """The time now, None if nothing can be reused; and the simulator as its workers have it."""
+    with read(engine) as reader:
+        since, catalogue = now(reader), published(reader)
+        if catalogue is None or not (baseline or reusable(reader, campaign) is not None):
+            return None, None
+    entry = None if campaign.simulator is None else catalogue.simulator(campaign.simulator.name)
+    return since, None if entry is None else entry.version
+
+
+def _compared(engine: sa.Engine, simulator: str | None) -> float | None:
+    with read(engine) as reader:
+        return workers.compared(reader, simulator)
 
 
 def reusable(reader: sa.Connection, campaign: Campaign) -> int | None:

@@ -104,7 +104,7 @@ def _described(folder: Path) -> InlineProgram:
     """The program that simulator.yaml in a folder of results describes; raises ValueError and OSError."""
     import yaml
 
-    from worker.engine.systems.simulators.declared.described import FILE
+    from worker.engine.systems.simulators.declared.folder import FILE
     from worker.running.catalogue.inline import InlineProgram, descriptor_of
 
     file, source = folder / FILE, _stated(folder / "result.json")
@@ -158,7 +158,7 @@ def write_description(folder: Path, campaign: Campaign) -> None:
     """Write what the campaign file gave as simulator.yaml, with which it can be installed; nothing else is written."""
     import yaml
 
-    from worker.engine.systems.simulators.declared.described import FILE
+    from worker.engine.systems.simulators.declared.folder import FILE
 
     known = _inline(campaign)
     if known is None:

@@ -121,7 +121,7 @@ def stated(document: dict[str, Any]) -> dict[str, Any]:
 
 CASES = {
     "component": Case("components/post_here.py", "post_here.py", POST, past_the_post),
-    "simulator": Case("simulators/pendulum", "pendulum.py", PENDULUM, in_the_wind, published=False, what_if="cases"),
+    "simulator": Case("simulators/pendulum", "pendulum.py", PENDULUM, in_the_wind, published=True, what_if="cases"),
 }
 
 

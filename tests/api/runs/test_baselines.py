@@ -12,6 +12,7 @@ from backend.db.baselines import none_found
 from backend.db.queue import Queue
 from backend.db.rows import plain
 from backend.db.tables import CatalogueDocument, Run
+from backend.runs import reuse
 from backend.runs.submission import AT_LAUNCH
 from campaigns.claims.say import say
 from campaigns.results.regression import FindingChange, Regression, Standing
@@ -140,6 +141,7 @@ def test_a_repeated_request_has_the_same_baseline_whatever_has_changed(service: 
 
 
 def test_a_verdict_is_reused_for_the_same_campaign_and_code(service: Service, client: httpx.Client) -> None:
+    service.compare()
     finished(service, client)
     found = launched(client, "k1", reuse=True, labels={"build": "2"})
     assert (found["id"], found["verdict"], found["labels"]) == ("R-0001", "cleared", {})
@@ -168,6 +170,7 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_verdict_on_anything_else_is_not_reused(service: Service, client: httpx.Client, change: str) -> None:
+    service.compare()
     finished(service, client)
     with service.engine.begin() as writer:
         CHANGES[change](writer)
@@ -175,7 +178,19 @@ def test_a_verdict_on_anything_else_is_not_reused(service: Service, client: http
     assert (found["id"], found["reused"], found["state"]) == ("R-0002", None, "queued")
 
 
+@pytest.mark.parametrize("workers", [(), (0.0,), (4e9, 0.0)], ids=["none", "one that has not", "one of two"])
+def test_nothing_is_reused_until_every_worker_has_compared_its_files(
+    service: Service, client: httpx.Client, workers: tuple[float, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(reuse, "PATIENCE", 0.2)
+    finished(service, client)
+    for at in workers:
+        service.compare(at)
+    assert launched(client, reuse=True)["reused"] is None
+
+
 def test_a_reused_verdict_has_the_same_baseline(service: Service, client: httpx.Client) -> None:
+    service.compare()
     finished(service, client, labels={"branch": "main"})
     compared = finished(service, client, baseline="R-0001")
     found = launched(client, reuse=True, baseline="label:branch=main")

@@ -186,6 +186,7 @@ def test_a_group_is_one_line(guest: httpx.Client, group: str) -> None:
 
 
 def test_a_reused_verdict_supersedes_what_has_not_ended(service: Service, client: httpx.Client) -> None:
+    service.compare()
     launched(client)
     finish_fully(service)
     grouped(client, "g", campaign=campaign(seed=2))

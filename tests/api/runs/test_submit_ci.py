@@ -73,6 +73,7 @@ def test_a_verdict_is_reused(
     service: Service, command: Command, file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert ended(service, command, str(file)) == 0
+    service.compare()
     assert command("submit", str(file), "--reuse").result(30) == 0
     assert "R-0001 is reused: " in capsys.readouterr().out
     assert service.rows()["runs"] == 1

@@ -13,7 +13,7 @@ import pytest
 from campaigns.asked.load import load_document
 from tests.simulators import isolated
 from worker.engine.systems.base import CampaignUnusable
-from worker.engine.systems.simulators.declared.descriptor import FOLDERS
+from worker.engine.systems.simulators.declared.folder import FOLDERS
 from worker.running.catalogue import files
 from worker.running.catalogue.files import BadFile, PythonFunction, digest_of, listed_files, unusable_files
 from worker.running.catalogue.installed import _simulators_of, catalogue
@@ -126,7 +126,7 @@ def test_a_declaration_that_changed_is_refused(folder: Path) -> None:
     file.write_text(GOOD + "# a remark\n")
     assert opened.simulated(campaign, listed, known).digest != before.digest
     file.write_text(GOOD.replace("(1, 3", "(1, 4"))
-    with pytest.raises(CampaignUnusable, match="restart the worker"):
+    with pytest.raises(CampaignUnusable, match="start the run"):
         opened.simulated(campaign, listed, known)
     file.unlink()
     with pytest.raises(CampaignUnusable, match=rf"good\.py: {os.strerror(errno.ENOENT)}"):
